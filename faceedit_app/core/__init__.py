@@ -1,0 +1,1 @@
+"""The vocabulary and the arithmetic of FaceEdit: clip, rig, controls (numpy only)."""

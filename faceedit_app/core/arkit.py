@@ -1,0 +1,83 @@
+"""The 52 ARKit blendshape names and how other spellings map to them."""
+
+from __future__ import annotations
+
+import re
+
+ARKIT_CHANNELS: tuple[str, ...] = (
+    "eyeBlinkLeft",
+    "eyeLookDownLeft",
+    "eyeLookInLeft",
+    "eyeLookOutLeft",
+    "eyeLookUpLeft",
+    "eyeSquintLeft",
+    "eyeWideLeft",
+    "eyeBlinkRight",
+    "eyeLookDownRight",
+    "eyeLookInRight",
+    "eyeLookOutRight",
+    "eyeLookUpRight",
+    "eyeSquintRight",
+    "eyeWideRight",
+    "jawForward",
+    "jawLeft",
+    "jawRight",
+    "jawOpen",
+    "mouthClose",
+    "mouthFunnel",
+    "mouthPucker",
+    "mouthLeft",
+    "mouthRight",
+    "mouthSmileLeft",
+    "mouthSmileRight",
+    "mouthFrownLeft",
+    "mouthFrownRight",
+    "mouthDimpleLeft",
+    "mouthDimpleRight",
+    "mouthStretchLeft",
+    "mouthStretchRight",
+    "mouthRollLower",
+    "mouthRollUpper",
+    "mouthShrugLower",
+    "mouthShrugUpper",
+    "mouthPressLeft",
+    "mouthPressRight",
+    "mouthLowerDownLeft",
+    "mouthLowerDownRight",
+    "mouthUpperUpLeft",
+    "mouthUpperUpRight",
+    "browDownLeft",
+    "browDownRight",
+    "browInnerUp",
+    "browOuterUpLeft",
+    "browOuterUpRight",
+    "cheekPuff",
+    "cheekSquintLeft",
+    "cheekSquintRight",
+    "noseSneerLeft",
+    "noseSneerRight",
+    "tongueOut",
+)
+
+ARKIT_INDEX: dict[str, int] = {name: i for i, name in enumerate(ARKIT_CHANNELS)}
+
+_BY_LOWER_CASE = {name.lower(): name for name in ARKIT_CHANNELS}
+_PREFIX = re.compile(r"^.*\.")
+
+
+def canonical_channel(name: str) -> str | None:
+    """The ARKit name that `name` means, or None.
+
+    Files spell the same channel `EyeBlinkLeft`, `eyeBlinkLeft` or `blendShapes.EyeBlinkLeft`:
+    case and a dotted prefix are ignored.
+    """
+    return _BY_LOWER_CASE.get(_PREFIX.sub("", name.strip()).lower())
+
+
+def mirrored_channel(name: str) -> str:
+    """The channel of the other side of the face; a channel without a side is its own."""
+    if name.endswith("Left"):
+        return name[: -len("Left")] + "Right"
+    if name.endswith("Right"):
+        return name[: -len("Right")] + "Left"
+    return name

@@ -1,0 +1,21 @@
+"""Where the files that ship with FaceEdit are: in a wheel beside the code, else in the checkout."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from faceedit_app.core.errors import FileError
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def shipped(name: str) -> Path:
+    """Path of a shipped file or folder, such as `assets/character.glb` or `models`.
+
+    Raises:
+        FileError: it is missing from this installation.
+    """
+    for root in (_PACKAGE / "shipped", _PACKAGE.parent):
+        if (root / name).exists():
+            return root / name
+    raise FileError(_PACKAGE.parent / name, "missing from this installation", "reinstall FaceEdit")

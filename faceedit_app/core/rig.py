@@ -1,0 +1,122 @@
+"""A character that can be animated by blendshape weights, and the distances measured on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+
+Floats = NDArray[np.float32]
+MILLIMETRES = 1000.0
+
+
+@dataclass(frozen=True)
+class Material:
+    """How a run of triangles is drawn: `faces[start:stop]` of the rig."""
+
+    name: str
+    start: int
+    stop: int
+    roughness: float = 0.55
+    metallic: float = 0.0
+
+
+@dataclass(frozen=True)
+class Rig:
+    """Neutral shape, blendshape deltas and control definitions of one character.
+
+    Conventions: metres, Y up, +Z towards the viewer, +X is the character's left.
+
+    Attributes:
+        neutral: (V, 3) float32, metres.
+        faces: (F, 3) int32, counter-clockwise seen from outside.
+        channels: the K blendshape names.
+        deltas: (K, V, 3) float32, metres at weight 1.
+        colors: (V, 4) float32 in 0..1, linear RGB and alpha.
+        materials: runs of `faces`, in order, that cover all of them.
+        control_pairs: (8, 2) int32 vertex indices, in the order of `regions.CONTROLS`.
+        name, attribution: shown to the user.
+    """
+
+    neutral: Floats
+    faces: NDArray[np.int32]
+    channels: tuple[str, ...]
+    deltas: Floats
+    colors: Floats
+    materials: tuple[Material, ...]
+    control_pairs: NDArray[np.int32]
+    name: str = "Character"
+    attribution: str = ""
+    channel_index: dict[str, int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "channel_index", {c: i for i, c in enumerate(self.channels)})
+
+    @cached_property
+    def _flat_deltas(self) -> Floats:
+        return np.ascontiguousarray(self.deltas.reshape(len(self.channels), -1))
+
+    def vertices(self, weights: Floats) -> Floats:
+        """Vertices of one frame.
+
+        Args:
+            weights: (K,) float32, in the order of `channels`.
+
+        Returns:
+            (V, 3) float32, metres.
+        """
+        return self.neutral + (weights @ self._flat_deltas).reshape(-1, 3)
+
+    @cached_property
+    def distances(self) -> Distances:
+        """The eight controls as a function of this rig's weights."""
+        a, b = self.control_pairs.T
+        return Distances(
+            offsets=MILLIMETRES * (self.neutral[b] - self.neutral[a]),
+            gradients=MILLIMETRES * (self.deltas[:, b] - self.deltas[:, a]),
+        )
+
+    def controls(self, weights: Floats) -> Floats:
+        """The eight control distances of a clip: weights (T, K) -> (T, 8) float32, mm."""
+        return self.distances.measure(weights)
+
+    def from_arkit(self, weights: Floats) -> Floats:
+        """Reorder (..., 52) weights in ARKit order to this rig's `channels`; others are 0."""
+        out = np.zeros((*weights.shape[:-1], len(self.channels)), np.float32)
+        for i, channel in enumerate(ARKIT_CHANNELS):
+            if channel in self.channel_index:
+                out[..., self.channel_index[channel]] = weights[..., i]
+        return out
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Distances between vertex pairs that move linearly with the weights.
+
+    Attributes:
+        offsets: (C, 3) float32, mm: the vector from the first to the second vertex, neutral.
+        gradients: (K, C, 3) float32, mm: how each weight changes that vector.
+    """
+
+    offsets: Floats
+    gradients: Floats
+
+    def vectors(self, weights: Floats) -> Floats:
+        """Weights (T, K) -> (T, C, 3) float32, mm."""
+        k, c, _ = self.gradients.shape
+        return self.offsets + (weights @ self.gradients.reshape(k, c * 3)).reshape(-1, c, 3)
+
+    def measure(self, weights: Floats) -> Floats:
+        """Weights (T, K) -> lengths (T, C) float32, mm."""
+        return np.sqrt(np.sum(self.vectors(weights) ** 2, axis=-1))
+
+    def jacobian(self, weights: Floats) -> tuple[Floats, Floats]:
+        """Lengths (T, C), mm, and their derivative by each weight (T, C, K), mm per unit."""
+        vectors = self.vectors(weights)
+        lengths = np.sqrt(np.sum(vectors**2, axis=-1))
+        directions = vectors / np.maximum(lengths, 1e-6)[..., None]
+        return lengths, np.einsum("tcx,kcx->tck", directions, self.gradients)

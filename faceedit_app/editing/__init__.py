@@ -1,0 +1,1 @@
+"""Edits and what they do to a take: no Qt, no GL."""

@@ -1,0 +1,1 @@
+"""One module per file format: what a user opens and exports, and the character."""

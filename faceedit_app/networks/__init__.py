@@ -1,0 +1,1 @@
+"""The region networks (torch): models, their files, and answering in process."""
