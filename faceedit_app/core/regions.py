@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from faceedit_app.core.arkit import mirrored_channel
-
 
 @dataclass(frozen=True)
 class Control:
@@ -105,16 +103,22 @@ REGIONS: tuple[Region, ...] = (
         "lower",
         "Lower face",
         _LOWER_CONTROLS,
-        ("jawOpen", "mouthClose", "mouthFunnel", "mouthPucker")
-        + _both("mouthSmile", "mouthFrown", "mouthStretch", "mouthUpperUp", "mouthLowerDown")
-        + ("mouthRollUpper", "mouthRollLower")
-        + _both("mouthPress"),
+        (
+            "jawOpen",
+            "mouthClose",
+            "mouthFunnel",
+            "mouthPucker",
+            *_both("mouthSmile", "mouthFrown", "mouthStretch", "mouthUpperUp", "mouthLowerDown"),
+            "mouthRollUpper",
+            "mouthRollLower",
+            *_both("mouthPress"),
+        ),
     ),
     Region(
         "upper",
         "Upper face",
         _EYELID_CONTROLS,
-        _both("browDown") + ("browInnerUp",) + _both("browOuterUp"),
+        (*_both("browDown"), "browInnerUp", *_both("browOuterUp")),
     ),
     Region(
         "eyelids",
@@ -125,6 +129,3 @@ REGIONS: tuple[Region, ...] = (
 )
 
 MODELLED_CHANNELS: tuple[str, ...] = tuple(c for region in REGIONS for c in region.channels)
-
-assert len(CONTROLS) == 8 and len(MODELLED_CHANNELS) == 29
-assert {mirrored_channel(c) for c in MODELLED_CHANNELS} == set(MODELLED_CHANNELS)

@@ -69,7 +69,8 @@ class Rig:
         Returns:
             (V, 3) float32, metres.
         """
-        return self.neutral + (weights @ self._flat_deltas).reshape(-1, 3)
+        moved: Floats = (weights @ self._flat_deltas).reshape(-1, 3)
+        return self.neutral + moved
 
     @cached_property
     def distances(self) -> Distances:
@@ -108,11 +109,13 @@ class Distances:
     def vectors(self, weights: Floats) -> Floats:
         """Weights (T, K) -> (T, C, 3) float32, mm."""
         k, c, _ = self.gradients.shape
-        return self.offsets + (weights @ self.gradients.reshape(k, c * 3)).reshape(-1, c, 3)
+        moved: Floats = (weights @ self.gradients.reshape(k, c * 3)).reshape(-1, c, 3)
+        return self.offsets + moved
 
     def measure(self, weights: Floats) -> Floats:
         """Weights (T, K) -> lengths (T, C) float32, mm."""
-        return np.sqrt(np.sum(self.vectors(weights) ** 2, axis=-1))
+        lengths: Floats = np.sqrt(np.sum(self.vectors(weights) ** 2, axis=-1))
+        return lengths
 
     def jacobian(self, weights: Floats) -> tuple[Floats, Floats]:
         """Lengths (T, C), mm, and their derivative by each weight (T, C, K), mm per unit."""

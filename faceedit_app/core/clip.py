@@ -1,0 +1,75 @@
+"""Blendshape weights over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+
+Floats = NDArray[np.float32]
+Times = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Frames that the recording lost between two frames that it has.
+
+    Attributes:
+        frame: index of the last frame before the gap.
+        missing: how many frames are absent.
+    """
+
+    frame: int
+    missing: int
+
+
+@dataclass(frozen=True)
+class Clip:
+    """Blendshape weights of one performance, as recorded: no frame is invented or dropped.
+
+    Attributes:
+        weights: (T, K) float32, nominally 0..1; trackers do exceed 1, and that is kept.
+        channels: the K ARKit names (`arkit.ARKIT_CHANNELS` spelling) in the source's order.
+        times: (T,) float64, seconds from the first frame, strictly increasing.
+        rate: nominal frames per second.
+        gaps: where frames are missing.
+        timecodes: the T timecodes as the source spells them, if it has any.
+    """
+
+    weights: Floats
+    channels: tuple[str, ...]
+    times: Times
+    rate: float
+    gaps: tuple[Gap, ...] = ()
+    timecodes: tuple[str, ...] | None = None
+
+    def __len__(self) -> int:
+        return len(self.weights)
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first frame to the end of the last."""
+        return float(self.times[-1]) + 1.0 / self.rate
+
+    def with_weights(self, weights: Floats) -> Clip:
+        """The same frames with other weights (T, K)."""
+        return replace(self, weights=weights)
+
+    def frame_at(self, seconds: float) -> int:
+        """Index of the frame that is on screen at a time (the nearest one)."""
+        right = int(np.searchsorted(self.times, seconds))
+        if right == 0:
+            return 0
+        if right == len(self.times):
+            return right - 1
+        before, after = self.times[right - 1], self.times[right]
+        return right - 1 if seconds - before <= after - seconds else right
+
+    def arkit_weights(self) -> Floats:
+        """(T, 52) float32 in ARKit order; channels that the source lacks are 0."""
+        out = np.zeros((len(self.weights), len(ARKIT_INDEX)), np.float32)
+        out[:, [ARKIT_INDEX[c] for c in self.channels]] = self.weights
+        return out
