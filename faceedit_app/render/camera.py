@@ -1,0 +1,122 @@
+"""The orbit camera of the face view: pure functions on a few numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.rig import Rig
+
+Floats = NDArray[np.float32]
+Matrix = NDArray[np.float64]
+
+FIELD_OF_VIEW = math.radians(22.0)  # vertical; a portrait lens, which flatters the nose
+PITCH_LIMIT = math.radians(80.0)
+DISTANCE_LIMITS = (0.15, 3.0)  # metres
+PAN_LIMIT = 0.3  # metres from the origin, on each axis
+NARROW = 0.8  # views with a smaller width / height see as wide as one of this shape
+NEAR, FAR = 0.02, 6.0  # metres
+
+# Portrait framing, as fractions of the height from the chin to the crown.
+_HEADROOM, _NECKROOM = 0.09, 0.20
+_MOVING = 5e-4  # metres at weight 1: vertices that move more belong to the face
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where the face is looked at from.
+
+    Attributes:
+        yaw: radians around the face; 0 is the front, positive sees the character's left.
+        pitch: radians above the face's level.
+        distance: metres from `target`.
+        target: the point in the middle of the view, metres.
+    """
+
+    yaw: float = 0.0
+    pitch: float = 0.0
+    distance: float = 0.85
+    target: tuple[float, float, float] = (0.0, 0.03, 0.0)
+
+    def orbit(self, dx: float, dy: float) -> Camera:
+        """Turn by `dx` radians around the face and `dy` radians upwards, up to a limit."""
+        yaw = math.remainder(self.yaw + dx, math.tau)
+        return replace(self, yaw=yaw, pitch=_clamp(self.pitch + dy, -PITCH_LIMIT, PITCH_LIMIT))
+
+    def zoom(self, factor: float) -> Camera:
+        """Multiply the distance by `factor` (below 1 goes nearer), up to a limit."""
+        return replace(self, distance=_clamp(self.distance * factor, *DISTANCE_LIMITS))
+
+    def pan(self, dx: float, dy: float) -> Camera:
+        """Move camera and target by metres in the view plane, rightwards and upwards."""
+        moved = np.asarray(self.target) + self.pose()[:3, :2] @ (dx, dy)
+        x, y, z = (_clamp(float(v), -PAN_LIMIT, PAN_LIMIT) for v in moved)
+        return replace(self, target=(x, y, z))
+
+    def pose(self) -> Matrix:
+        """Camera to world, (4, 4) float64, metres; the camera looks along its own -Z."""
+        sy, cy = math.sin(self.yaw), math.cos(self.yaw)
+        sp, cp = math.sin(self.pitch), math.cos(self.pitch)
+        backward = np.array([sy * cp, sp, cy * cp])
+        pose = np.eye(4)
+        pose[:3, 0] = cy, 0.0, -sy
+        pose[:3, 1] = -sy * sp, cp, -cy * sp
+        pose[:3, 2] = backward
+        pose[:3, 3] = np.asarray(self.target) + self.distance * backward
+        return pose
+
+    def view(self) -> Matrix:
+        """World to camera, (4, 4) float64: the inverse of `pose`."""
+        pose = self.pose()
+        view = np.eye(4)
+        view[:3, :3] = pose[:3, :3].T
+        view[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+        return view
+
+
+def projection(aspect: float) -> Matrix:
+    """Camera to clip space, (4, 4) float64, for a view of `aspect` = width / height."""
+    half = _half_height(aspect)
+    matrix = np.zeros((4, 4))
+    matrix[0, 0] = 1.0 / (half * aspect)
+    matrix[1, 1] = 1.0 / half
+    matrix[2, 2] = (FAR + NEAR) / (NEAR - FAR)
+    matrix[2, 3] = 2.0 * FAR * NEAR / (NEAR - FAR)
+    matrix[3, 2] = -1.0
+    return matrix
+
+
+def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
+    """A portrait: crown to just below the chin in the middle of a view of width / height `aspect`.
+
+    The face is what the blendshapes move, so that a bust or body below it does not count.
+    """
+    moving = np.abs(rig.deltas).max(axis=(0, 2)) > _MOVING
+    face = rig.neutral[moving] if moving.any() else rig.neutral
+    chin = float(face[:, 1].min())
+    brow = float(face[:, 1].max())
+    crown = min(float(rig.neutral[:, 1].max()), brow + (brow - chin))
+    height = crown - chin
+    top, bottom = crown + _HEADROOM * height, chin - _NECKROOM * height
+    head = rig.neutral[rig.neutral[:, 1] >= chin]
+    left, right = float(head[:, 0].min()), float(head[:, 0].max())
+    # What stands nearest to the camera looks largest: measure at the widest part, mid-depth.
+    depth = float(np.mean(head[:, 2]))
+    half = _half_height(aspect)
+    width_needed = (1.0 + _HEADROOM) * (right - left) / (2.0 * half * aspect)
+    distance = max((top - bottom) / (2.0 * half), width_needed)
+    return Camera(
+        distance=_clamp(distance, *DISTANCE_LIMITS),
+        target=((left + right) / 2.0, (top + bottom) / 2.0, depth),
+    )
+
+
+def _half_height(aspect: float) -> float:
+    return math.tan(FIELD_OF_VIEW / 2.0) * max(1.0, NARROW / aspect)
+
+
+def _clamp(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)

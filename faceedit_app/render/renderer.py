@@ -1,0 +1,108 @@
+"""The face as an image: open a renderer, draw, close."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.errors import Unavailable
+from faceedit_app.core.rig import Rig
+from faceedit_app.render import contexts
+from faceedit_app.render.camera import Camera
+
+Floats = NDArray[np.float32]
+Pixels = NDArray[np.uint8]
+
+SLATE = (0x25 / 255, 0x28 / 255, 0x2F / 255)
+
+
+class FaceRenderer:
+    """Draws one character offscreen.
+
+    Create, use and close it in one thread. Several may live in a process; each makes its own
+    OpenGL context current when it works, and closing one leaves the others intact.
+
+    Args:
+        rig: the character; its faces, colours and materials are uploaded once.
+        width, height: pixels.
+        background: the colour in the middle of the backdrop, sRGB, 0..1.
+
+    Raises:
+        Unavailable: this computer offers no OpenGL.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        width: int,
+        height: int,
+        background: tuple[float, float, float] = SLATE,
+    ) -> None:
+        self._context: Any = None
+        self._studio: Any = None
+        self._image: Pixels = _image(width, height)
+        backend = contexts.choose_backend()
+        try:
+            self._context = contexts.open_context(backend, width, height)
+            from faceedit_app.render.studio import Studio
+
+            self._studio = Studio(rig, background)
+        except Exception as error:  # drivers and PyOpenGL raise all kinds
+            self.close()
+            raise contexts.unavailable(str(error) or type(error).__name__) from error
+
+    def resize(self, width: int, height: int) -> None:
+        """Draw at another size from now on, in pixels."""
+        if self._image.shape[:2] != (height, width):
+            self._image = _image(width, height)
+
+    def draw(self, vertices: Floats, camera: Camera, smooth: bool = True) -> Pixels:
+        """One image of the face.
+
+        Args:
+            vertices: (V, 3) float32, metres, such as `rig.vertices(weights)`.
+            camera: where from.
+            smooth: with antialiased edges; leave it out while dragging or playing.
+
+        Returns:
+            (H, W, 4) uint8, contiguous, BGRA with the top row first (QImage.Format_RGB32 takes it
+            as it is). The buffer is reused: the next `draw` overwrites it, so copy what you
+            keep. After `resize` a new one is used and the old one stays as it was.
+        """
+        if self._studio is None:
+            raise Unavailable("The face cannot be drawn: its view is closed; open it again")
+        from faceedit_app.render.studio import SAMPLES
+
+        height, width = self._image.shape[:2]
+        self._context.make_current()
+        self._studio.frame(vertices, camera, width, height, SAMPLES if smooth else 0, self._image)
+        return self._image
+
+    def close(self) -> None:
+        """Free the graphics memory; calling it again does nothing."""
+        if self._studio is not None:
+            self._context.make_current()
+            self._studio.delete()
+            self._studio = None
+        if self._context is not None:
+            self._context.delete_context()
+            self._context = None
+
+
+def open_renderer(rig: Rig, width: int, height: int) -> FaceRenderer:
+    """A renderer on whatever OpenGL this computer has.
+
+    On Linux that is EGL, else OSMesa; both work without a display. On Windows and macOS it is
+    pyrender's default, a hidden pyglet window, which needs a desktop session. PYOPENGL_PLATFORM
+    overrides the choice, if it is set before the first renderer is opened.
+
+    Raises:
+        Unavailable: one line with the reason and the remedy.
+    """
+    return FaceRenderer(rig, width, height)
+
+
+def _image(width: int, height: int) -> Pixels:
+    return np.zeros((max(height, 1), max(width, 1), 4), np.uint8)

@@ -1,0 +1,61 @@
+"""One picture of the face, for `faceedit render` and for machines without a screen."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.rig import Rig
+from faceedit_app.render.camera import Camera, default_camera
+from faceedit_app.render.renderer import open_renderer
+
+Floats = NDArray[np.float32]
+Pixels = NDArray[np.uint8]
+
+
+def snapshot(
+    rig: Rig, weights: Floats, width: int, height: int, camera: Camera | None = None
+) -> Pixels:
+    """Draw one frame, antialiased.
+
+    Args:
+        rig: the character, with K channels.
+        weights: (K,) in the rig's order, or (52,) in ARKit's order.
+        width, height: pixels.
+        camera: where from; by default a portrait from the front.
+
+    Returns:
+        (height, width, 3) uint8, RGB, top row first.
+
+    Raises:
+        Unavailable: this computer offers no OpenGL.
+    """
+    weights = np.asarray(weights, np.float32)
+    if len(weights) == len(ARKIT_CHANNELS) and rig.channels != tuple(ARKIT_CHANNELS):
+        weights = rig.from_arkit(weights)
+    renderer = open_renderer(rig, width, height)
+    try:
+        image = renderer.draw(
+            rig.vertices(weights), camera or default_camera(rig, width / height), smooth=True
+        )
+        return np.ascontiguousarray(image[..., 2::-1])
+    finally:
+        renderer.close()
+
+
+def write_png(path: Path | str, image: Pixels) -> None:
+    """Write (H, W, 3) uint8 RGB as PNG, whole or not at all.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(image).save(buffer, "PNG", optimize=True)
+    write_atomically(path, buffer.getvalue())

@@ -1,0 +1,175 @@
+"""The studio the face stands in: a pyrender renderer with our own light and a lean frame.
+
+Imported only after `contexts.choose_backend`, because it imports PyOpenGL. All calls must come
+from one thread, with the context current.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from OpenGL import GL
+from pyrender import Primitive
+from pyrender.renderer import Renderer
+from pyrender.shader_program import ShaderProgramCache
+
+from faceedit_app.core.rig import Rig
+from faceedit_app.render.camera import Camera, projection
+from faceedit_app.render.surface import NormalSolver, vertex_looks
+
+Floats = NDArray[np.float32]
+Pixels = NDArray[np.uint8]
+
+SAMPLES = 4
+_SHADERS = Path(__file__).parent / "shaders"
+_FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
+
+
+class Target:
+    """A framebuffer of one size, with or without several samples per pixel."""
+
+    def __init__(self, width: int, height: int, samples: int) -> None:
+        self.size = (width, height)
+        self._buffers = [int(b) for b in GL.glGenRenderbuffers(2)]
+        for buffer, kind in zip(self._buffers, (GL.GL_RGBA8, GL.GL_DEPTH_COMPONENT24), strict=True):
+            GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
+            GL.glRenderbufferStorageMultisample(GL.GL_RENDERBUFFER, samples, kind, width, height)
+        self.name = int(GL.glGenFramebuffers(1))
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.name)
+        for buffer, place in zip(
+            self._buffers, (GL.GL_COLOR_ATTACHMENT0, GL.GL_DEPTH_ATTACHMENT), strict=True
+        ):
+            GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, place, GL.GL_RENDERBUFFER, buffer)
+        status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
+        if status != GL.GL_FRAMEBUFFER_COMPLETE:
+            raise RuntimeError(f"the driver refuses a {width} x {height} image")
+
+    def delete(self) -> None:
+        """Free it."""
+        GL.glDeleteFramebuffers(1, [self.name])
+        GL.glDeleteRenderbuffers(2, self._buffers)
+
+
+class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
+    """Draws one character in one call.
+
+    From pyrender come the shader programs and the vertex arrays; the frame is our own, because
+    pyrender's reads the depth back, always takes four samples and uploads the mesh anew.
+
+    Args:
+        rig: the character.
+        background: sRGB, 0..1.
+    """
+
+    def __init__(self, rig: Rig, background: tuple[float, float, float]) -> None:
+        super().__init__(1, 1)
+        self.dpscale = 1  # pyrender doubles every size on macOS, meaning a screen
+        self._program_cache = ShaderProgramCache(str(_SHADERS))
+        self._background = np.asarray(background, np.float32)
+        self._normals = NormalSolver(rig.faces, len(rig.neutral))
+        self._primitive = Primitive(
+            positions=rig.neutral,
+            normals=self._normals(rig.neutral),
+            tangents=vertex_looks(rig),  # pyrender's name for the third, four-wide attribute
+            color_0=rig.colors,
+            indices=rig.faces,
+            mode=GL.GL_TRIANGLES,
+        )
+        self._primitive._add_to_context()
+        self._vertices = np.hstack(
+            (
+                rig.neutral,
+                self._primitive.normals,
+                self._primitive.tangents,
+                self._primitive.color_0,
+            )
+        ).astype(np.float32)
+        self._face = self._program("face")
+        self._backdrop = self._program("backdrop")
+        self._locations: dict[tuple[int, str], int] = {}
+        self._targets: dict[int, Target] = {}
+
+    def frame(
+        self, vertices: Floats, camera: Camera, width: int, height: int, samples: int, out: Pixels
+    ) -> None:
+        """Draw `vertices` (V, 3), metres, into `out` (height, width, 4), BGRA, top row first."""
+        self._upload(vertices)
+        target = self._target(width, height, samples)
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, target.name)
+        GL.glViewport(0, 0, width, height)
+        GL.glEnable(GL.GL_DEPTH_TEST)
+        GL.glDepthFunc(GL.GL_LEQUAL)
+        GL.glDisable(GL.GL_CULL_FACE)  # lashes, brows and the mouth are seen from both sides
+        GL.glFrontFace(GL.GL_CW)  # the flip turns every triangle around
+        GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+        self._draw_face(camera, width / height)
+        self._draw_backdrop()
+        self._read(target, samples, out)
+
+    def delete(self) -> None:
+        """Free everything on the graphics card."""
+        for target in self._targets.values():
+            target.delete()
+        self._targets = {}
+        self._primitive.delete()
+        super().delete()
+
+    def _upload(self, vertices: Floats) -> None:
+        self._vertices[:, :3] = vertices
+        self._vertices[:, 3:6] = self._normals(vertices)
+        GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self._primitive._buffers[0])
+        GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, self._vertices.nbytes, self._vertices)
+
+    def _draw_face(self, camera: Camera, aspect: float) -> None:
+        pose = camera.pose()
+        self._face._bind()
+        self._set_matrix(self._face, "clip_from_world", _FLIP @ projection(aspect) @ camera.view())
+        self._set_matrix(self._face, "world_from_camera", pose)
+        GL.glBindVertexArray(self._primitive._vaid)
+        GL.glDrawElements(GL.GL_TRIANGLES, self._primitive.indices.size, GL.GL_UNSIGNED_INT, None)
+
+    def _draw_backdrop(self) -> None:
+        """Behind the face, so that only what the face leaves free is filled."""
+        self._backdrop._bind()
+        GL.glUniform3f(self._location(self._backdrop, "background"), *self._background)
+        GL.glDrawArrays(GL.GL_TRIANGLES, 0, 3)
+        GL.glBindVertexArray(0)
+
+    def _read(self, target: Target, samples: int, out: Pixels) -> None:
+        width, height = target.size
+        if samples:
+            plain = self._target(width, height, 0)
+            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, target.name)
+            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, plain.name)
+            rectangle = (0, 0, width, height)
+            GL.glBlitFramebuffer(*rectangle, *rectangle, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
+            target = plain
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, target.name)
+        GL.glReadPixels(0, 0, width, height, GL.GL_BGRA, GL.GL_UNSIGNED_BYTE, out)
+
+    def _target(self, width: int, height: int, samples: int) -> Target:
+        target = self._targets.get(samples)
+        if target is None or target.size != (width, height):
+            if target is not None:
+                target.delete()
+            target = self._targets[samples] = Target(width, height, samples)
+        return target
+
+    def _program(self, name: str) -> Any:
+        program = self._program_cache.get_program(f"{name}.vert", f"{name}.frag")
+        if not program._in_context():
+            program._add_to_context()
+        return program
+
+    def _location(self, program: Any, name: str) -> int:
+        key = (int(program._program_id), name)
+        if key not in self._locations:
+            self._locations[key] = int(GL.glGetUniformLocation(program._program_id, name))
+        return self._locations[key]
+
+    def _set_matrix(self, program: Any, name: str, matrix: NDArray[np.float64]) -> None:
+        location = self._location(program, name)
+        GL.glUniformMatrix4fv(location, 1, GL.GL_TRUE, matrix.astype(np.float32))
