@@ -45,7 +45,8 @@ def to_grid(
     at = integral[i] + into * (values[i] + 0.5 * slope * into)
     at += np.minimum(edges - times[0], 0)[:, None] * values[0]
     at += np.maximum(edges - times[-1], 0)[:, None] * values[-1]
-    return np.diff(at, axis=0) * GRID_RATE
+    grid: NDArray[np.float64] = np.diff(at, axis=0) * GRID_RATE
+    return grid
 
 
 def from_grid(

@@ -107,7 +107,7 @@ def from_json(entry: Mapping[str, Any]) -> Edit:
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise ValueError('it needs "control" (a name) or "controls" (a list of names)')
     try:
-        op = Op(entry.get("op"))
+        op = Op(str(entry.get("op")))
     except ValueError:
         raise ValueError(f'its "op" must be one of {", ".join(Op)}') from None
     numbers = {"falloff": 0.0, "value": 0.0} | {

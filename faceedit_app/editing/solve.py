@@ -1,0 +1,309 @@
+"""From edits to weights: the networks' answer combined with the take, then reach.
+
+Edits that can influence the same frames form an island, and an island's result depends on the
+take, on the edits near it and on the settings, on nothing else: not on the order in which the
+user got there. So undo needs no copies, an export has the same bytes however an edit came to
+be, and moving one edit recomputes one island only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
+from faceedit_app.core.resample import GRID_RATE, from_grid, grid_length, to_grid
+from faceedit_app.core.rig import Distances, Rig
+from faceedit_app.editing.edit import Edit
+from faceedit_app.editing.reach import Goal, reach
+from faceedit_app.editing.request import Request, affected, region_influence, request
+from faceedit_app.networks.engine import Engine
+
+Array = NDArray[np.float64]
+
+# How far beyond the range seen in training a request is followed, as a share of that range.
+BEYOND = 0.1
+
+
+class Mode(StrEnum):
+    """How the networks' answer is combined with the take."""
+
+    PRESERVE = "preserve"  # take + N(asked) - N(tracked): what no edit reaches stays as it was
+    RESYNTHESIZE = "resynthesize"  # N(asked), as in the paper, over the whole take
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How edits are answered.
+
+    Attributes:
+        mode: see `Mode`.
+        naturalness: 0 = regressor alone (obeys), 1 = full system (believable).
+    """
+
+    mode: Mode = Mode.PRESERVE
+    naturalness: float = 1.0
+
+
+@dataclass(frozen=True)
+class Island:
+    """A run of frames that edits change together.
+
+    Attributes:
+        rows: the frames.
+        key: the edits that matter to them and the settings; equal keys mean equal results.
+    """
+
+    rows: slice
+    key: tuple[object, ...]
+
+
+@dataclass(frozen=True)
+class Patch:
+    """An island's result: `asked` (N, 8) mm, `weights` (N, 52), `controls` (N, 8) mm."""
+
+    asked: NDArray[np.float32]
+    weights: NDArray[np.float32]
+    controls: NDArray[np.float32]
+
+
+class Solver:
+    """Computes islands of one take on one rig.
+
+    Args:
+        clip: the take as tracked.
+        rig: the character that the controls are measured on.
+        engine: the networks; None leaves all the work to reach (while they are loading, or
+            where no model can be had).
+    """
+
+    def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
+        self.clip, self.rig, self.engine = clip, rig, engine
+        self.tracked = clip.arkit_weights()
+        self.distances = Distances(
+            rig.distances.offsets, _arkit_order(rig.distances.gradients, rig)
+        )
+        self.controls = self.distances.measure(self.tracked)
+        self.medians = np.median(self.controls, axis=0).astype(np.float64)
+        self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
+        self._present = frozenset(clip.channels)
+
+    def islands(self, edits: Sequence[Edit], settings: Settings) -> list[Island]:
+        """Group edits into islands, in order of time."""
+        if not edits:
+            return []
+        if settings.mode is Mode.RESYNTHESIZE:
+            return [Island(slice(0, len(self.clip)), (settings, *edits))]
+        spans = sorted(affected(edit) for edit in edits)
+        runs = [list(spans[0])]
+        for first, last in spans[1:]:
+            if first <= runs[-1][1]:
+                runs[-1][1] = max(runs[-1][1], last)
+            else:
+                runs.append([first, last])
+        islands = []
+        for first, last in runs:
+            rows = slice(*map(int, np.searchsorted(self.clip.times, (first - 1e-9, last + 1e-9))))
+            if rows.start < rows.stop:
+                islands.append(Island(rows, (settings, *self._near(edits, first, last))))
+        return islands
+
+    def _near(self, edits: Sequence[Edit], first: float, last: float) -> list[Edit]:
+        """The edits that the networks can see from a run of seconds, in the user's order."""
+        margin = (self._context + 4) / GRID_RATE
+        return [
+            edit
+            for edit in edits
+            if affected(edit)[0] <= last + margin and affected(edit)[1] >= first - margin
+        ]
+
+    @property
+    def _context(self) -> int:
+        return self.engine.context if self.engine else 0
+
+    def solve(self, island: Island) -> Patch:
+        """Compute one island."""
+        settings, *edits = island.key
+        assert isinstance(settings, Settings)
+        rows = island.rows
+        window = self._window(rows)
+        near = slice(*self._rows_of(window))
+        asked = request(
+            self.clip.times[near],
+            self.clip.rate,
+            self.controls[near].astype(np.float64),
+            self.medians,
+            [edit for edit in edits if isinstance(edit, Edit)],
+        )
+        inner = slice(rows.start - near.start, rows.stop - near.start)
+        mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
+        weights = self.tracked[rows].astype(np.float64)
+        for region in REGIONS:
+            influence = self._influence(mine, region, settings)
+            if influence.any():
+                answer = self._answer(region, asked, near, window, rows, settings)
+                self._combine(weights, region, answer, influence, rows, settings)
+        for region in REGIONS:
+            self._reach(weights, region, mine, rows, settings)
+        result = weights.astype(np.float32)
+        return Patch(mine.curves.astype(np.float32), result, self.distances.measure(result))
+
+    def _window(self, rows: slice) -> tuple[int, int]:
+        """Grid frames that the networks need to answer for `rows`."""
+        scale = self.engine.scale if self.engine else 1
+        first = int(np.floor(self.clip.times[rows.start] * GRID_RATE)) - 2 - self._context
+        last = int(np.ceil(self.clip.times[rows.stop - 1] * GRID_RATE)) + 3 + self._context
+        return max(first // scale * scale, 0), min(last, len(self.grid))
+
+    def _rows_of(self, window: tuple[int, int]) -> tuple[int, int]:
+        """The clip's frames that a window of grid frames is computed from."""
+        edges = np.array([window[0] - 1, window[1]]) / GRID_RATE
+        first, last = np.searchsorted(self.clip.times, edges)
+        return max(int(first) - 1, 0), min(int(last) + 1, len(self.clip))
+
+    def _influence(self, mine: Request, region: Region, settings: Settings) -> Array:
+        """(N,) where the region may change: all frames of an edited region when resynthesizing."""
+        influence = region_influence(mine, self._listens_to(region))
+        if settings.mode is Mode.RESYNTHESIZE and influence.any():
+            return np.ones_like(influence)
+        return influence
+
+    def _listens_to(self, region: Region) -> tuple[str, ...]:
+        return self.engine.models[region.id].controls if self.engine else region.controls
+
+    def _channels(self, region: Region) -> NDArray[np.intp]:
+        """Positions in the region of the channels that the source has a column for."""
+        return np.array([i for i, c in enumerate(region.channels) if c in self._present], np.intp)
+
+    def _answer(
+        self,
+        region: Region,
+        asked: Request,
+        near: slice,
+        window: tuple[int, int],
+        rows: slice,
+        settings: Settings,
+    ) -> Array:
+        """(N, K): what the networks add (preserve) or put (resynthesize) on the island's rows."""
+        if self.engine is None:
+            if settings.mode is Mode.RESYNTHESIZE:
+                return self.tracked[rows][:, _columns(region)].astype(np.float64)
+            return np.zeros((rows.stop - rows.start, len(region.channels)))
+        tracked = self.grid[window[0] : window[1]]
+        believable = self._believable(asked.curves, self.controls[near], region)
+        change = believable - self.controls[near]
+        edited = tracked + to_grid(self.clip.times[near], change, *window)
+        times = self.clip.times[rows]
+        if settings.mode is Mode.RESYNTHESIZE:
+            answer = self.engine.answer(region.id, edited[None], settings.naturalness)
+            return from_grid(answer[0], window[0], times)
+        answers = self.engine.answer(region.id, np.stack([tracked, edited]), settings.naturalness)
+        return from_grid(answers[1] - answers[0], window[0], times)
+
+    def _believable(self, curves: Array, tracked: NDArray[np.float32], region: Region) -> Array:
+        """Keep a region's curves within what faces do, or what this face already did."""
+        if self.engine is None:
+            return curves
+        model = self.engine.models[region.id]
+        bounded = curves.copy()
+        for i, control in enumerate(model.controls):
+            c = CONTROL_INDEX[control]
+            slack = BEYOND * (model.high[i] - model.low[i])
+            low = np.minimum(model.low[i] - slack, tracked[:, c])
+            high = np.maximum(model.high[i] + slack, tracked[:, c])
+            bounded[:, c] = np.clip(curves[:, c], low, high)
+        return bounded
+
+    def _combine(
+        self,
+        weights: Array,
+        region: Region,
+        answer: Array,
+        influence: Array,
+        rows: slice,
+        settings: Settings,
+    ) -> None:
+        """Put the networks' answer into the island's weights, within bounds."""
+        have = self._channels(region)
+        columns = _columns(region)[have]
+        answer = answer[:, have]
+        old = weights[:, columns]
+        if settings.mode is Mode.PRESERVE:
+            answer = old + influence[:, None] * answer
+        new = np.clip(answer, np.minimum(old, 0.0), self._upper(old, influence))
+        weights[:, columns] = np.where(influence[:, None] > 0, new, old)
+        _couple(weights, self.tracked[rows], influence > 0)
+
+    @staticmethod
+    def _upper(old: Array, influence: Array) -> Array:
+        """Largest weight: 1, but a tracked value above 1 is let go of only as the edit fades in."""
+        return 1.0 + np.maximum(old - 1.0, 0.0) * (1.0 - influence[:, None])
+
+    def _reach(
+        self, weights: Array, region: Region, mine: Request, rows: slice, settings: Settings
+    ) -> None:
+        """Bring the region's own controls the rest of the way to what was asked."""
+        if region.id == "upper":  # the brows do not move any control
+            return
+        controls = np.array([CONTROL_INDEX[c] for c in region.controls], np.intp)
+        where = np.flatnonzero(mine.hold[:, controls].any(axis=1))
+        have = self._channels(region)
+        if not len(where) or not len(have):
+            return
+        tracked = self.controls[rows][where]
+        goals = self._believable(mine.curves[where], tracked, region)[:, controls]
+        columns = _columns(region)[have]
+        names = [region.channels[i] for i in have]
+        coupled = (
+            (names.index("mouthClose"), names.index("jawOpen"))
+            if {"mouthClose", "jawOpen"} <= set(names)
+            else None
+        )
+        old = weights[np.ix_(where, columns)]
+        influence = region_influence(mine, region.controls)[where]
+        weights[np.ix_(where, columns)] = reach(
+            Distances(self.distances.offsets[controls], self.distances.gradients[:, controls]),
+            weights[where],
+            columns,
+            Goal(goals, mine.hold[np.ix_(where, controls)]),
+            self._covariance(region)[np.ix_(have, have)],
+            self._upper(old, influence),
+            coupled,
+            settings.naturalness,
+        )
+
+    def _covariance(self, region: Region) -> Array:
+        """(K, K) how the region's channels vary together."""
+        if self.engine is None:
+            return 0.04 * np.eye(len(region.channels))
+        return self.engine.models[region.id].covariance
+
+
+def _columns(region: Region) -> NDArray[np.intp]:
+    return np.array([ARKIT_INDEX[c] for c in region.channels], np.intp)
+
+
+def _couple(weights: Array, tracked: NDArray[np.float32], where: NDArray[np.bool_]) -> None:
+    """Keep mouthClose <= jawOpen, in place: alone, the corrective tears any rig.
+
+    Where the take itself exceeds it, by as much as the take does.
+    """
+    close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
+    slack = np.maximum(tracked[:, close] - tracked[:, jaw], 0.0)
+    limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
+    weights[where, close] = limit[where]
+
+
+def _arkit_order(gradients: NDArray[np.float32], rig: Rig) -> NDArray[np.float32]:
+    """(K, C, 3) of the rig's channels -> (52, C, 3) in ARKit order."""
+    out = np.zeros((len(ARKIT_INDEX), *gradients.shape[1:]), np.float32)
+    for channel, i in rig.channel_index.items():
+        if channel in ARKIT_INDEX:
+            out[ARKIT_INDEX[channel]] = gradients[i]
+    return out

@@ -1,0 +1,71 @@
+"""Answering edits: the networks of all regions, in process, on the CPU."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from faceedit_app.core.errors import FileError
+from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
+from faceedit_app.networks.store import RegionModel, load_model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Trained networks for each region, keyed by `Region.id`."""
+
+    models: dict[str, RegionModel]
+
+    @classmethod
+    def load(cls, folder: Path | str) -> Engine:
+        """Read `REGION.safetensors` for each region from a folder.
+
+        Raises:
+            FileError: a file is missing or no model.
+        """
+        models = {}
+        for region in REGIONS:
+            path = Path(folder) / f"{region.id}.safetensors"
+            model = load_model(path)
+            if model.region != region.id:
+                raise FileError(path, f"holds the region {model.region!r}", "restore the models")
+            models[region.id] = model
+        return cls(models)
+
+    @property
+    def scale(self) -> int:
+        """Windows start and end on multiples of this many grid frames."""
+        return max(model.networks.scale for model in self.models.values())
+
+    @property
+    def context(self) -> int:
+        """Grid frames on either side of a window that its answer can depend on."""
+        radius = max(model.networks.radius for model in self.models.values())
+        return -(-radius // self.scale) * self.scale
+
+    def answer(self, region: str, curves: Array, naturalness: float) -> Array:
+        """The networks' weights for one or several versions of the curves.
+
+        Args:
+            region: `Region.id`.
+            curves: (B, N, 8) mm at 25 fps; N any length.
+            naturalness: 0 = regressor alone, 1 = full system.
+
+        Returns:
+            (B, N, K) weights of the region's channels, not bounded.
+        """
+        model = self.models[region]
+        columns = [CONTROL_INDEX[c] for c in model.controls]
+        length = curves.shape[1]
+        padded = np.pad(curves[:, :, columns], ((0, 0), (0, -length % self.scale), (0, 0)), "edge")
+        inputs = torch.from_numpy(padded.astype(np.float32)).transpose(1, 2)
+        with torch.inference_mode():
+            answer = model.networks(inputs.contiguous(), naturalness)
+        weights: Array = answer.transpose(1, 2)[:, :length].numpy().astype(np.float64)
+        return weights
