@@ -1,0 +1,65 @@
+"""How a file writes its numbers, so that new ones look like its own."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+# Coarser than this, an edited curve would move in visible steps.
+_LEAST_PADDED, _LEAST_TRIMMED = 4, 6
+_MOST_TRIMMED = 9  # float32 has no more to say
+_NUMBER = re.compile(rb"[+-]?\d*(?:\.(\d*))?([eE][+-]?\d+)?")
+
+
+@dataclass(frozen=True)
+class NumberFormat:
+    """How to write a weight.
+
+    Attributes:
+        decimals: digits after the point.
+        padded: whether trailing zeros are written.
+        exponent: `e` or `E` in scientific notation, else empty.
+    """
+
+    decimals: int
+    padded: bool
+    exponent: str = ""
+
+    def write(self, value: float) -> bytes:
+        """The text of a finite number; never a negative zero."""
+        if self.exponent:
+            text = f"{value:.{self.decimals}{self.exponent}}"
+        else:
+            text = f"{value:.{self.decimals}f}"
+            if not self.padded:
+                text = text.rstrip("0").rstrip(".")
+        if text[0] == "-" and not float(text):
+            text = text[1:]
+        return text.encode()
+
+
+def detect_format(texts: Iterable[bytes]) -> NumberFormat:
+    """The format of a sample of a file's numbers."""
+    decimals: Counter[int] = Counter()
+    exponents: Counter[str] = Counter()
+    total = 0
+    for text in texts:
+        match = _NUMBER.fullmatch(text)
+        if match is None:
+            continue
+        total += 1
+        decimals[len(match[1] or b"")] += 1
+        exponents[chr(match[2][0]) if match[2] else ""] += 1
+    most = max(decimals, default=0)
+    # A few `1e-05` among plain numbers are how Python and JavaScript write small ones.
+    exponent = max(exponents, key=lambda key: exponents[key], default="")
+    if exponent:
+        return NumberFormat(max(most, _LEAST_TRIMMED), True, exponent)
+    # Some writers spell exact zeros and ones shorter than the rest (`0`, `0.0`).
+    padded = most > 1 and decimals[most] + decimals[0] + decimals[1] == total
+    padded = padded and decimals[most] > 1 and 10 * decimals[most] > total
+    if padded:
+        return NumberFormat(max(most, _LEAST_PADDED), True)
+    return NumberFormat(min(max(most, _LEAST_TRIMMED), _MOST_TRIMMED), False)

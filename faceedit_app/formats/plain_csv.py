@@ -1,0 +1,92 @@
+"""CSV with times in seconds: `time_s` and ARKit names, also as NVIDIA Audio2Face writes it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from faceedit_app.core.clip import Clip, Times
+from faceedit_app.formats.csv_table import CsvSource, Rows, Table, find_channels, read_table
+from faceedit_app.formats.take import Take
+from faceedit_app.formats.timing import (
+    DEFAULT_RATE,
+    find_gaps,
+    format_rate,
+    gap_notes,
+    nominal_rate,
+    typical_step,
+)
+
+FORMAT = "CSV with times in seconds"
+TIME_NAMES = ("time_s", "time", "timecode", "seconds")
+_SLOWEST = 1.0  # frames per second; below, the times are in another unit
+
+
+def read_plain_csv(path: Path | str) -> Take:
+    """Open a CSV with times in seconds.
+
+    Raises:
+        FileError: it is none, or damaged.
+    """
+    return plain_take(read_table(path))
+
+
+def plain_take(table: Table) -> Take:
+    """The take in a table whose times are seconds; see `read_plain_csv`."""
+    columns = find_channels(table)
+    lower = [name.lower() for name in table.names]
+    time = next((lower.index(name) for name in TIME_NAMES if name in lower), None)
+    if time is None:
+        raise table.error(
+            "has no column with times", 'add a column "time_s" in seconds', table.header
+        )
+    rows = table.read((), (time, *columns.indices))
+    seconds = rows.numbers[:, 0]
+    rate, notes = _rate(table, rows, seconds)
+    times = seconds - seconds[0]
+    gaps = find_gaps(times, rate)
+    clip = Clip(
+        weights=rows.numbers[:, 1:].astype(np.float32),
+        channels=columns.channels,
+        times=times,
+        rate=rate,
+        gaps=gaps,
+    )
+    carried = tuple(table.names[k] or "(unnamed)" for k in columns.others if k != time)
+    source = CsvSource(table, tuple(rows.lines), columns.indices)
+    return Take(table.path, FORMAT, clip, carried, (*notes, *gap_notes(gaps)), source)
+
+
+def _rate(table: Table, rows: Rows, seconds: Times) -> tuple[float, tuple[str, ...]]:
+    if len(seconds) == 1:
+        return DEFAULT_RATE, (f"a single frame: {format_rate(DEFAULT_RATE)} is assumed",)
+    steps = np.diff(seconds)
+    if steps.min() <= 0:
+        row = int(np.argmax(steps <= 0)) + 1
+        raise table.error(
+            f"the time {seconds[row]:g} does not come after {seconds[row - 1]:g}",
+            "sort the rows by time and remove repeated ones",
+            rows.lines[row],
+        )
+    step = typical_step(steps)
+    if step > 1 / _SLOWEST:
+        raise table.error(
+            f"times step by {step:g}, which cannot be seconds",
+            "give the times in seconds",
+            rows.lines[1],
+        )
+    measured = 1 / step
+    rate = nominal_rate(measured, _resolution(seconds) / (step * len(steps)))
+    if rate is not None:
+        return rate, ()
+    return measured, (f"{format_rate(measured)} is not a usual frame rate",)
+
+
+def _resolution(seconds: Times) -> float:
+    """How finely the times are given, in seconds."""
+    for decimals in range(9):
+        scaled = seconds * 10.0**decimals
+        if np.allclose(scaled, np.round(scaled), rtol=0, atol=1e-4):
+            return 10.0**-decimals
+    return 0.0
