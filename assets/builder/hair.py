@@ -1,0 +1,208 @@
+"""Hair combed back from the hairline to a bun, with fine strands that soften its edge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from assets.builder import source as src
+from assets.builder.geometry import Surface, bridge_rows, cast_outermost, fan, smoothstep, unit
+from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb, table
+from assets.builder.settings import HAIR
+from assets.builder.shapes import Face
+from assets.builder.skin import head_faces
+from assets.builder.source import Floats, Ints
+
+_EAR = 0.35  # mask value from which a vertex belongs to an ear
+
+
+def _spherical(azimuth: Floats, elevation: Floats) -> Floats:
+    """Unit vectors (..., 3); azimuth 0 looks forward, both in radians."""
+    flat = np.cos(elevation)
+    parts = np.sin(azimuth) * flat, np.sin(elevation), np.cos(azimuth) * flat
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+
+def _round_mean(values: Floats) -> Floats:
+    """Average each of (C,) values on a closed ring with its two neighbours."""
+    return np.asarray(0.25 * np.roll(values, 1) + 0.5 * values + 0.25 * np.roll(values, -1))
+
+
+@dataclass(frozen=True)
+class Hairline:
+    """Where the hair begins, seen from a centre inside the skull.
+
+    Attributes:
+        centre: (3,) mm.
+        skull: (F, 3) triangles of the head without the ears.
+        vertices: (13380, 3) mm, of the body.
+        azimuths, elevations: (C,) radians of the line, column by column around the head.
+    """
+
+    centre: Floats
+    skull: Ints
+    vertices: Floats
+    azimuths: Floats
+    elevations: Floats
+
+    def reach(self, directions: Floats) -> Floats:
+        """Distance (R,) from the centre to the skull; gaps are filled around the head."""
+        distance = cast_outermost(self.centre, directions, self.vertices, self.skull)
+        gaps = np.isnan(distance)
+        column = np.arange(len(distance))
+        distance[gaps] = np.interp(
+            column[gaps], column[~gaps], distance[~gaps], period=len(distance)
+        )
+        return distance
+
+    def elevation(self, azimuths: Floats) -> Floats:
+        """The line's elevation at any azimuth, radians."""
+        return np.interp(azimuths, self.azimuths, self.elevations, period=2 * np.pi)
+
+    def above(self, points: Floats) -> Floats:
+        """How far points (P, 3) lie above the line, radians."""
+        x, y, z = (points - self.centre).T
+        return np.arctan2(y, np.hypot(x, z)) - self.elevation(np.arctan2(x, z))
+
+
+def find_hairline(face: Face) -> Hairline:
+    """Cast the tuned heights of the hairline onto the skull."""
+    skin, eye_height = face.skin, face.eye_height
+    ear = face.ears[src.BODY] > _EAR
+    ear_top = skin[ear, 1].max()
+    ear_middle = skin[ear & (skin[:, 0] > 0)].mean(0)
+    centre = np.array([0, eye_height + HAIR.centre_up, ear_middle[2] + HAIR.centre_forward])
+    faces = head_faces(face)
+    above = skin[faces][:, :, 1].min(1) > eye_height - HAIR.skull_below
+    skull = faces[~ear[faces].any(1) & above]
+
+    azimuths = np.arange(HAIR.columns) * 2 * np.pi / HAIR.columns
+    knots = [
+        (angle, reference + height)
+        for rows, reference in (
+            (HAIR.line_over_eyes, eye_height),
+            (HAIR.line_over_ear_top, ear_top),
+            (HAIR.line_over_ear_middle, ear_middle[1]),
+        )
+        for angle, height in rows
+    ]
+    degrees = np.rad2deg(np.minimum(azimuths, 2 * np.pi - azimuths))
+    heights = PchipInterpolator(*np.array(knots).T)(degrees)
+    scan = np.deg2rad(np.linspace(*HAIR.scan))
+    elevations = np.zeros(HAIR.columns)
+    for i, azimuth in enumerate(azimuths):
+        distance = cast_outermost(centre, _spherical(azimuth, scan), skin, skull)
+        hit = ~np.isnan(distance)
+        reached = centre[1] + distance[hit] * np.sin(scan[hit])
+        order = np.argsort(reached)
+        elevations[i] = np.interp(heights[i], reached[order], scan[hit][order])
+    elevations = (elevations + np.roll(elevations[::-1], 1)) / 2  # the same on both sides
+    return Hairline(centre, skull, skin, azimuths, _round_mean(elevations))
+
+
+def above_hairline(face: Face, line: Hairline) -> Floats:
+    """(13380,) radians above the hairline; negative on the ears and below the head."""
+    ear = face.ears[src.BODY] > _EAR
+    below = face.skin[:, 1] < face.eye_height - HAIR.skull_below
+    return np.where(ear | below, -0.5, line.above(face.skin))
+
+
+def build_hair(line: Hairline, skin: Part, surface: Surface) -> list[Part]:
+    """The combed cap, the bun and the wisps."""
+    random = np.random.default_rng(HAIR.seed)
+    pole = _spherical(np.array(np.pi), np.deg2rad(HAIR.pole))
+    shade = random.uniform(*HAIR.shade, HAIR.columns)
+    shade = (shade + np.roll(shade[::-1], 1)) / 2
+    cap, crown = _cap(line, pole, shade, skin, surface)
+    return [cap, _bun(line.centre + pole * (crown + HAIR.bun_out), pole), _wisps(line, skin, surface)]
+
+
+def _cap(
+    line: Hairline, pole: Floats, shade: Floats, skin: Part, surface: Surface
+) -> tuple[Part, float]:
+    """The cap, and the skull's distance from the centre at the pole, mm."""
+    start = _spherical(line.azimuths, line.elevations)
+    angle = np.arccos(np.clip(start @ pole, -1, 1))[:, None]
+    comb = np.cos(np.arange(HAIR.columns) * np.pi)  # every other column stands up
+    rows, colors, reaches = [], [], []
+    for i, share in enumerate(HAIR.rings):
+        along = np.sin((1 - share) * angle) * start + np.sin(share * angle) * pole
+        direction = along / np.sin(angle)
+        reach = line.reach(direction)
+        reaches.append(reach if i < 2 else _round_mean(reach))
+        thickness = table(HAIR.thickness, np.array([share]))
+        groove = HAIR.groove * comb * smoothstep(0, 0.15, share)
+        rows.append(line.centre + direction * (reaches[-1] + thickness + groove)[:, None])
+        bright = shade * (1 + HAIR.groove_shade * comb) * (1.12 - 0.25 * abs(share - 0.5))
+        colors.append(srgb(HAIR.color) * bright[:, None])
+    crown = float(reaches[-1].mean())
+    top = line.centre + pole * (crown + HAIR.thickness[-1][1])
+    vertices = np.concatenate([*rows, [top]])
+    rings = len(HAIR.rings)
+    last = (rings - 1) * HAIR.columns + np.arange(HAIR.columns)
+    faces = np.concatenate(
+        [bridge_rows(rings, HAIR.columns, closed=True)[:, ::-1], fan(len(vertices) - 1, last)]
+    )
+    fade = np.r_[np.repeat(np.exp(-np.array(HAIR.rings) / HAIR.move_fade), HAIR.columns), 0]
+    deltas = surface.anchor(vertices).read(skin.deltas) * fade[:, None]
+    color = np.concatenate([*colors, [srgb(HAIR.color)]])
+    return make_part("hair", vertices, faces, "hair", color, deltas), crown
+
+
+def _bun(centre: Floats, out: Floats) -> Part:
+    """A grooved, slightly flattened ball."""
+    right = np.array([1.0, 0.0, 0.0])
+    up = np.cross(out, right)
+    tilt = np.pi * np.arange(1, HAIR.bun_rows)[:, None] / HAIR.bun_rows
+    turn = 2 * np.pi * np.arange(HAIR.bun_columns) / HAIR.bun_columns
+    wave = np.cos(turn * HAIR.bun_columns / 2 + np.arange(1, HAIR.bun_rows)[:, None] * np.pi / 2)
+    ball = np.stack(
+        np.broadcast_arrays(
+            np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt) * HAIR.bun_flat
+        ),
+        axis=-1,
+    ) * (1 + HAIR.bun_groove * wave)[..., None]
+    local = np.concatenate([ball.reshape(-1, 3), [[0, 0, HAIR.bun_flat]]]) * HAIR.bun_radius
+    vertices = centre + local @ np.stack([right, up, out])
+    bright = (1 + HAIR.bun_shade * wave) * np.where(tilt < 0.64 * np.pi, 1.1, 0.75)
+    color = srgb(HAIR.color) * np.r_[bright.ravel(), 1.0][:, None]
+    faces = bridge_rows(HAIR.bun_rows - 1, HAIR.bun_columns, closed=True)
+    cap = fan(len(vertices) - 1, np.arange(HAIR.bun_columns))
+    return make_part("bun", vertices, np.concatenate([faces, cap]), "hair", color)
+
+
+def _wisps(line: Hairline, skin: Part, surface: Surface) -> Part:
+    """Thin strands that root in front of the hairline and lie on the combed hair."""
+    random = np.random.default_rng(HAIR.seed)
+    count = HAIR.wisps // 2
+    azimuth = np.deg2rad(np.linspace(0.5, HAIR.wisp_span, count) + random.uniform(-0.5, 0.5, count))
+    before = random.uniform(*HAIR.wisp_before, count)
+    length = random.uniform(*HAIR.wisp_length, count)
+    shade = random.uniform(0.7, 1.15, count)
+    azimuth = np.r_[azimuth, -azimuth]
+    before, length, shade = np.tile(before, 2), np.tile(length, 2), np.tile(shade, 2)
+
+    elevation = line.elevation(azimuth)
+    reach = line.reach(_spherical(azimuth, elevation))
+    root = line.centre + _spherical(azimuth, elevation - before / reach) * reach[:, None]
+    tip_direction = _spherical(azimuth * 1.02, elevation + (length - before) / reach)
+    lift = np.interp(length - before, [0, 5, 12], [0.8, 3.6, 5.2])
+    tip = line.centre + tip_direction * (line.reach(tip_direction) + lift)[:, None]
+    anchors = surface.anchor(root)
+    root = surface.position(anchors, 0.25)
+    aside = unit(np.cross(tip - root, root - line.centre)) * HAIR.wisp_width / 2
+    middle = (root + tip) / 2 + unit(root - line.centre) * 0.6
+    vertices = np.stack([root, middle - aside, middle + aside, tip], axis=1)
+    delta = anchors.read(skin.deltas)
+    deltas = np.stack([delta, delta * 0.7, delta * 0.7, delta * 0.3], axis=2)
+    first = np.arange(len(root))[:, None] * 4
+    return make_part(
+        "wisps",
+        vertices.reshape(-1, 3),
+        np.concatenate([first + [0, 2, 1], first + [1, 2, 3]]),
+        "hair",
+        srgb(HAIR.color) * np.repeat(shade, 4)[:, None],
+        deltas.reshape(CHANNEL_COUNT, -1, 3),
+    )

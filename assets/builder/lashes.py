@@ -1,0 +1,97 @@
+"""Lashes: tapered strands along the helper lashes, and the dark line at their roots."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from assets.builder.geometry import bridge_rows, unit
+from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb
+from assets.builder.settings import LASHES, LashRow
+from assets.builder.shapes import Eye, Face
+from assets.builder.source import Floats, Ints
+from faceedit_app.core.arkit import ARKIT_INDEX
+
+
+def build_lashes(face: Face, eye: Eye) -> list[Part]:
+    """The lashes and lines of the upper and the lower lid."""
+    parts = []
+    for rows, row, is_upper in ((eye.upper, LASHES.upper, True), (eye.lower, LASHES.lower, False)):
+        lid = "upper" if is_upper else "lower"
+        parts.append(_strands(f"{lid}Lashes{eye.side}", face, eye, rows, row, is_upper))
+        parts.append(_line(f"{lid}Line{eye.side}", face, rows, row))
+    return parts
+
+
+def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow, is_upper: bool) -> Part:
+    random = np.random.default_rng(LASHES.seed)
+    edge, tips = rows[1], rows[-1]
+    along = np.linspace(LASHES.ends[0], len(edge) - LASHES.ends[1], row.strands)
+    along = along + random.uniform(-0.15, 0.15, row.strands)
+    length = row.length * random.uniform(0.85, 1.1, row.strands)[:, None]
+
+    root, root_delta = _read(face, edge, along)
+    tip, tip_delta = _read(face, tips, along + LASHES.sweep)
+    tip = root + (tip - root) * length
+    tip_delta = root_delta + (tip_delta - root_delta) * length
+    if is_upper:
+        tip_delta = _follow_lid(face, eye, root, root_delta, tip, tip_delta)
+    else:
+        tip_delta = root_delta
+    bend = [0.0, -row.bend, LASHES.bend_forward]
+    middle = root + (tip - root) * LASHES.bend_at + bend
+    middle_delta = root_delta + (tip_delta - root_delta) * LASHES.bend_at
+
+    aside = unit(np.gradient(root, axis=0)) * row.width / 2
+    vertices = [root - aside, root + aside, middle - aside * 0.66, middle + aside * 0.66, tip]
+    deltas = [root_delta, root_delta, middle_delta, middle_delta, tip_delta]
+    first = np.arange(row.strands)[:, None] * len(vertices)
+    faces = np.concatenate([first + [0, 1, 3], first + [0, 3, 2], first + [2, 3, 4]])
+    return make_part(
+        name,
+        np.stack(vertices, axis=1).reshape(-1, 3),
+        faces,
+        "lashes",
+        srgb(LASHES.color),
+        np.stack(deltas, axis=2).reshape(CHANNEL_COUNT, -1, 3),
+    )
+
+
+def _follow_lid(
+    face: Face, eye: Eye, root: Floats, root_delta: Floats, tip: Floats, tip_delta: Floats
+) -> Floats:
+    """Turn the upper lashes down in proportion to how far the lid is closed."""
+    blink = root_delta[ARKIT_INDEX[f"eyeBlink{eye.side}"]]
+    strand = tip - root
+    out = unit(root + blink - eye.centre)
+    closed = unit(LASHES.closed_out * out - [0, LASHES.closed_down, 0])
+    turn = closed * np.linalg.norm(strand, axis=1, keepdims=True) - strand
+    closing = root_delta[:, :, 1] / np.minimum(blink[:, 1], -0.1)
+    return np.asarray(tip_delta + np.clip(closing, -0.3, 1.2)[..., None] * turn)
+
+
+def _line(name: str, face: Face, rows: Ints, row: LashRow) -> Part:
+    """A thin strip along the edge of the lid."""
+    edge, outer = rows[1], rows[2]
+    neutral, deltas = face.neutral, face.deltas
+    vertices = [neutral[edge], neutral[edge] + (neutral[outer] - neutral[edge]) * row.liner]
+    motion = deltas[:, edge], deltas[:, edge] + (deltas[:, outer] - deltas[:, edge]) * row.liner
+    return make_part(
+        name,
+        np.concatenate(vertices),
+        bridge_rows(2, len(edge), closed=False),
+        "lashes",
+        srgb(row.liner_color),
+        np.concatenate(motion, axis=1),
+    )
+
+
+def _read(face: Face, row: Ints, along: Floats) -> tuple[Floats, Floats]:
+    """Positions (S, 3) and displacements (52, S, 3) at fractional columns of a helper row."""
+    column = np.clip(np.floor(along).astype(int), 0, len(row) - 2)
+    share = np.clip(along - column, None, 1)[:, None]
+
+    def between(values: Floats) -> Floats:
+        a, b = values[..., row[column], :], values[..., row[column + 1], :]
+        return np.asarray(a + (b - a) * share)
+
+    return between(face.neutral), between(face.deltas)

@@ -1,0 +1,218 @@
+"""The posed neutral face and the 52 cleaned-up blendshapes, still on the whole base mesh."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from assets.builder import source as src
+from assets.builder.geometry import MIRROR, edges, fit_sphere, smooth, smoothstep
+from assets.builder.lips import seal_lips
+from assets.builder.settings import NEUTRAL, SHAPES
+from assets.builder.source import BaseMesh, Floats, Ints, Source
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
+
+SIDES = ("Left", "Right")
+
+
+@dataclass(frozen=True)
+class Eye:
+    """The sphere behind one pair of lids, and the rows of its helper lashes.
+
+    Attributes:
+        side: "Left" or "Right" of the character.
+        helper: the vertices of the helper eyeball.
+        centre: (3,) mm.
+        radius: mm.
+        upper, lower: (rows, columns) vertex indices of the helper lashes, from the lid's skin
+            (row 0; row 1 is the edge of the lid) to the tips, from the nose outwards.
+    """
+
+    side: str
+    helper: slice
+    centre: Floats
+    radius: float
+    upper: Ints
+    lower: Ints
+
+
+@dataclass(frozen=True)
+class Face:
+    """The base mesh in its neutral pose, with displacements per channel.
+
+    Attributes:
+        mesh: topology and texture coordinates of the base mesh.
+        neutral: (N, 3) mm.
+        deltas: (52, N, 3) mm, in the order of `ARKIT_CHANNELS`.
+        body: (F, 3) the triangles of the body's skin.
+        lips, mouth, lids, ears: (N,) masks in 0..1.
+        eyes: left, right.
+    """
+
+    mesh: BaseMesh
+    neutral: Floats
+    deltas: Floats
+    body: Ints
+    lips: Floats
+    mouth: Floats
+    lids: Floats
+    ears: Floats
+    eyes: tuple[Eye, Eye]
+
+    def delta(self, channel: str) -> Floats:
+        """Displacements (N, 3), mm, of one channel."""
+        return np.asarray(self.deltas[ARKIT_INDEX[channel]])
+
+    @property
+    def eye_height(self) -> float:
+        """Y of the eyes' centres, mm: the origin of most vertical measures."""
+        return float(self.eyes[0].centre[1])
+
+    @property
+    def skin(self) -> Floats:
+        """(13380, 3) mm: the body's own vertices, without helper geometry."""
+        return self.neutral[src.BODY]
+
+
+def pose_face(source: Source) -> Face:
+    """Read, symmetrise, pose and clean up."""
+    mesh = source.mesh
+    mirror = cKDTree(mesh.vertices).query(mesh.vertices * MIRROR)[1]
+    deltas = _symmetric_deltas(source, mirror)
+    neutral = _neutral(source, deltas, mirror)
+    eyes = _eye("Left", mesh, neutral), _eye("Right", mesh, neutral)
+    _close_lids(neutral, deltas, eyes[0])
+    for channel, gain in SHAPES.gains:
+        deltas[ARKIT_INDEX[channel]] *= gain
+
+    lips, mouth = source.mask("lips"), source.mask("inside-mouth")
+    body = _triangulate(mesh.group("body"), neutral, deltas)
+    _smooth_cheeks(neutral, deltas, body, lips, eyes)
+    neutral = seal_lips(neutral, deltas, body, lips)
+    lids, ears = source.mask("eyelids"), source.mask("ears")
+    return Face(mesh, neutral, deltas, body, lips, mouth, lids, ears, eyes)
+
+
+def _symmetric_deltas(source: Source, mirror: Ints) -> Floats:
+    """All face units; each is averaged with its mirrored partner, from which it differs."""
+    raw = {channel: source.face_unit(channel) for channel in ARKIT_CHANNELS}
+    return np.stack(
+        [
+            (raw[channel] + raw[mirrored_channel(channel)][mirror] * MIRROR) / 2
+            for channel in ARKIT_CHANNELS
+        ]
+    )
+
+
+def _neutral(source: Source, deltas: Floats, mirror: Ints) -> Floats:
+    neutral = source.mesh.vertices.copy()
+    for name, weight in NEUTRAL.targets:
+        neutral += weight * source.target(name)
+    neutral += NEUTRAL.lips_together * deltas[ARKIT_INDEX["mouthClose"]]
+    for side in SIDES:
+        neutral += NEUTRAL.lids_relaxed * deltas[ARKIT_INDEX[f"eyeBlink{side}"]]
+    return (neutral + neutral[mirror] * MIRROR) / 2
+
+
+def _eye(side: str, mesh: BaseMesh, neutral: Floats) -> Eye:
+    helper = src.LEFT_EYE if side == "Left" else src.RIGHT_EYE
+    centre, radius = fit_sphere(neutral[helper])
+    skin = cKDTree(neutral[src.BODY])
+    rows = []
+    for part in ("2", "1"):  # 2 is the upper lid
+        grid = _grid_rows(mesh.group(f"helper-{side[0].lower()}-eyelashes-{part}"), neutral, skin)
+        rows.append(grid[:, np.argsort(np.abs(neutral[grid[1], 0]))])
+    return Eye(side, helper, centre, radius, *rows)
+
+
+def _grid_rows(quads: Ints, neutral: Floats, skin: cKDTree) -> Ints:
+    """Order a strip of quads into a grid (rows, columns); row 0 is the long border on the skin."""
+    neighbours: dict[int, set[int]] = defaultdict(set)
+    uses: Counter[frozenset[int]] = Counter()
+    for quad in quads.tolist():
+        for a, b in zip(quad, quad[1:] + quad[:1], strict=True):
+            neighbours[a].add(b)
+            neighbours[b].add(a)
+            uses[frozenset((a, b))] += 1
+    border: dict[int, list[int]] = defaultdict(list)
+    for edge in sorted(sorted(edge) for edge, count in uses.items() if count == 1):
+        border[edge[0]].append(edge[1])
+        border[edge[1]].append(edge[0])
+    vertices, counts = np.unique(quads, return_counts=True)
+    corners = {int(v) for v in vertices[counts == 1]}
+
+    def walk(start: int, following: int) -> list[int]:
+        path = [start, following]
+        while path[-1] not in corners:
+            path.append(next(v for v in border[path[-1]] if v != path[-2]))
+        return path
+
+    paths = [walk(corner, v) for corner in sorted(corners) for v in border[corner]]
+    longest = max(map(len, paths))
+    long_paths = [path for path in paths if len(path) == longest]
+    rows = [min(long_paths, key=lambda path: float(skin.query(neutral[path])[0].mean()))]
+    used = set(rows[0])
+    while True:
+        following_row = [[v for v in neighbours[u] if v not in used] for u in rows[-1]]
+        if any(len(choice) != 1 for choice in following_row):
+            return np.array(rows)
+        rows.append([choice[0] for choice in following_row])
+        used.update(rows[-1])
+
+
+def _close_lids(neutral: Floats, deltas: Floats, eye: Eye) -> None:
+    """Scale the blinks, which over-close by 4 mm, so that the lids just meet."""
+    upper, lower = eye.upper[1], eye.lower[1]
+    x = neutral[lower, 0]
+    columns = x.min() + np.linspace(*SHAPES.blink_columns) * (x.max() - x.min())
+
+    def gap(pose: Floats) -> Floats:
+        above = np.interp(columns, pose[upper, 0], pose[upper, 1])
+        return np.asarray(above - np.interp(columns, pose[lower, 0], pose[lower, 1]))
+
+    before, after = gap(neutral), gap(neutral + deltas[ARKIT_INDEX["eyeBlinkLeft"]])
+    ends = SHAPES.blink_columns_ignored
+    factor = (before / (before - after))[ends:-ends].max() + SHAPES.blink_overlap
+    for side in SIDES:
+        deltas[ARKIT_INDEX[f"eyeBlink{side}"]] *= min(1.0, factor)
+
+
+def _triangulate(quads: Ints, neutral: Floats, deltas: Floats) -> Ints:
+    """Split each quad along the diagonal that is the shorter one in a smile and an open jaw.
+
+    The rule is the same on both sides of the face, so that creases are too.
+    """
+    poses = [
+        neutral,
+        neutral + deltas[ARKIT_INDEX["mouthSmileLeft"]] + deltas[ARKIT_INDEX["mouthSmileRight"]],
+        neutral + deltas[ARKIT_INDEX["jawOpen"]],
+    ]
+    length = [
+        sum(np.linalg.norm(pose[quads[:, i]] - pose[quads[:, i + 2]], axis=1) for pose in poses)
+        for i in (0, 1)
+    ]
+    first = (np.round(length[0], 4) <= np.round(length[1], 4))[:, None]
+    start = np.where(first, quads[:, [0, 1, 2]], quads[:, [1, 2, 3]])
+    return np.concatenate([start, np.where(first, quads[:, [0, 2, 3]], quads[:, [1, 3, 0]])])
+
+
+def _smooth_cheeks(
+    neutral: Floats, deltas: Floats, body: Ints, lips: Floats, eyes: tuple[Eye, Eye]
+) -> None:
+    """Smooth a few displacement fields away from the lips, the mouth and the eyes."""
+    skin = neutral[src.BODY]
+    distance = cKDTree(skin[lips[src.BODY] > 0.5]).query(skin)[0]
+    strength = SHAPES.smooth_strength * smoothstep(*SHAPES.smooth_keep_lips, distance)
+    strength *= smoothstep(*SHAPES.smooth_keep_middle, np.abs(skin[:, 0]))
+    for eye in eyes:
+        away = np.linalg.norm(skin - eye.centre, axis=1)
+        strength *= smoothstep(*SHAPES.smooth_keep_eyes, away)
+    links = edges(body)
+    for channel in SHAPES.smoothed:
+        field = deltas[ARKIT_INDEX[channel], src.BODY]
+        deltas[ARKIT_INDEX[channel], src.BODY] = smooth(
+            field, links, strength, SHAPES.smooth_rounds
+        )
