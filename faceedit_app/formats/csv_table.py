@@ -1,8 +1,6 @@
-"""A CSV file that is read as a table and written back byte for byte, but for edited numbers.
+"""A CSV file as a table that keeps its bytes: lines with their ends, cells with their quotes.
 
-The file is kept as its lines. Exporting splits only the lines in which a weight changed, replaces
-those cells, and joins them again, so everything else (line ends, spaces, quotes, columns that
-FaceEdit knows nothing of, lines without a tracked face) survives by construction.
+What is wrong with a file is told with its line and a remedy, before anything is made of it.
 """
 
 from __future__ import annotations
@@ -10,22 +8,18 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.arkit import canonical_channel
-from faceedit_app.core.clip import Floats, Times
+from faceedit_app.core.clip import Times
 from faceedit_app.core.errors import FileError
-from faceedit_app.formats.numbers import detect_format
 
 _BOM = b"\xef\xbb\xbf"
 _LARGEST_FILE = 1 << 30  # an hour at 60 fps is 160 MB
 _LONGEST_SHOWN = 40
-_FORMAT_SAMPLE = 200  # rows to learn the number format from
-_CHOOSE = "choose a Live Link Face CSV or another CSV with ARKit channels"
+CHOOSE_TAKE = "choose a Live Link Face CSV or another CSV with ARKit channels"
 _REPAIR = "correct the cell or delete the line"
 
 Cells = list[bytes]
@@ -43,7 +37,7 @@ def read_bytes(path: Path) -> bytes:
         if not path.exists():
             raise FileError(path, "does not exist", "check the name and the folder")
         if not path.is_file():
-            raise FileError(path, "is not a regular file", _CHOOSE)
+            raise FileError(path, "is not a regular file", CHOOSE_TAKE)
         if path.stat().st_size > _LARGEST_FILE:
             raise FileError(path, "is larger than 1 GB", "split the take into shorter ones")
         return path.read_bytes()
@@ -122,7 +116,7 @@ class Table:
         Args:
             text_columns: columns to read as texts.
             number_columns: columns to read as numbers.
-            is_untracked: whether a row that is shorter than the header is complete as it is.
+            is_untracked: whether a row that lacks numbers is complete as it is.
 
         Raises:
             FileError: a row too short or too long, or a cell that is no finite number.
@@ -136,9 +130,14 @@ class Table:
             full = len(cells) == len(self.names) or self._fits(line, cells, is_untracked)
             if full:
                 try:
+                    if b"_" in self.lines[line]:  # Python reads 1_0 as 10: look closer
+                        raise ValueError
                     flat.extend([float(cells[k]) for k in number_columns])
                 except ValueError:
-                    flat.extend([self._number(line, k, cells[k]) for k in number_columns])
+                    full = not is_untracked(cells)
+                    if full:
+                        flat.extend([self._number(line, k, cells[k]) for k in number_columns])
+            if full:
                 lines.append(line)
             texts.append(tuple(plain_text(cells[k]) for k in text_columns))
             tracked.append(full)
@@ -179,20 +178,21 @@ class Table:
     def _number(self, line: int, column: int, cell: bytes) -> float:
         text = plain_text(cell)
         try:
-            if "_" in text:  # Python reads 1_0 as 10
+            if "_" in text:
                 raise ValueError(text)
             return float(text)
         except ValueError:
-            what = f'holds "{_shortened(text)}", not a number' if text else "is empty"
-            raise self.error(f'column "{self.names[column]}" {what}', _REPAIR, line) from None
+            what = f'holds "{shown(text)}", not a number' if text else "is empty"
+            remedy = "write decimals with a point" if "," in text else _REPAIR
+            raise self.error(f'column "{shown(self.names[column])}" {what}', remedy, line) from None
 
     def _check_finite(self, numbers: Times, columns: Sequence[int], lines: list[int]) -> None:
         largest = float(np.finfo(np.float32).max)
         wrong = np.argwhere(~(np.abs(numbers) <= largest))  # also true for NaN
         if len(wrong):
             row, k = int(wrong[0, 0]), columns[int(wrong[0, 1])]
-            text = _shortened(plain_text(self.cells(lines[row])[k]))
-            problem = f'column "{self.names[k]}" holds "{text}", not a finite number'
+            text = shown(plain_text(self.cells(lines[row])[k]))
+            problem = f'column "{shown(self.names[k])}" holds "{text}", not a finite number'
             raise self.error(problem, _REPAIR, lines[row])
 
 
@@ -208,96 +208,18 @@ def read_table(path: Path | str) -> Table:
         raise FileError(path, "is UTF-16 text", "save it as UTF-8")
     nul = content.find(b"\0")
     if content[:4] == b"\x89PNG" or 0 <= nul < 1024:
-        raise FileError(path, "is not a CSV file but binary data", _CHOOSE)
+        raise FileError(path, "is not a CSV file but binary data", CHOOSE_TAKE)
     lines = tuple(content.splitlines(keepends=True))
     if nul >= 0:
         line = content.count(b"\n", 0, nul) + 1
         raise FileError(path, "is damaged (zero bytes)", "copy it from the device again", line)
     header = next((i for i, line in enumerate(lines) if line.removeprefix(_BOM).strip()), None)
     if header is None:
-        raise FileError(path, "is empty", _CHOOSE)
+        raise FileError(path, "is empty", CHOOSE_TAKE)
     text = lines[header].removeprefix(_BOM)
     delimiter = max((b",", b";", b"\t"), key=text.count)
     names = tuple(plain_text(cell) for cell in _split(text.rstrip(b"\r\n"), delimiter))
     return Table(path, lines, header, names, delimiter)
-
-
-@dataclass(frozen=True)
-class Columns:
-    """Which columns of a table hold channels.
-
-    Attributes:
-        channels: ARKit names in the table's order.
-        indices: their columns.
-        others: indices of all other columns.
-    """
-
-    channels: tuple[str, ...]
-    indices: tuple[int, ...]
-    others: tuple[int, ...]
-
-
-def find_channels(table: Table) -> Columns:
-    """Find the channels by name; the order of columns means nothing.
-
-    Raises:
-        FileError: there is none, or one twice.
-    """
-    found: dict[str, int] = {}
-    others = []
-    for k, name in enumerate(table.names):
-        channel = canonical_channel(name)
-        if channel is None:
-            others.append(k)
-        elif channel in found:
-            problem = f'the channel "{channel}" has two columns ({found[channel] + 1} and {k + 1})'
-            raise table.error(problem, "rename or remove one of them", table.header)
-        else:
-            found[channel] = k
-    if not found:
-        raise table.error("holds no ARKit channel such as jawOpen", _CHOOSE, table.header)
-    return Columns(tuple(found), tuple(found.values()), tuple(others))
-
-
-@dataclass(frozen=True)
-class CsvSource:
-    """A table with the places of a clip's weights in it (`take.Source`).
-
-    Attributes:
-        table: the file.
-        lines: (T) indices of the lines that hold the clip's frames.
-        columns: (K) columns that hold its channels.
-    """
-
-    table: Table
-    lines: Sequence[int]
-    columns: Sequence[int]
-
-    def encode(self, tracked: Floats, edited: Floats) -> bytes:
-        """The whole file; see `take.Source.encode`."""
-        # By value: 0 and -0 are the same weight, so their text stays.
-        changed = tracked != edited
-        touched = np.flatnonzero(changed.any(axis=1))
-        out = list(self.table.lines)
-        if len(touched):
-            write = detect_format(self._sample()).write
-            for row in touched.tolist():
-                line = self.lines[row]
-                cells = self.table.cells(line)
-                for k in np.flatnonzero(changed[row]).tolist():
-                    column = self.columns[k]
-                    cells[column] = _replaced(cells[column], write(float(edited[row, k])))
-                text = self.table.delimiter.join(cells)
-                old = self.table.lines[line]
-                out[line] = text + old[len(old.rstrip(b"\r\n")) :]
-        return b"".join(out)
-
-    def _sample(self) -> Iterator[bytes]:
-        stride = max(1, len(self.lines) // _FORMAT_SAMPLE)
-        for line in islice(self.lines, 0, None, stride):
-            cells = self.table.cells(line)
-            for column in self.columns:
-                yield cells[column].strip().strip(b'"').strip()
 
 
 def plain_text(cell: bytes) -> str:
@@ -305,10 +227,10 @@ def plain_text(cell: bytes) -> str:
     return cell.decode("utf-8", "replace").strip().strip('"').strip()
 
 
-def _replaced(cell: bytes, number: bytes) -> bytes:
-    """The cell with another number in the quotes and spaces it had."""
-    old = cell.strip().strip(b'"').strip()
-    return cell.replace(old, number, 1)
+def shown(text: str) -> str:
+    """A text from a file as it can stand in a message: short and on one line."""
+    text = "".join(c if c.isprintable() else "?" for c in text[:_LONGEST_SHOWN])
+    return text if len(text) < _LONGEST_SHOWN else text[:-1] + "…"
 
 
 def _split(text: bytes, delimiter: bytes) -> Cells:
@@ -329,7 +251,3 @@ def _split(text: bytes, delimiter: bytes) -> Cells:
 
 def _is_blank(cells: Cells) -> bool:
     return not any(cell.strip() for cell in cells)
-
-
-def _shortened(text: str) -> str:
-    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 1] + "…"

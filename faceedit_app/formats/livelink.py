@@ -11,15 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.clip import Clip
-from faceedit_app.formats.csv_table import (
-    Cells,
-    CsvSource,
-    Rows,
-    Table,
-    find_channels,
-    plain_text,
-    read_table,
-)
+from faceedit_app.formats.csv_source import CsvSource, find_channels
+from faceedit_app.formats.csv_table import Cells, Rows, Table, plain_text, read_table, shown
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import BadTimecode, Timing, derive_timing
 from faceedit_app.formats.timing import counted, find_gaps, gap_notes
@@ -51,7 +44,9 @@ def livelink_take(table: Table) -> Take:
     def is_untracked(cells: Cells) -> bool:
         if count is None or timecode >= len(cells) or count >= len(cells):
             return False
-        return len(cells) == 2 and plain_text(cells[count]) == "0"
+        # Spreadsheets fill such rows up with empty cells.
+        values = sum(1 for cell in cells if plain_text(cell))
+        return values == 2 and plain_text(cells[count]) == "0"
 
     rows = table.read(texts, columns.indices, is_untracked)
     if not rows.lines:
@@ -84,7 +79,7 @@ def _timing(table: Table, rows: Rows) -> Timing:
         return derive_timing([texts[0] for texts in rows.texts])
     except BadTimecode as bad:
         raise table.error(
-            f'"{bad.text[:40]}" is not a timecode (HH:MM:SS:FF)',
+            f'"{shown(bad.text)}" is not a timecode (HH:MM:SS:FF)',
             "correct it or delete the line",
             rows.number_of_line[bad.row] - 1,
         ) from None
@@ -102,7 +97,7 @@ def _untracked_notes(rows: Rows) -> tuple[str, ...]:
 def _count_notes(table: Table, rows: Rows, count: int) -> tuple[str, ...]:
     values = len(table.names) - 2
     said = {texts[1] for texts, full in zip(rows.texts, rows.tracked, strict=True) if full}
-    wrong = sorted(said - {str(values)})
+    wrong = [shown(text) for text in sorted(said - {str(values)})]
     if not wrong:
         return ()
     return (f"{table.names[count]} says {', '.join(wrong[:3])}, the header has {values} values",)

@@ -10,7 +10,8 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats import livelink, plain_csv
-from faceedit_app.formats.csv_table import Table, find_channels, plain_text, read_table
+from faceedit_app.formats.csv_source import find_channels
+from faceedit_app.formats.csv_table import Table, plain_text, read_table
 from faceedit_app.formats.take import Take
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.clip import Clip, Times
-from faceedit_app.formats.csv_table import CsvSource, Rows, Table, find_channels, read_table
+from faceedit_app.formats.csv_source import CsvSource, find_channels
+from faceedit_app.formats.csv_table import Rows, Table, read_table
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import (
     DEFAULT_RATE,
@@ -20,7 +21,7 @@ from faceedit_app.formats.timing import (
 
 FORMAT = "CSV with times in seconds"
 TIME_NAMES = ("time_s", "time", "timecode", "seconds")
-_SLOWEST = 1.0  # frames per second; below, the times are in another unit
+_SLOWEST, _FASTEST = 1.0, 2000.0  # frames per second; beyond, the times are in another unit
 
 
 def read_plain_csv(path: Path | str) -> Take:
@@ -70,7 +71,7 @@ def _rate(table: Table, rows: Rows, seconds: Times) -> tuple[float, tuple[str, .
             rows.lines[row],
         )
     step = typical_step(steps)
-    if step > 1 / _SLOWEST:
+    if not 1 / _FASTEST <= step <= 1 / _SLOWEST:
         raise table.error(
             f"times step by {step:g}, which cannot be seconds",
             "give the times in seconds",

@@ -1,0 +1,105 @@
+"""The weights of a clip in a CSV table, and the way back into its file.
+
+The file is kept as its lines. Exporting splits only the lines in which a weight changed, replaces
+those cells, and joins them again, so everything else (line ends, spaces, quotes, columns that
+FaceEdit knows nothing of, lines without a tracked face) survives by construction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+
+from faceedit_app.core.arkit import canonical_channel
+from faceedit_app.core.clip import Floats
+from faceedit_app.formats.csv_table import CHOOSE_TAKE, Table
+from faceedit_app.formats.numbers import detect_format
+
+_FORMAT_SAMPLE = 200  # rows to learn the number format from
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Which columns of a table hold channels.
+
+    Attributes:
+        channels: ARKit names in the table's order.
+        indices: their columns.
+        others: indices of all other columns.
+    """
+
+    channels: tuple[str, ...]
+    indices: tuple[int, ...]
+    others: tuple[int, ...]
+
+
+def find_channels(table: Table) -> Columns:
+    """Find the channels by name; the order of columns means nothing.
+
+    Raises:
+        FileError: there is none, or one twice.
+    """
+    found: dict[str, int] = {}
+    others = []
+    for k, name in enumerate(table.names):
+        channel = canonical_channel(name)
+        if channel is None:
+            others.append(k)
+        elif channel in found:
+            problem = f'the channel "{channel}" has two columns ({found[channel] + 1} and {k + 1})'
+            raise table.error(problem, "rename or remove one of them", table.header)
+        else:
+            found[channel] = k
+    if not found:
+        raise table.error("holds no ARKit channel such as jawOpen", CHOOSE_TAKE, table.header)
+    return Columns(tuple(found), tuple(found.values()), tuple(others))
+
+
+@dataclass(frozen=True)
+class CsvSource:
+    """A table with the places of a clip's weights in it (`take.Source`).
+
+    Attributes:
+        table: the file.
+        lines: (T) indices of the lines that hold the clip's frames.
+        columns: (K) columns that hold its channels.
+    """
+
+    table: Table
+    lines: Sequence[int]
+    columns: Sequence[int]
+
+    def encode(self, tracked: Floats, edited: Floats) -> bytes:
+        """The whole file; see `take.Source.encode`."""
+        # By value: 0 and -0 are the same weight, so their text stays.
+        changed = tracked != edited
+        touched = np.flatnonzero(changed.any(axis=1))
+        out = list(self.table.lines)
+        if len(touched):
+            write = detect_format(self._sample()).write
+            for row in touched.tolist():
+                line = self.lines[row]
+                cells = self.table.cells(line)
+                for k in np.flatnonzero(changed[row]).tolist():
+                    column = self.columns[k]
+                    cells[column] = _replaced(cells[column], write(float(edited[row, k])))
+                text = self.table.delimiter.join(cells)
+                old = self.table.lines[line]
+                out[line] = text + old[len(old.rstrip(b"\r\n")) :]
+        return b"".join(out)
+
+    def _sample(self) -> Iterator[bytes]:
+        stride = max(1, len(self.lines) // _FORMAT_SAMPLE)
+        for line in islice(self.lines, 0, None, stride):
+            cells = self.table.cells(line)
+            for column in self.columns:
+                yield cells[column].strip().strip(b'"').strip()
+
+
+def _replaced(cell: bytes, number: bytes) -> bytes:
+    """The cell with another number in the quotes and spaces it had."""
+    old = cell.strip().strip(b'"').strip()
+    return cell.replace(old, number, 1)
