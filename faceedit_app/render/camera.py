@@ -22,7 +22,7 @@ NEAR, FAR = 0.02, 6.0  # metres
 
 # Portrait framing, as fractions of the height from the chin to the crown.
 _HEADROOM, _NECKROOM = 0.09, 0.20
-_MOVING = 5e-4  # metres at weight 1: vertices that move more belong to the face
+_MOVING = 3e-3  # metres at weight 1: vertices that move more belong to the face
 
 
 @dataclass(frozen=True)
@@ -97,8 +97,7 @@ def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
     moving = np.abs(rig.deltas).max(axis=(0, 2)) > _MOVING
     face = rig.neutral[moving] if moving.any() else rig.neutral
     chin = float(face[:, 1].min())
-    brow = float(face[:, 1].max())
-    crown = min(float(rig.neutral[:, 1].max()), brow + (brow - chin))
+    crown = float(rig.neutral[:, 1].max())
     height = crown - chin
     top, bottom = crown + _HEADROOM * height, chin - _NECKROOM * height
     head = rig.neutral[rig.neutral[:, 1] >= chin]

@@ -18,12 +18,14 @@ from pyrender.shader_program import ShaderProgramCache
 
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import Camera, projection
-from faceedit_app.render.surface import NormalSolver, vertex_looks
+from faceedit_app.render.shade import bake_shade
+from faceedit_app.render.surface import NormalSolver, Shading, by_shading, vertex_looks
 
 Floats = NDArray[np.float32]
 Pixels = NDArray[np.uint8]
 
 SAMPLES = 4
+_DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade
 _SHADERS = Path(__file__).parent / "shaders"
 _FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
 
@@ -70,27 +72,30 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._program_cache = ShaderProgramCache(str(_SHADERS))
         self._background = np.asarray(background, np.float32)
         self._normals = NormalSolver(rig.faces, len(rig.neutral))
+        normals = self._normals(rig.neutral)
+        looks = vertex_looks(rig, np.ones(len(rig.neutral), np.float32))
+        groups = by_shading(rig)
         self._primitive = Primitive(
             positions=rig.neutral,
-            normals=self._normals(rig.neutral),
-            tangents=vertex_looks(rig),  # pyrender's name for the third, four-wide attribute
+            normals=normals,
+            tangents=looks,  # pyrender's name for the third, four-wide attribute
             color_0=rig.colors,
-            indices=rig.faces,
+            indices=np.concatenate([faces for _, faces in groups]),
             mode=GL.GL_TRIANGLES,
         )
         self._primitive._add_to_context()
-        self._vertices = np.hstack(
-            (
-                rig.neutral,
-                self._primitive.normals,
-                self._primitive.tangents,
-                self._primitive.color_0,
-            )
-        ).astype(np.float32)
-        self._face = self._program("face")
+        self._vertices = np.hstack((rig.neutral, normals, looks, rig.colors)).astype(np.float32)
+        self._runs: list[tuple[Any, Shading, int, int]] = []
+        first = 0
+        for shading, faces in groups:
+            program = self._program("face", shading.value)
+            self._runs.append((program, shading, first, faces.size))
+            first += faces.size
         self._backdrop = self._program("backdrop")
+        self._depth = self._program("depth")
         self._locations: dict[tuple[int, str], int] = {}
         self._targets: dict[int, Target] = {}
+        self._vertices[:, 6:10] = vertex_looks(rig, self._bake(rig))
 
     def frame(
         self, vertices: Floats, camera: Camera, width: int, height: int, samples: int, out: Pixels
@@ -98,13 +103,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         """Draw `vertices` (V, 3), metres, into `out` (height, width, 4), BGRA, top row first."""
         self._upload(vertices)
         target = self._target(width, height, samples)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, target.name)
-        GL.glViewport(0, 0, width, height)
-        GL.glEnable(GL.GL_DEPTH_TEST)
-        GL.glDepthFunc(GL.GL_LEQUAL)
-        GL.glDisable(GL.GL_CULL_FACE)  # lashes, brows and the mouth are seen from both sides
-        GL.glFrontFace(GL.GL_CW)  # the flip turns every triangle around
-        GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+        self._begin(target)
         self._draw_face(camera, width / height)
         self._draw_backdrop()
         self._read(target, samples, out)
@@ -117,19 +116,59 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._primitive.delete()
         super().delete()
 
+    def _begin(self, target: Target) -> None:
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, target.name)
+        GL.glViewport(0, 0, *target.size)
+        GL.glEnable(GL.GL_DEPTH_TEST)
+        GL.glDepthFunc(GL.GL_LEQUAL)
+        GL.glFrontFace(GL.GL_CW)  # the flip turns every triangle around
+        GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+
     def _upload(self, vertices: Floats) -> None:
-        self._vertices[:, :3] = vertices
         self._vertices[:, 3:6] = self._normals(vertices)
+        self._upload_positions(vertices)
+
+    def _upload_positions(self, vertices: Floats) -> None:
+        self._vertices[:, :3] = vertices
         GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self._primitive._buffers[0])
         GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, self._vertices.nbytes, self._vertices)
 
+    def _bake(self, rig: Rig) -> Floats:
+        """The shade of each vertex, (V,) float32, from depth images of `_depth`."""
+        target = Target(_DEPTH_SIZE, _DEPTH_SIZE, 0)
+        depth = np.empty((_DEPTH_SIZE, _DEPTH_SIZE), np.float32)
+
+        def depth_of(vertices: Floats, clip_from_world: NDArray[np.float64]) -> Floats:
+            self._begin(target)
+            self._depth._bind()
+            self._set_matrix(self._depth, "clip_from_world", clip_from_world)
+            self._upload_positions(vertices)
+            GL.glBindVertexArray(self._primitive._vaid)
+            count = self._primitive.indices.size
+            GL.glDrawElements(GL.GL_TRIANGLES, count, GL.GL_UNSIGNED_INT, None)
+            GL.glReadPixels(0, 0, *target.size, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT, depth)
+            return depth
+
+        try:
+            return bake_shade(rig, self._normals, depth_of)
+        finally:
+            target.delete()
+
     def _draw_face(self, camera: Camera, aspect: float) -> None:
-        pose = camera.pose()
-        self._face._bind()
-        self._set_matrix(self._face, "clip_from_world", _FLIP @ projection(aspect) @ camera.view())
-        self._set_matrix(self._face, "world_from_camera", pose)
+        view = camera.view()
+        clip = _FLIP @ projection(aspect) @ view
         GL.glBindVertexArray(self._primitive._vaid)
-        GL.glDrawElements(GL.GL_TRIANGLES, self._primitive.indices.size, GL.GL_UNSIGNED_INT, None)
+        GL.glCullFace(GL.GL_BACK)
+        for program, shading, first, count in self._runs:
+            program._bind()
+            self._set_matrix(program, "clip_from_world", clip)
+            self._set_matrix(program, "camera_from_world", view)
+            # Nothing but the skin is known to be closed; lashes and brows are thin.
+            toggle = GL.glEnable if shading is Shading.FLESH else GL.glDisable
+            toggle(GL.GL_CULL_FACE)
+            start = GL.GLvoidp(4 * first)
+            GL.glDrawElements(GL.GL_TRIANGLES, count, GL.GL_UNSIGNED_INT, start)
+        GL.glDisable(GL.GL_CULL_FACE)
 
     def _draw_backdrop(self) -> None:
         """Behind the face, so that only what the face leaves free is filled."""
@@ -158,8 +197,10 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             target = self._targets[samples] = Target(width, height, samples)
         return target
 
-    def _program(self, name: str) -> Any:
-        program = self._program_cache.get_program(f"{name}.vert", f"{name}.frag")
+    def _program(self, name: str, variant: str = "PLAIN") -> Any:
+        program = self._program_cache.get_program(
+            f"{name}.vert", f"{name}.frag", defines={variant: 1}
+        )
         if not program._in_context():
             program._add_to_context()
         return program

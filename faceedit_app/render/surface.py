@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,54 +14,84 @@ from faceedit_app.core.rig import Rig
 Floats = NDArray[np.float32]
 
 
+class Shading(Enum):
+    """The variants of the shader, in drawing order; the value is what it defines.
+
+    Software OpenGL computes both sides of every branch, so each pixel pays only for its own kind.
+    """
+
+    FLESH = "FLESH"
+    WET = "WET"
+    HAIR = "HAIR"
+    THIN = "THIN"
+
+
 @dataclass(frozen=True)
 class Look:
     """How a kind of surface takes light.
 
     Attributes:
+        shading: which variant of the shader draws it.
         flesh: 0..1, how far light travels beneath it (soft, warm shadow edges).
-        wet: 0..1, whether it mirrors the small catch light beside the camera.
-        hair: 0..1, whether its highlight follows strands.
+        wet: 0..1, how much it mirrors the small catch light beside the camera.
+        shaded: 0..1, how much of the baked shade it takes.
     """
 
+    shading: Shading = Shading.FLESH
     flesh: float = 0.0
     wet: float = 0.0
-    hair: float = 0.0
+    shaded: float = 0.0
 
 
 # By material name; every other name is matt and solid.
 LOOKS = {
-    "skin": Look(flesh=1.0),
-    "lips": Look(flesh=0.8, wet=0.12),
-    "mouth": Look(flesh=0.6, wet=0.1),
-    "gums": Look(flesh=0.6, wet=0.35),
-    "tongue": Look(flesh=0.7, wet=0.3),
-    "sclera": Look(flesh=0.35, wet=1.0),
-    "iris": Look(wet=1.0),
-    "pupil": Look(wet=1.0),
-    "teeth": Look(flesh=0.3, wet=0.6),
-    "hair": Look(hair=1.0),
+    "skin": Look(flesh=1.0, shaded=1.0),
+    "lips": Look(flesh=0.8, shaded=0.8),
+    "mouth": Look(flesh=0.6, shaded=0.8),
+    "gums": Look(Shading.WET, flesh=0.6, wet=0.35, shaded=0.8),
+    "tongue": Look(Shading.WET, flesh=0.7, wet=0.25, shaded=0.8),
+    "sclera": Look(Shading.WET, flesh=0.35, wet=1.0, shaded=0.7),
+    "iris": Look(Shading.WET, wet=1.0, shaded=0.5),
+    "pupil": Look(Shading.WET, wet=1.0, shaded=0.5),
+    "teeth": Look(Shading.WET, flesh=0.3, wet=0.5, shaded=0.8),
+    "lashes": Look(Shading.THIN),
+    "brows": Look(Shading.THIN),
+    "hair": Look(Shading.HAIR, shaded=0.6),
 }
 
 
-def vertex_looks(rig: Rig) -> Floats:
-    """(V, 4) float32: roughness, flesh, wet, hair of each vertex, all 0..1.
+def vertex_looks(rig: Rig, shade: Floats) -> Floats:
+    """(V, 4) float32 in 0..1: roughness, flesh, wet and light that arrives at each vertex.
 
     A vertex that several materials share takes the mean over its corners, which is what makes
     the border of the lips soft.
+
+    Args:
+        rig: the character.
+        shade: (V,) float32, the part of the light from above that arrives, 0..1.
     """
     total = np.zeros((len(rig.neutral), 4), np.float64)
     corners = np.zeros(len(rig.neutral), np.float64)
     for material in rig.materials:
         look = LOOKS.get(material.name, Look())
-        row = np.array([material.roughness, look.flesh, look.wet, look.hair])
+        row = np.array([material.roughness, look.flesh, look.wet, look.shaded])
         count = np.bincount(
             rig.faces[material.start : material.stop].ravel(), minlength=len(rig.neutral)
         )
         total += count[:, None] * row
         corners += count
-    result: Floats = (total / np.maximum(corners, 1.0)[:, None]).astype(np.float32)
-    return result
+    looks: Floats = (total / np.maximum(corners, 1.0)[:, None]).astype(np.float32)
+    looks[:, 3] = 1.0 - looks[:, 3] * (1.0 - shade)
+    return looks
+
+
+def by_shading(rig: Rig) -> list[tuple[Shading, NDArray[np.int32]]]:
+    """The faces of each variant of the shader, (F', 3) int32, in drawing order."""
+    runs: dict[Shading, list[NDArray[np.int32]]] = {shading: [] for shading in Shading}
+    for material in rig.materials:
+        shading = LOOKS.get(material.name, Look()).shading
+        runs[shading].append(rig.faces[material.start : material.stop])
+    return [(shading, np.concatenate(faces)) for shading, faces in runs.items() if faces]
 
 
 class NormalSolver:

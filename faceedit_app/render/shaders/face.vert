@@ -1,21 +1,35 @@
 #version 330 core
-// The character, in world space (metres).
+// The character: world space (metres) to camera space.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec4 look;   // roughness, flesh, wet, hair
+layout(location = 2) in vec4 look;   // roughness, flesh, wet, light from above
 layout(location = 3) in vec4 colour; // linear RGB
 
 uniform mat4 clip_from_world;
+uniform mat4 camera_from_world;
 
-out vec3 world_position;
-out vec3 world_normal;
-out vec4 surface;
+out vec3 towards_camera;
+out vec3 camera_normal;
+out vec2 sky;     // how far the normal points up, -1..1; light that arrives from above
+out vec3 surface; // roughness, flesh, wet
 out vec3 albedo;
+#ifdef HAIR
+out vec3 strand;
+out float around;
+#endif
 
 void main() {
     gl_Position = clip_from_world * vec4(position, 1.0);
-    world_position = position;
-    world_normal = normal;
-    surface = look;
+    mat3 turn = mat3(camera_from_world);
+    towards_camera = -normalize((camera_from_world * vec4(position, 1.0)).xyz);
+    camera_normal = turn * normal;
+    sky = vec2(normal.y, look.w);
+    surface = look.xyz;
     albedo = colour.rgb;
+#ifdef HAIR
+    // Hair is combed back, along the surface.
+    vec3 back = vec3(0.0, -0.25, -1.0);
+    strand = turn * normalize(back - normal * dot(back, normal) + 1e-4);
+    around = atan(position.x, position.y);
+#endif
 }

@@ -1,0 +1,9 @@
+#version 330 core
+// Depth alone, to see what a light reaches.
+layout(location = 0) in vec3 position;
+
+uniform mat4 clip_from_world;
+
+void main() {
+    gl_Position = clip_from_world * vec4(position, 1.0);
+}
