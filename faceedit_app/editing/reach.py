@@ -10,6 +10,7 @@ set).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,9 +21,10 @@ from faceedit_app.core.rig import Distances
 Array = NDArray[np.float64]
 
 ITERATIONS = 4
+STEPS = (1.0, 0.7, 0.4, 0.0)
 # How exactly an asked-for control must be met, and how much the others may give way, in mm.
 ASKED_MM = 0.05
-FREE_MM = 1.0
+FREE_MM = 1.5
 # Longest change that still counts as natural, in standard deviations of the prior.
 NATURAL_LENGTH = 4.0
 
@@ -33,12 +35,14 @@ class Goal:
 
     Attributes:
         targets: (N, C), mm.
-        strength: (N, C) in 0..1: how far to go from the present length to the target;
-            0 marks a control that was not asked for and should stay about where it is.
+        strength: (N, C) in 0..1: how far to go from the present length to the target.
+        asked: (N, C) bool: the user asked for this one; the others are to stay about where
+            their target is, and give way.
     """
 
     targets: Array
     strength: Array
+    asked: NDArray[np.bool_]
 
 
 def reach(
@@ -67,28 +71,60 @@ def reach(
         (N, K) the new weights of `channels`.
     """
     start = weights[:, channels]
-    current = weights.copy()
-    lengths, _ = distances.jacobian(weights.astype(np.float32))
-    targets: Array = lengths + goal.strength * (goal.targets - lengths)
-    asked = goal.strength > 0
-    noise = np.where(asked, ASKED_MM, FREE_MM) ** 2
-    frozen = np.zeros(start.shape, bool)
-    change = np.zeros_like(start)
-    for _ in range(ITERATIONS):
-        lengths, jacobian = distances.jacobian(current.astype(np.float32))
-        slopes = jacobian[:, :, channels].astype(np.float64)
-        wanted = targets - lengths + np.einsum("nck,nk->nc", slopes, change)
-        change = _step(slopes, wanted, noise, covariance, change, frozen)
-        change *= _shortening(change, covariance, naturalness)
-        inside = np.clip(start + change, np.minimum(start, 0.0), upper)
+    floor = np.minimum(start, 0.0)
+    trial = weights.astype(np.float32)
+
+    def bounded(change: Array) -> Array:
+        """The nearest allowed change."""
+        inside = np.clip(start + change, floor, upper)
         if coupled is not None:
             a, b = coupled
             slack = np.maximum(start[:, a] - start[:, b], 0.0)
             inside[:, a] = np.minimum(inside[:, a], inside[:, b] + slack)
-        frozen |= np.abs(inside - start - change) > 1e-9
-        change = inside - start
-        current[:, channels] = inside
-    return current[:, channels]
+        return inside - start
+
+    def measure(change: Array) -> Array:
+        trial[:, channels] = start + change
+        return distances.measure(trial).astype(np.float64)
+
+    targets = measure(np.zeros_like(start))
+    targets += goal.strength * (goal.targets - targets)
+    noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
+    change, frozen = np.zeros_like(start), np.zeros(start.shape, bool)
+    for _ in range(ITERATIONS):
+        trial[:, channels] = start + change
+        lengths, jacobian = distances.jacobian(trial)
+        slopes = jacobian[:, :, channels].astype(np.float64)
+        wanted = targets - lengths + np.einsum("nck,nk->nc", slopes, change)
+        aim = _step(slopes, wanted, noise, covariance, change, frozen)
+        aim *= _shortening(aim, covariance, naturalness)
+        allowed = bounded(aim)
+        frozen |= np.abs(allowed - aim) > 1e-9
+        change = _line_search(change, allowed, targets, noise, measure)
+    return start + change
+
+
+def _line_search(
+    old: Array,
+    new: Array,
+    targets: Array,
+    noise: Array,
+    measure: Callable[[Array], Array],
+) -> Array:
+    """Of some steps from `old` towards `new`, each frame's best.
+
+    Lengths are not signed: a full step can carry the lids through each other, where the distance
+    grows again.
+    """
+    best = old
+    least = np.full(len(old), np.inf)
+    for step in STEPS:
+        change = old + step * (new - old)
+        cost = np.sum((targets - measure(change)) ** 2 / noise, axis=1)
+        better = cost < least
+        best = np.where(better[:, None], change, best)
+        least = np.where(better, cost, least)
+    return best
 
 
 def _step(

@@ -27,7 +27,7 @@ from faceedit_app.networks.engine import Engine
 
 Array = NDArray[np.float64]
 
-# How far beyond the range seen in training a request is followed, as a share of that range.
+# How far above the range seen in training a request is followed, as a share of that range.
 BEYOND = 0.1
 
 
@@ -215,7 +215,7 @@ class Solver:
         for i, control in enumerate(model.controls):
             c = CONTROL_INDEX[control]
             slack = BEYOND * (model.high[i] - model.low[i])
-            low = np.minimum(model.low[i] - slack, tracked[:, c])
+            low = np.minimum(model.low[i], tracked[:, c])
             high = np.maximum(model.high[i] + slack, tracked[:, c])
             bounded[:, c] = np.clip(curves[:, c], low, high)
         return bounded
@@ -265,13 +265,15 @@ class Solver:
             if {"mouthClose", "jawOpen"} <= set(names)
             else None
         )
+        hold = mine.hold[np.ix_(where, controls)]
+        asked = hold > 0
         old = weights[np.ix_(where, columns)]
         influence = region_influence(mine, region.controls)[where]
         weights[np.ix_(where, columns)] = reach(
             Distances(self.distances.offsets[controls], self.distances.gradients[:, controls]),
             weights[where],
             columns,
-            Goal(goals, mine.hold[np.ix_(where, controls)]),
+            Goal(goals, np.where(asked, hold, hold.max(axis=1, keepdims=True)), asked),
             self._covariance(region)[np.ix_(have, have)],
             self._upper(old, influence),
             coupled,

@@ -42,13 +42,12 @@ class UNet(nn.Module):
     @property
     def scale(self) -> int:
         """Frames that the coarsest level sees as one; lengths are padded to a multiple."""
-        levels: int = len(self.down)
-        return 1 << (levels - 1)
+        return 1 << (len(self.down) - 1)
 
     @property
     def radius(self) -> int:
         """Frames on either side that can influence a frame of the output."""
-        levels = [2**i for i in range(len(self.down))]
+        levels = [1 << i for i in range(len(self.down))]
         convolutions = 2 * sum(levels) + 2 * sum(levels[:-1]) + 1
         return convolutions + levels[-1] - 1
 
