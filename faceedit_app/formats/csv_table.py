@@ -151,7 +151,7 @@ class Table:
     def _rows(self) -> Iterator[tuple[int, Cells]]:
         for line in range(self.header + 1, len(self.lines)):
             cells = self.cells(line)
-            if cells[0] or not _is_blank(cells):
+            if not _is_blank(cells):
                 yield line, cells
 
     def _fits(self, line: int, cells: Cells, is_untracked: Callable[[Cells], bool]) -> bool:

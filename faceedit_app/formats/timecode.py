@@ -31,7 +31,7 @@ _PATTERN = re.compile(r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3}(?:\.\d
 _BREAK = 4.0
 # Share of steps that must be off the grid of whole frames before the timecode is mistrusted.
 _JITTER = 0.1
-_UNEVEN = 0.03  # how well uneven steps tell the rate
+_UNEVEN = 0.05  # how well uneven steps tell the rate
 _NUDGE = 0.1  # frames between rows whose timecodes are the same
 
 
@@ -118,7 +118,9 @@ def derive_timing(texts: Sequence[str]) -> Timing:
         return Timing(np.zeros(1), DEFAULT_RATE, base, (note,))
     second = base / 1.001 if stamps.drop else float(base)
     steps = np.diff(_count_frames(stamps, base))
-    timing = _time_rows(steps, second, base, _resolution(stamps.frames))
+    # Drop-frame is itself the evidence for a broadcast rate, however short the take.
+    resolution = 0.0 if stamps.drop else _resolution(stamps.frames)
+    timing = _time_rows(steps, second, base, resolution)
     if abs(timing.rate / base - 1) > 0.01:
         notes = (*notes, f"{format_rate(timing.rate)} on a {base} fps timecode")
     return Timing(timing.times, timing.rate, base, notes + timing.notes)
@@ -172,7 +174,8 @@ def _time_rows(steps: Times, second: float, base: int, resolution: float) -> Tim
     whole = np.maximum(np.round(steps / step), 1)
     off_grid = np.abs(steps - whole * step) > 0.25 * step
     backwards = steps <= 0
-    coarse = resolution == 1.0 or backwards.mean() > _JITTER / 2
+    whole_frames = np.allclose(steps, np.round(steps), rtol=0, atol=1e-4)
+    coarse = whole_frames or backwards.mean() > _JITTER / 2
     if off_grid.mean() > _JITTER and coarse:
         return _uniform_rows(steps, step, second, base)
     rate, notes = _rate(second / step, resolution / (step * len(steps)))

@@ -41,7 +41,7 @@ def typical_step(steps: Times) -> float:
     """
     median = float(np.median(steps[steps > 0]))
     usual = steps[(steps > median / _GAP) & (steps < median * _GAP)]
-    return float(usual.mean())
+    return float(usual.mean()) if len(usual) else median
 
 
 def find_gaps(times: Times, rate: float) -> tuple[Gap, ...]:
