@@ -42,7 +42,7 @@ class Speaker:
 
     Attributes:
         jaw, lips, rounding, brows, affect: gains, about 1.
-        tempo: speech, 1.2 is a fifth faster.
+        tempo, pauses: speech, 1.2 is a fifth faster; length of what is between sentences.
         closure: how fully the lips meet as tracked, 1 = sealed.
         close_leak: `mouthClose` as a share of `jawOpen` while the lips are apart.
         emphasis: chance that a stressed vowel moves the brows.
@@ -63,6 +63,7 @@ class Speaker:
     brows: float = 1.0
     affect: float = 1.0
     tempo: float = 1.0
+    pauses: float = 1.0
     closure: float = 1.0
     close_leak: float = 0.08
     emphasis: float = 0.25
@@ -105,7 +106,8 @@ def draw_speaker(rng: np.random.Generator) -> Speaker:
         brows=float(rng.uniform(0.4, 1.4)),
         affect=float(rng.uniform(0.4, 1.3)),
         tempo=float(rng.uniform(0.85, 1.18)),
-        closure=float(1.0 - rng.exponential(0.03)),
+        pauses=float(rng.uniform(0.7, 2.5)),
+        closure=float(1.0 - rng.exponential(0.02)),
         close_leak=float(rng.uniform(0.0, 0.35)),
         emphasis=float(rng.uniform(0.08, 0.4)),
         stretch_with_jaw=float(rng.uniform(0.0, 0.25)),
@@ -118,7 +120,7 @@ def draw_speaker(rng: np.random.Generator) -> Speaker:
         squint_with_blink=float(rng.uniform(-0.03, 0.2)),
         brow_with_blink=float(rng.uniform(0.0, 0.06)),
         gaze=float(rng.uniform(0.12, 0.35)),
-        gestures=float(rng.uniform(0.5, 5.0)),
+        gestures=float(rng.uniform(1.0, 6.0)),
         idle=float(rng.uniform(0.004, 0.014)),
         noise=float(rng.uniform(0.0006, 0.003)),
         rest=rest,
@@ -234,7 +236,7 @@ def _script(
             phonemes.append(replace(phoneme, seconds=phoneme.seconds * stretch))
             strengths.append(max(0.4, (loud + word) * accent))
             time += phonemes[-1].seconds
-        pause = float(0.28 + rng.gamma(1.5, 0.28))
+        pause = float(0.28 + rng.gamma(1.5, 0.28) * speaker.pauses)
         if rng.random() < speaker.gestures * 4.0 / 60.0:  # a sentence takes about four seconds
             length = float(rng.uniform(0.7, 2.2))
             gestures.append(expressions.draw_gesture(rng, time + 0.1, length))

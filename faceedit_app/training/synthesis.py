@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.training.performance import draw_speaker, synthesize
 
 Floats = NDArray[np.float32]
@@ -52,9 +52,12 @@ def write_performances(
         progress: called with the number of takes written and the number of all.
 
     Raises:
+        FaceEditError: `minutes` is not above 0.
         FileError: the folder cannot be made or written.
         Unavailable: espeak-ng is not installed.
     """
+    if not minutes > 0:
+        raise FaceEditError(f"synthesize: minutes is {minutes:g}; give a number above 0")
     directory = Path(directory)
     try:
         directory.mkdir(parents=True, exist_ok=True)
