@@ -17,6 +17,12 @@ from faceedit_app.formats.opening import open_take, write_take
 from faceedit_app.formats.summary import summarize, summary_text
 
 HEADER = b"Timecode,BlendshapeCount,JawOpen,EyeBlinkLeft\n"
+# Files are written over and over in one folder, on machines that may be busy.
+STEADY = settings(
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
 ROWS = b"".join(b"01:02:03:%02d.000,2,0.1000,0.2000\n" % i for i in range(5))
 
 
@@ -160,7 +166,7 @@ def test_a_negative_zero_is_no_edit(tmp_path: Path) -> None:
 NAMES = [*livelink_names()[:6], "JawOpen", "MouthClose"]
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(STEADY, max_examples=60)
 @given(data=st.data(), decimals=st.integers(4, 10), crlf=st.booleans())
 def test_random_edits_change_their_cells_and_no_other(
     tmp_path: Path, data: st.DataObject, decimals: int, crlf: bool
@@ -263,11 +269,11 @@ def test_a_file_that_may_not_be_read_is_told(
 
     path = make_livelink_csv(tmp_path / "take.csv")
     monkeypatch.setattr(Path, "read_bytes", refuse)  # whoever runs the tests may be root
-    with pytest.raises(FileError, match="cannot be read .permission denied.; check"):
+    with pytest.raises(FileError, match=r"cannot be read \(permission denied\); check"):
         open_take(path)
 
 
-@settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(STEADY, max_examples=80)
 @given(position=st.integers(0, 800), junk=st.binary(max_size=12), cut=st.booleans())
 def test_damage_anywhere_opens_or_is_told_and_never_crashes(
     tmp_path: Path, position: int, junk: bytes, cut: bool

@@ -133,15 +133,17 @@ def derive_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
     inside = steps[(seconds == 0) & (steps > 0)]
     step = float(np.median(inside)) if len(inside) else 1.0
     at_least = int(frames.max()) + 1
-    # Where the second rolls over, the frames fall by the base less one ordinary step.
+    # Where the second rolls over, the frames fall by the base less one ordinary step; by less
+    # where frames were lost just there, so the larger falls are to be believed.
     falls = step - steps[seconds == 1]
     if len(falls):
-        fall = float(np.median(falls))
-        base = min(_BASES, key=lambda candidate: abs(candidate - fall))
-        if abs(base - fall) > 0.1 * fall:
-            base = round(fall)
-        if base >= at_least:
+        fall = float(np.percentile(falls, 75, method="higher"))
+        possible = [base for base in _BASES if base >= at_least] or [at_least]
+        base = min(possible, key=lambda candidate: abs(candidate - fall))
+        if abs(base - fall) <= 0.1 * fall:
             return base, ()
+        if round(fall) >= at_least:
+            return round(fall), ()
     base = next((b for b in _BASES if b >= max(at_least, DEFAULT_BASE)), at_least)
     return base, (f"the timecode does not tell its base: {base} fps is assumed",)
 
