@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -203,6 +204,17 @@ def test_closing_one_renderer_leaves_the_other(renderer: FaceRenderer, rig: Rig)
     np.testing.assert_array_equal(renderer.draw(rig.neutral, camera), before)
     with pytest.raises(Unavailable):
         other.draw(rig.neutral, camera)
+
+
+def test_a_forgotten_renderer_does_no_harm(renderer: FaceRenderer, rig: Rig) -> None:
+    camera = default_camera(rig)
+    before = renderer.draw(rig.neutral, camera).copy()
+    forgotten = open_renderer(rig, 40, 40)
+    forgotten.draw(rig.neutral, camera)
+    renderer.draw(rig.neutral, camera)
+    del forgotten
+    gc.collect()
+    np.testing.assert_array_equal(renderer.draw(rig.neutral, camera), before)
 
 
 def test_without_opengl_the_user_reads_one_line(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:

@@ -21,7 +21,7 @@ NARROW = 0.8  # views with a smaller width / height see as wide as one of this s
 NEAR, FAR = 0.02, 6.0  # metres
 
 # Portrait framing, as fractions of the height from the chin to the crown.
-_HEADROOM, _NECKROOM = 0.09, 0.20
+_HEADROOM, _NECKROOM = 0.08, 0.14
 _MOVING = 3e-3  # metres at weight 1: vertices that move more belong to the face
 
 

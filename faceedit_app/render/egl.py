@@ -21,10 +21,7 @@ class SharedDisplayEgl(EGLPlatform):  # type: ignore[misc]  # pyrender has no ty
     _egl_context: Any
 
     def delete_context(self) -> None:
-        """Free this context; the display stays open until the process ends."""
-        if self._egl_context is None:
-            return
-        none = EGL.EGL_NO_SURFACE
-        EGL.eglMakeCurrent(self._egl_display, none, none, EGL.EGL_NO_CONTEXT)
-        EGL.eglDestroyContext(self._egl_display, self._egl_context)
-        self._egl_context = None
+        """Free this context, once another is current; the display stays open."""
+        if self._egl_context is not None:
+            EGL.eglDestroyContext(self._egl_display, self._egl_context)
+            self._egl_context = None

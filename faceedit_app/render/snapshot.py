@@ -25,7 +25,7 @@ def snapshot(
 
     Args:
         rig: the character, with K channels.
-        weights: (K,) in the rig's order, or (52,) in ARKit's order.
+        weights: (52,) in ARKit's order, or (K,) in the rig's order where K is not 52.
         width, height: pixels.
         camera: where from; by default a portrait from the front.
 

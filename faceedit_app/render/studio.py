@@ -116,6 +116,12 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._primitive.delete()
         super().delete()
 
+    def __del__(self) -> None:
+        """Nothing: a forgotten studio goes with its context.
+
+        pyrender would delete by number here, in whichever context happens to be current.
+        """
+
     def _begin(self, target: Target) -> None:
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, target.name)
         GL.glViewport(0, 0, *target.size)

@@ -13,21 +13,21 @@ in float around;
 
 out vec4 pixel;
 
-const vec3 KEY_FROM = vec3(-0.52, 0.50, 0.69);
+const vec3 KEY_FROM = vec3(-0.58, 0.50, 0.643);
 const vec3 FILL_FROM = vec3(0.80, 0.05, 0.60);
 const vec3 RIM_FROM = vec3(0.66, 0.45, -0.60);
 // Half way from each light to a far camera; that it is near makes no visible difference.
-const vec3 KEY_HALF = vec3(-0.283, 0.272, 0.920);
+const vec3 KEY_HALF = vec3(-0.320, 0.276, 0.906);
 const vec3 FILL_HALF = vec3(0.447, 0.028, 0.894);
 const vec2 CATCH_AT = vec2(-0.11, 0.055); // the catch light: a round lamp, by its mirror normal
 const float CATCH_SIZE = 0.045;
-const float KEY_GRAZING = 0.845; // squared cosine between light and half way
+const float KEY_GRAZING = 0.822; // squared cosine between light and half way
 const float FILL_GRAZING = 0.80;
 
-const vec3 KEY = vec3(1.00, 0.91, 0.80) * 1.42;
-const vec3 FILL = vec3(0.70, 0.82, 1.00) * 0.22;
+const vec3 KEY = vec3(1.00, 0.91, 0.80) * 1.40;
+const vec3 FILL = vec3(0.70, 0.82, 1.00) * 0.17;
 const vec3 RIM = vec3(0.80, 0.90, 1.00) * 1.10;
-const vec3 SKY = vec3(0.88, 0.93, 1.00) * 0.30;
+const vec3 SKY = vec3(0.92, 0.93, 1.00) * 0.26;
 const vec3 FLOOR = vec3(1.00, 0.72, 0.58) * 0.18;
 
 // Light that travels through flesh: red reaches farthest around the edge of a shadow.
@@ -61,7 +61,8 @@ void main() {
 #endif
     float roughness = surface.x;
     float flesh = surface.y;
-    float arriving = sky.y;
+    // Shade on flesh is warm too: what light is left has come through it.
+    vec3 arriving = sky.y + SCATTER * (flesh * sky.y * (1.0 - sky.y));
 
     float key_facing = dot(normal, KEY_FROM);
     float fill_facing = dot(normal, FILL_FROM);
@@ -70,11 +71,11 @@ void main() {
     float fresnel = edge * edge * edge;
     vec3 back = RIM * (max(dot(normal, RIM_FROM) + 0.25, 0.0) * fresnel);
 
-    vec3 light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (0.3 + 0.7 * arriving);
+    vec3 light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (vec3(0.36, 0.29, 0.26) + 0.7 * arriving);
     light += KEY * lambert(key_facing, wrap) * arriving;
     light += FILL * lambert(fill_facing, wrap) + back;
 
-    float mirror = (0.04 + 0.25 * fresnel * edge) * arriving;
+    float mirror = (0.04 + 0.25 * fresnel * edge) * sky.y;
 #ifdef HAIR
     float along = dot(strand, KEY_HALF) / max(length(strand), 1e-3);
     float across = max(1.0 - along * along, 0.0);
@@ -90,6 +91,9 @@ void main() {
     shine += FILL * (gloss(max(dot(normal, FILL_HALF), 0.0), roughness, FILL_GRAZING)
                      * max(fill_facing, 0.0));
     shine *= mirror;
+#endif
+#ifdef THIN
+    shine = vec3(0.0); // a lash is too thin to show a highlight
 #endif
 #ifdef WET
     float off = length(normal.xy - CATCH_AT);
