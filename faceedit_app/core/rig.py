@@ -81,6 +81,15 @@ class Rig:
             gradients=MILLIMETRES * (self.deltas[:, b] - self.deltas[:, a]),
         )
 
+    @cached_property
+    def arkit_distances(self) -> Distances:
+        """The eight controls as a function of 52 weights in ARKit order."""
+        gradients = np.zeros((len(ARKIT_CHANNELS), *self.distances.gradients.shape[1:]), np.float32)
+        for i, channel in enumerate(ARKIT_CHANNELS):
+            if channel in self.channel_index:
+                gradients[i] = self.distances.gradients[self.channel_index[channel]]
+        return Distances(self.distances.offsets, gradients)
+
     def controls(self, weights: Floats) -> Floats:
         """The eight control distances of a clip: weights (T, K) -> (T, 8) float32, mm."""
         return self.distances.measure(weights)

@@ -86,9 +86,7 @@ class Solver:
     def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
         self.clip, self.rig, self.engine = clip, rig, engine
         self.tracked = clip.arkit_weights()
-        self.distances = Distances(
-            rig.distances.offsets, _arkit_order(rig.distances.gradients, rig)
-        )
+        self.distances = rig.arkit_distances
         self.controls = self.distances.measure(self.tracked)
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
@@ -300,12 +298,3 @@ def _couple(weights: Array, tracked: NDArray[np.float32], where: NDArray[np.bool
     slack = np.maximum(tracked[:, close] - tracked[:, jaw], 0.0)
     limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
     weights[where, close] = limit[where]
-
-
-def _arkit_order(gradients: NDArray[np.float32], rig: Rig) -> NDArray[np.float32]:
-    """(K, C, 3) of the rig's channels -> (52, C, 3) in ARKit order."""
-    out = np.zeros((len(ARKIT_INDEX), *gradients.shape[1:]), np.float32)
-    for channel, i in rig.channel_index.items():
-        if channel in ARKIT_INDEX:
-            out[ARKIT_INDEX[channel]] = gradients[i]
-    return out

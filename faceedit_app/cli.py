@@ -1,0 +1,60 @@
+"""`faceedit`: opens the window, or runs a command without one (`commands.py`)."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from faceedit_app.core.errors import FaceEditError
+
+USAGE_ERROR = 2
+DEMO_OUTPUT = Path("out") / "demo"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run FaceEdit; returns the exit code: 0, or 2 after one line on stderr."""
+    given = sys.argv[1:] if arguments is None else arguments
+    try:
+        if _is_command(given):
+            from faceedit_app.commands import run_command
+
+            return run_command(given)
+        return _open_window(given)
+    except FaceEditError as error:
+        print(f"faceedit: {error}", file=sys.stderr)
+        return USAGE_ERROR
+    except KeyboardInterrupt:
+        return 130
+
+
+def _is_command(given: list[str]) -> bool:
+    """Anything but `faceedit`, `faceedit TAKE.csv` and `faceedit --demo`.
+
+    A take that exists wins over a command of the same name. Told without the command-line
+    library, which would cost a tenth of a second before each window.
+    """
+    if not given or given == ["--demo"]:
+        return False
+    return not (len(given) == 1 and (Path(given[0]).suffix or Path(given[0]).exists()))
+
+
+def _open_window(given: list[str]) -> int:
+    demo = given == ["--demo"]
+    take = Path(given[0]) if given and not demo else None
+    from faceedit_app.ui.display import has_display
+
+    if has_display():
+        from faceedit_app.ui.app import run
+
+        return run(take, demo)
+    if not demo:
+        raise FaceEditError(
+            "there is no display to open a window on; use faceedit apply, render or info, "
+            "or faceedit --demo"
+        )
+    from faceedit_app.ui.headless import run_headless
+
+    print("There is no display: editing the demo take without a window. Written:")
+    for path in run_headless(DEMO_OUTPUT):
+        print(f"  {path}")
+    return 0

@@ -1,0 +1,213 @@
+"""The commands of `faceedit`, on the same code as the window."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import click
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from faceedit_app import __version__
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.resources import shipped
+
+if TYPE_CHECKING:
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.networks.engine import Engine
+
+USAGE_ERROR = 2
+
+app = typer.Typer(
+    help="Edit tracked facial animation by dragging eight plain curves. "
+    "`faceedit [TAKE.csv]` opens the window, `faceedit --demo` opens it on a demo take.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    no_args_is_help=False,
+)
+
+TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
+ModelsOption = Annotated[
+    Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
+    typer.Option("--models", help="Folder of models; those that ship with FaceEdit if absent."),
+]
+
+
+def run_command(given: list[str]) -> int:
+    """Run one command; returns its exit code, 2 after a one-line complaint about its usage."""
+    try:
+        return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
+    except click.ClickException as error:
+        print(f"faceedit: {error.format_message()}", file=sys.stderr)
+        return USAGE_ERROR
+    except click.Abort:
+        return 130
+
+
+@app.callback(invoke_without_command=True)
+def root(
+    version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
+) -> None:
+    """Edit tracked facial animation by dragging eight plain curves."""
+    if version:
+        print(f"FaceEdit {__version__}")
+        raise typer.Exit
+
+
+@app.command()
+def info(
+    take: TakeArgument,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Show a take's frames, rate, duration, channels, gaps and format."""
+    from faceedit_app.formats.opening import open_take
+    from faceedit_app.formats.summary import summarize, summary_text
+
+    summary = summarize(open_take(take))
+    print(json.dumps(summary, indent=2) if as_json else summary_text(summary))
+
+
+@app.command()
+def apply(
+    take: TakeArgument,
+    edits: Annotated[Path, typer.Argument(help="Edits (JSON) as the window saves them.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The edited take.")],
+    mode: Annotated[
+        str, typer.Option(help="preserve: change the take; resynthesize: make it anew.")
+    ] = "preserve",
+    naturalness: Annotated[
+        float, typer.Option(min=0.0, max=1.0, help="0 obeys, 1 is believable.")
+    ] = 1.0,
+    models: ModelsOption = None,
+) -> None:
+    """Apply edits to a take and export it in its own format."""
+    from faceedit_app.editing.solve import Mode, Settings
+
+    if mode not in list(Mode):
+        raise FaceEditError(f"--mode {mode}: must be {' or '.join(Mode)}")
+    session = _session(take, _engine(models))
+    session.configure(Settings(Mode(mode), naturalness))
+    session.load_edits(edits)
+    session.export(output)
+    print(
+        f"{output}: {len(session.edits)} edits, "
+        f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
+    )
+
+
+@app.command()
+def render(
+    take: TakeArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="The picture (PNG).")],
+    time: Annotated[float, typer.Option(help="Seconds from the first frame.")] = 0.0,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
+    edits: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Edits (JSON) to apply first."),
+    ] = None,
+    models: ModelsOption = None,
+) -> None:
+    """Draw the face at a time of a take."""
+    from faceedit_app.render.snapshot import snapshot, write_png
+
+    width, height = _size(size)
+    session = _session(take, _engine(models) if edits else None)
+    duration = session.take.clip.duration
+    if not 0 <= time <= duration:
+        raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
+    if edits:
+        session.load_edits(edits)
+    frame = session.take.clip.frame_at(time)
+    write_png(output, snapshot(session.rig, session.rig_weights(frame), width, height))
+    print(f"{output}: frame {frame} of {take}")
+
+
+def _size(text: str) -> tuple[int, int]:
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        raise FaceEditError(f"--size {text}: must be WIDTHxHEIGHT, such as 800x800") from None
+    if not (16 <= width <= 4096 and 16 <= height <= 4096):
+        raise FaceEditError(f"--size {text}: each side must be 16 to 4096 pixels")
+    return width, height
+
+
+@app.command()
+def train(
+    more: Annotated[
+        Optional[list[Path]],  # noqa: UP045
+        typer.Argument(metavar="[DIR]...", help="More folders of takes."),
+    ] = None,
+    data: Annotated[
+        Optional[list[Path]],  # noqa: UP045
+        typer.Option("--data", help="A folder of takes; may be given several times."),
+    ] = None,
+    exclude: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(help="File names to leave out, such as 'grid__*'."),
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of models.")] = Path(
+        "models"
+    ),
+    epochs: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(min=1, help="Passes over the data for each network."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Same seed, same data: same networks.")] = 1,
+) -> None:
+    """Train the networks of all regions and write them with a model card."""
+    from faceedit_app.training.run import train_models
+
+    folders = [*(data or []), *(more or [])]
+    if not folders:
+        raise FaceEditError("train needs takes to learn from: --data DIR")
+    with Progress(console=Console(stderr=True)) as progress:
+        for path in train_models(folders, output, exclude or [], epochs, seed, progress):
+            print(path)
+
+
+@app.command()
+def synthesize(
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the takes.")],
+    minutes: Annotated[float, typer.Option(min=0.05, help="Of performance in all.")] = 10.0,
+    seed: Annotated[int, typer.Option(help="Same seed: same takes.")] = 1,
+) -> None:
+    """Write synthetic performances, spoken and acted, to train on."""
+    from faceedit_app.training.synthesis import write_performances
+
+    for path in write_performances(output, minutes, seed):
+        print(path)
+
+
+@app.command()
+def statistics(
+    takes: Annotated[list[Path], typer.Argument(help="Folders of takes, compared by source.")],
+) -> None:
+    """Compare takes: blinks, closures and jaw peaks, spectrum, how channels move together."""
+    from faceedit_app.training.run import statistics_of
+
+    print(statistics_of(takes))
+
+
+def _rig() -> Rig:
+    from faceedit_app.formats.glb import read_rig
+
+    return read_rig(shipped("assets/character.glb"))
+
+
+def _engine(models: Path | None) -> Engine:
+    from faceedit_app.networks.engine import Engine
+
+    return Engine.load(models if models is not None else shipped("models"))
+
+
+def _session(take: Path, engine: Engine | None) -> EditSession:
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.formats.opening import open_take
+
+    return EditSession(open_take(take), _rig(), engine)

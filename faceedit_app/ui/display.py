@@ -1,0 +1,37 @@
+"""Whether a window can be opened at all, told before Qt is asked (Qt would end the process)."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from pathlib import Path
+
+
+def has_display() -> bool:
+    """Whether there is a desktop, or Qt was told to do without one."""
+    if sys.platform in ("win32", "darwin") or os.environ.get("QT_QPA_PLATFORM"):
+        return True
+    return _wayland_answers() or _x11_answers()
+
+
+def _wayland_answers() -> bool:
+    name = os.environ.get("WAYLAND_DISPLAY")
+    return bool(name) and (Path(os.environ.get("XDG_RUNTIME_DIR", "/run")) / str(name)).exists()
+
+
+def _x11_answers() -> bool:
+    """Connect to the X server that DISPLAY (`[host]:number[.screen]`) names."""
+    host, colon, rest = os.environ.get("DISPLAY", "").rpartition(":")
+    number = rest.partition(".")[0]
+    if not colon or not number.isdigit():
+        return False
+    try:
+        if host in ("", "unix") or host.startswith("/"):
+            with socket.socket(socket.AF_UNIX) as connection:
+                connection.connect(f"/tmp/.X11-unix/X{number}")
+        else:
+            socket.create_connection((host, 6000 + int(number)), timeout=2).close()
+    except OSError:
+        return False
+    return True
