@@ -17,7 +17,7 @@ from faceedit_app.core.rig import Material, Rig
 from faceedit_app.render import Camera, FaceRenderer, contexts, default_camera, open_renderer
 from faceedit_app.render.camera import DISTANCE_LIMITS, PITCH_LIMIT, projection
 from faceedit_app.render.snapshot import snapshot, write_png
-from faceedit_app.render.surface import NormalSolver, Shading, by_shading, vertex_looks
+from faceedit_app.render.surface import NormalSolver, Shading, by_shading, look_of, vertex_looks
 
 SIZE = 96
 
@@ -135,6 +135,19 @@ def test_looks_are_mixed_where_materials_meet() -> None:
     groups = by_shading(rig)
     assert [shading for shading, _ in groups] == [Shading.FLESH, Shading.WET]
     assert sum(len(faces) for _, faces in groups) == len(rig.faces)
+
+
+@pytest.mark.parametrize(
+    ("name", "shading"),
+    [
+        ("skin", Shading.FLESH),
+        ("Eyelashes", Shading.THIN),
+        ("Teeth.001", Shading.WET),
+        ("Hat", Shading.PLAIN),
+    ],
+)
+def test_a_material_is_known_by_its_name(name: str, shading: Shading) -> None:
+    assert look_of(Material(name, 0, 1)).shading is shading
 
 
 def test_draws_a_lit_shape_on_a_dark_wall(renderer: FaceRenderer, rig: Rig) -> None:

@@ -203,7 +203,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             target = self._targets[samples] = Target(width, height, samples)
         return target
 
-    def _program(self, name: str, variant: str = "PLAIN") -> Any:
+    def _program(self, name: str, variant: str = "ONLY") -> Any:
         program = self._program_cache.get_program(
             f"{name}.vert", f"{name}.frag", defines={variant: 1}
         )

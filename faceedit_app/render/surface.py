@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from faceedit_app.core.rig import Rig
+from faceedit_app.core.rig import Material, Rig
 
 Floats = NDArray[np.float32]
 
@@ -21,6 +21,7 @@ class Shading(Enum):
     """
 
     FLESH = "FLESH"
+    PLAIN = "PLAIN"
     WET = "WET"
     HAIR = "HAIR"
     THIN = "THIN"
@@ -37,17 +38,17 @@ class Look:
         shaded: 0..1, how much of the baked shade it takes.
     """
 
-    shading: Shading = Shading.FLESH
+    shading: Shading = Shading.PLAIN
     flesh: float = 0.0
     wet: float = 0.0
     shaded: float = 0.0
 
 
-# By material name; every other name is matt and solid.
+# By what the material's name contains, the first that fits.
 LOOKS = {
-    "skin": Look(flesh=1.0, shaded=1.0),
-    "lips": Look(flesh=0.8, shaded=0.8),
-    "mouth": Look(flesh=0.6, shaded=0.8),
+    "skin": Look(Shading.FLESH, flesh=1.0, shaded=1.0),
+    "lips": Look(Shading.FLESH, flesh=0.8, shaded=0.8),
+    "mouth": Look(Shading.FLESH, flesh=0.6, shaded=0.8),
     "gums": Look(Shading.WET, flesh=0.6, wet=0.35, shaded=0.8),
     "tongue": Look(Shading.WET, flesh=0.7, wet=0.25, shaded=0.8),
     "sclera": Look(Shading.WET, flesh=0.35, wet=1.0, shaded=0.7),
@@ -58,6 +59,14 @@ LOOKS = {
     "brows": Look(Shading.THIN),
     "hair": Look(Shading.HAIR, shaded=0.6),
 }
+OTHER_LOOK = Look(flesh=0.4, shaded=0.6)
+_SHARPEST = 0.08  # roughness; below it a highlight is smaller than a pixel
+
+
+def look_of(material: Material) -> Look:
+    """How `material` takes light, told by its name."""
+    name = material.name.casefold()
+    return next((look for word, look in LOOKS.items() if word in name), OTHER_LOOK)
 
 
 def vertex_looks(rig: Rig, shade: Floats) -> Floats:
@@ -73,8 +82,8 @@ def vertex_looks(rig: Rig, shade: Floats) -> Floats:
     total = np.zeros((len(rig.neutral), 4), np.float64)
     corners = np.zeros(len(rig.neutral), np.float64)
     for material in rig.materials:
-        look = LOOKS.get(material.name, Look())
-        row = np.array([material.roughness, look.flesh, look.wet, look.shaded])
+        look = look_of(material)
+        row = np.array([max(material.roughness, _SHARPEST), look.flesh, look.wet, look.shaded])
         count = np.bincount(
             rig.faces[material.start : material.stop].ravel(), minlength=len(rig.neutral)
         )
@@ -89,8 +98,7 @@ def by_shading(rig: Rig) -> list[tuple[Shading, NDArray[np.int32]]]:
     """The faces of each variant of the shader, (F', 3) int32, in drawing order."""
     runs: dict[Shading, list[NDArray[np.int32]]] = {shading: [] for shading in Shading}
     for material in rig.materials:
-        shading = LOOKS.get(material.name, Look()).shading
-        runs[shading].append(rig.faces[material.start : material.stop])
+        runs[look_of(material).shading].append(rig.faces[material.start : material.stop])
     return [(shading, np.concatenate(faces)) for shading, faces in runs.items() if faces]
 
 
