@@ -56,6 +56,18 @@ def test_audio2face_opens_with_its_index_column_and_prefix(tmp_path: Path) -> No
     assert take.source.encode(take.clip.weights, take.clip.weights) == path.read_bytes()
 
 
+@pytest.mark.parametrize("name", ["Timecode", "frame", "time"])
+def test_frame_numbers_open_at_an_assumed_rate_that_is_admitted(tmp_path: Path, name: str) -> None:
+    rows = "".join(f"{i}.0,68.0,-0.017023563385009766\n" for i in range(100) if i != 50)
+    path = table(tmp_path, f"{name},BlendshapeCount,JawOpen\n" + rows)
+    take = open_take(path)
+    assert take.format == "CSV with frame numbers"
+    assert take.clip.rate == 60
+    assert take.clip.duration == pytest.approx(100 / 60)
+    assert take.notes == (f"{name} counts frames: 60 fps is assumed", "1 gap, 1 frame missing")
+    assert take.source.encode(take.clip.weights, take.clip.weights) == path.read_bytes()
+
+
 def test_times_begin_at_the_first_frame_and_keep_gaps(tmp_path: Path) -> None:
     rows = "".join(f"{5 + i / 25:.2f},0.1\n" for i in range(50) if i not in (20, 21))
     take = open_take(table(tmp_path, "time_s,jawOpen\n" + rows))
@@ -82,12 +94,14 @@ def test_a_single_frame_opens(tmp_path: Path) -> None:
     [
         ("time_s,jawOpen\n0,0\n0.1,0\n0.1,0\n", 4, "0.1 does not come after 0.1"),
         ("time_s,jawOpen\n0,0\n0.1,0\n0.05,0\n", 4, "0.05 does not come after 0.1"),
+        ("time_s,jawOpen\n0,0\n1,0\n2,0\n", 3, "cannot be seconds"),
+        ("frame,jawOpen\n0,0\n1,0\n1,0\n2,0\n3,0\n", 4, "1 does not come after 1"),
         ("time_s,jawOpen\n0,0\n33,0\n67,0\n", 3, "cannot be seconds"),
         ("time_s,jawOpen\n0,0\n1e-300,0\n", 3, "cannot be seconds"),
         ("time_s,jawOpen\n0,0\nlater,0\n", 3, 'column "time_s" holds "later"'),
         ("time_s,jawOpen\nnan,0\n1,0\n", 2, "not a finite number"),
         ("time_s;jawOpen\n0;0,5\n", 2, "write decimals with a point"),
-        ("frame,jawOpen\n0,0\n", 1, "no column with times"),
+        ("sample,jawOpen\n0,0\n", 1, "no column with times"),
         ("time_s,jawOpen\n", 1, "no frames"),
     ],
 )

@@ -46,7 +46,7 @@ def livelink_take(table: Table) -> Take:
             return False
         # Spreadsheets fill such rows up with empty cells.
         values = sum(1 for cell in cells if plain_text(cell))
-        return values == 2 and plain_text(cells[count]) == "0"
+        return values == 2 and _whole(plain_text(cells[count])) == "0"
 
     rows = table.read(texts, columns.indices, is_untracked)
     if not rows.lines:
@@ -96,8 +96,13 @@ def _untracked_notes(rows: Rows) -> tuple[str, ...]:
 
 def _count_notes(table: Table, rows: Rows, count: int) -> tuple[str, ...]:
     values = len(table.names) - 2
-    said = {texts[1] for texts, full in zip(rows.texts, rows.tracked, strict=True) if full}
+    said = {_whole(texts[1]) for texts, full in zip(rows.texts, rows.tracked, strict=True) if full}
     wrong = [shown(text) for text in sorted(said - {str(values)})]
     if not wrong:
         return ()
     return (f"{table.names[count]} says {', '.join(wrong[:3])}, the header has {values} values",)
+
+
+def _whole(text: str) -> str:
+    """A count, which some tools write as `61.0`."""
+    return text.removesuffix(".0")

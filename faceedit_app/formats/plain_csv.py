@@ -1,4 +1,9 @@
-"""CSV with times in seconds: `time_s` and ARKit names, also as NVIDIA Audio2Face writes it."""
+"""CSV without timecodes: times in seconds, or frame numbers, beside ARKit names.
+
+Our own clips and NVIDIA Audio2Face give seconds. Speech-to-face tools that imitate Live Link Face
+number their frames instead (`0.0`, `1.0`, ...), under the heading "Timecode", and leave the rate
+to be known.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +25,14 @@ from faceedit_app.formats.timing import (
 )
 
 FORMAT = "CSV with times in seconds"
-TIME_NAMES = ("time_s", "time", "timecode", "seconds")
+NUMBERED_FORMAT = "CSV with frame numbers"
+TIME_NAMES = ("time_s", "seconds", "time", "timecode", "frame")
+_NAMES_OF_SECONDS = ("time_s", "seconds")
 _SLOWEST, _FASTEST = 1.0, 2000.0  # frames per second; beyond, the times are in another unit
 
 
 def read_plain_csv(path: Path | str) -> Take:
-    """Open a CSV with times in seconds.
+    """Open a CSV with times in seconds or frame numbers.
 
     Raises:
         FileError: it is none, or damaged.
@@ -34,7 +41,7 @@ def read_plain_csv(path: Path | str) -> Take:
 
 
 def plain_take(table: Table) -> Take:
-    """The take in a table whose times are seconds; see `read_plain_csv`."""
+    """The take in a table whose times are plain numbers; see `read_plain_csv`."""
     columns = find_channels(table)
     lower = [name.lower() for name in table.names]
     time = next((lower.index(name) for name in TIME_NAMES if name in lower), None)
@@ -43,7 +50,7 @@ def plain_take(table: Table) -> Take:
             "has no column with times", 'add a column "time_s" in seconds', table.header
         )
     rows = table.read((), (time, *columns.indices))
-    seconds = rows.numbers[:, 0]
+    seconds, name, note = _in_seconds(rows.numbers[:, 0], table.names[time])
     rate, notes = _rate(table, rows, seconds)
     times = seconds - seconds[0]
     gaps = find_gaps(times, rate)
@@ -56,22 +63,38 @@ def plain_take(table: Table) -> Take:
     )
     carried = tuple(table.names[k] or "(unnamed)" for k in columns.others if k != time)
     source = CsvSource(table, tuple(rows.lines), columns.indices)
-    return Take(table.path, FORMAT, clip, carried, (*notes, *gap_notes(gaps)), source)
+    return Take(table.path, name, clip, carried, (*note, *notes, *gap_notes(gaps)), source)
+
+
+def _in_seconds(values: Times, column: str) -> tuple[Times, str, tuple[str, ...]]:
+    """Times in seconds, the name of the format, and a remark where the rate is a guess."""
+    whole = len(values) > 1 and np.array_equal(values, np.round(values))
+    one_by_one = whole and float(np.median(np.diff(values))) == 1.0
+    if not one_by_one or column.lower() in _NAMES_OF_SECONDS:
+        return values, FORMAT, ()
+    note = f"{column} counts frames: {format_rate(DEFAULT_RATE)} is assumed"
+    return values / DEFAULT_RATE, NUMBERED_FORMAT, (note,)
+
+
+def _check_increasing(table: Table, rows: Rows) -> None:
+    given = rows.numbers[:, 0]
+    steps = np.diff(given)
+    if steps.min() <= 0:
+        row = int(np.argmax(steps <= 0)) + 1
+        raise table.error(
+            f"the time {given[row]:g} does not come after {given[row - 1]:g}",
+            "sort the rows by time and remove repeated ones",
+            rows.lines[row],
+        )
 
 
 def _rate(table: Table, rows: Rows, seconds: Times) -> tuple[float, tuple[str, ...]]:
     if len(seconds) == 1:
         return DEFAULT_RATE, (f"a single frame: {format_rate(DEFAULT_RATE)} is assumed",)
+    _check_increasing(table, rows)
     steps = np.diff(seconds)
-    if steps.min() <= 0:
-        row = int(np.argmax(steps <= 0)) + 1
-        raise table.error(
-            f"the time {seconds[row]:g} does not come after {seconds[row - 1]:g}",
-            "sort the rows by time and remove repeated ones",
-            rows.lines[row],
-        )
     step = typical_step(steps)
-    if not 1 / _FASTEST <= step <= 1 / _SLOWEST:
+    if not 1 / _FASTEST <= step < 1 / _SLOWEST:
         raise table.error(
             f"times step by {step:g}, which cannot be seconds",
             "give the times in seconds",
