@@ -14,7 +14,7 @@ from assets.builder.lashes import build_lashes
 from assets.builder.parts import Part
 from assets.builder.settings import ATTRIBUTION, MATERIALS, NAME, OUTPUT
 from assets.builder.shapes import Face, pose_face
-from assets.builder.skin import build_skin
+from assets.builder.skin import build_base, build_skin
 from assets.builder.source import Floats, Source
 from assets.builder.teeth import build_teeth
 from faceedit_app.core.arkit import ARKIT_CHANNELS
@@ -30,7 +30,7 @@ def build_rig(source: Source) -> Rig:
     above = above_hairline(face, line)
     skin = build_skin(face, above, paint_skin(face, arch, above))
     surface = Surface(skin.vertices, skin.faces)
-    parts = [skin]
+    parts = [skin, build_base(skin, len(face.skin))]
     parts += [build_brow(eye.side, arch, skin, surface) for eye in face.eyes]
     for eye in face.eyes:
         parts += build_lashes(face, eye)

@@ -32,7 +32,6 @@ def paint_skin(face: Face, arch: BrowArch, above_hairline: Floats) -> Floats:
     cheek = skin[np.linalg.norm(face.delta("cheekSquintLeft")[src.BODY], axis=1).argmax()]
     cheek = np.array([cheek[0] * 1.05, eye_height - COLOUR.blush_below_eyes, cheek[2]])
     blush = spot(cheek, COLOUR.blush_radius) + spot(cheek * [-1, 1, 1], COLOUR.blush_radius)
-    blend(COLOUR.freckles, COLOUR.freckle_amount * _freckles(len(skin)) * (blush + spot(nose, 22)))
     blend(COLOUR.blush, COLOUR.blush_amount * blush)
     blend(COLOUR.nose, COLOUR.nose_amount * spot(nose, COLOUR.nose_radius))
     blend(COLOUR.ears, COLOUR.ears_amount * face.ears[src.BODY])
@@ -60,7 +59,8 @@ def _under_brow(face: Face, arch: BrowArch) -> Floats:
     share = arch.share(x)
     front = face.skin[:, 2] > face.eyes[0].centre[2]
     band = np.exp(-(((y - arch.height(x)) / COLOUR.brow_width) ** 2))
-    return np.asarray(band * (share > -0.05) * (share < 1.03) * front)
+    fade = 1 - smoothstep(*COLOUR.brow_fade, share)
+    return np.asarray(band * fade * (share > -0.05) * front)
 
 
 def _texture(points: Floats) -> Floats:
@@ -83,11 +83,6 @@ def _noise(points: Floats, random: np.random.Generator) -> Floats:
         weight = np.where(np.array(offset), share, 1 - share).prod(1)
         total += weight * lattice[tuple(((corner + offset) % 32).T)]
     return total
-
-
-def _freckles(count: int) -> Bools:
-    random = np.random.default_rng(COLOUR.texture_seed)
-    return random.random(count) < COLOUR.freckle_share
 
 
 def shade(part: Part) -> Floats:
@@ -141,7 +136,7 @@ def _visible_sky(vertices: Floats, faces: Ints) -> Floats:
         def pixel(points: Floats, plane: Floats = plane) -> Ints:
             grid = ((points - centre) @ plane * scale + COLOUR.sky_pixels / 2).astype(np.int64)
             x, y = np.clip(grid, 0, COLOUR.sky_pixels - 1).T
-            return x * COLOUR.sky_pixels + y
+            return np.asarray(x * COLOUR.sky_pixels + y)
 
         depth = np.full(COLOUR.sky_pixels**2, -np.inf)
         np.maximum.at(depth, pixel(samples), (samples - centre) @ direction)

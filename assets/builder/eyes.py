@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets.builder.geometry import bridge_rows, fan, fit_rigid
+from assets.builder.geometry import bridge_rows, fan, fit_rigid, smoothstep
 from assets.builder.parts import CHANNEL_COUNT, MATERIAL_INDEX, Part, make_part, srgb
 from assets.builder.settings import EYES
 from assets.builder.shapes import Eye, Face
@@ -53,4 +53,6 @@ def _colors() -> Floats:
     """(V, 3) sRGB."""
     streaks = np.random.default_rng(EYES.seed).uniform(*EYES.streaks, EYES.columns)[:, None]
     rings = [srgb(ring.color) * (1 + ring.streaks * (streaks - 1)) for ring in EYES.rings[1:]]
-    return np.concatenate([[srgb(EYES.rings[0].color)], *rings])
+    colors = np.concatenate([[srgb(EYES.rings[0].color)], *rings])
+    height = smoothstep(*EYES.lid_shade_from, _directions()[:, 1])
+    return np.asarray(colors * (1 - EYES.lid_shade * height)[:, None])

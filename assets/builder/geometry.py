@@ -21,7 +21,8 @@ def smoothstep(low: float, high: float, x: ArrayLike) -> Floats:
 
 def unit(vectors: Floats) -> Floats:
     """(..., 3) vectors scaled to length 1; a zero vector stays zero."""
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12)
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.maximum(length, 1e-12))
 
 
 def face_normals(vertices: Floats, faces: Ints) -> Floats:
@@ -57,7 +58,7 @@ def bridge_rows(rows: int, columns: int, closed: bool) -> Ints:
 
 def fan(centre: int, ring: Ints) -> Ints:
     """Triangles (R, 3) from one vertex to the consecutive vertices of a closed ring."""
-    return np.c_[np.full(len(ring), centre), ring, np.roll(ring, -1)]
+    return np.stack([np.full(len(ring), centre), ring, np.roll(ring, -1)], axis=1)
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ class Hairline:
     def above(self, points: Floats) -> Floats:
         """How far points (P, 3) lie above the line, radians."""
         x, y, z = (points - self.centre).T
-        return np.arctan2(y, np.hypot(x, z)) - self.elevation(np.arctan2(x, z))
+        return np.asarray(np.arctan2(y, np.hypot(x, z)) - self.elevation(np.arctan2(x, z)))
 
 
 def find_hairline(face: Face) -> Hairline:
@@ -90,6 +90,8 @@ def find_hairline(face: Face) -> Hairline:
     ]
     degrees = np.rad2deg(np.minimum(azimuths, 2 * np.pi - azimuths))
     heights = PchipInterpolator(*np.array(knots).T)(degrees)
+    jitter = np.random.default_rng(HAIR.seed).uniform(-1, 1, HAIR.columns)
+    heights = heights + HAIR.line_jitter * jitter
     scan = np.deg2rad(np.linspace(*HAIR.scan))
     elevations = np.zeros(HAIR.columns)
     for i, azimuth in enumerate(azimuths):
@@ -116,7 +118,11 @@ def build_hair(line: Hairline, skin: Part, surface: Surface) -> list[Part]:
     shade = random.uniform(*HAIR.shade, HAIR.columns)
     shade = (shade + np.roll(shade[::-1], 1)) / 2
     cap, crown = _cap(line, pole, shade, skin, surface)
-    return [cap, _bun(line.centre + pole * (crown + HAIR.bun_out), pole), _wisps(line, skin, surface)]
+    return [
+        cap,
+        _bun(line.centre + pole * (crown + HAIR.bun_out), pole),
+        _wisps(line, skin, surface),
+    ]
 
 
 def _cap(
@@ -158,12 +164,17 @@ def _bun(centre: Floats, out: Floats) -> Part:
     tilt = np.pi * np.arange(1, HAIR.bun_rows)[:, None] / HAIR.bun_rows
     turn = 2 * np.pi * np.arange(HAIR.bun_columns) / HAIR.bun_columns
     wave = np.cos(turn * HAIR.bun_columns / 2 + np.arange(1, HAIR.bun_rows)[:, None] * np.pi / 2)
-    ball = np.stack(
-        np.broadcast_arrays(
-            np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt) * HAIR.bun_flat
-        ),
-        axis=-1,
-    ) * (1 + HAIR.bun_groove * wave)[..., None]
+    ball = (
+        np.stack(
+            np.broadcast_arrays(
+                np.sin(tilt) * np.cos(turn),
+                np.sin(tilt) * np.sin(turn),
+                np.cos(tilt) * HAIR.bun_flat,
+            ),
+            axis=-1,
+        )
+        * (1 + HAIR.bun_groove * wave)[..., None]
+    )
     local = np.concatenate([ball.reshape(-1, 3), [[0, 0, HAIR.bun_flat]]]) * HAIR.bun_radius
     vertices = centre + local @ np.stack([right, up, out])
     bright = (1 + HAIR.bun_shade * wave) * np.where(tilt < 0.64 * np.pi, 1.1, 0.75)
@@ -175,34 +186,41 @@ def _bun(centre: Floats, out: Floats) -> Part:
 
 def _wisps(line: Hairline, skin: Part, surface: Surface) -> Part:
     """Thin strands that root in front of the hairline and lie on the combed hair."""
-    random = np.random.default_rng(HAIR.seed)
-    count = HAIR.wisps // 2
-    azimuth = np.deg2rad(np.linspace(0.5, HAIR.wisp_span, count) + random.uniform(-0.5, 0.5, count))
-    before = random.uniform(*HAIR.wisp_before, count)
-    length = random.uniform(*HAIR.wisp_length, count)
-    shade = random.uniform(0.7, 1.15, count)
-    azimuth = np.r_[azimuth, -azimuth]
-    before, length, shade = np.tile(before, 2), np.tile(length, 2), np.tile(shade, 2)
-
+    azimuth, before, length, shade = _wisp_choices()
     elevation = line.elevation(azimuth)
     reach = line.reach(_spherical(azimuth, elevation))
     root = line.centre + _spherical(azimuth, elevation - before / reach) * reach[:, None]
-    tip_direction = _spherical(azimuth * 1.02, elevation + (length - before) / reach)
-    lift = np.interp(length - before, [0, 5, 12], [0.8, 3.6, 5.2])
-    tip = line.centre + tip_direction * (line.reach(tip_direction) + lift)[:, None]
+    behind = length - before
+    tip_direction = _spherical(azimuth * HAIR.wisp_lean, elevation + behind / reach)
+    tip_reach = line.reach(tip_direction) + table(HAIR.wisp_tip_lift, behind)
+    tip = line.centre + tip_direction * tip_reach[:, None]
     anchors = surface.anchor(root)
-    root = surface.position(anchors, 0.25)
-    aside = unit(np.cross(tip - root, root - line.centre)) * HAIR.wisp_width / 2
-    middle = (root + tip) / 2 + unit(root - line.centre) * 0.6
+    root = surface.position(anchors, HAIR.wisp_root_lift)
+    out = unit(root - line.centre)
+    aside = unit(np.cross(tip - root, out)) * HAIR.wisp_width / 2
+    middle = (root + tip) / 2 + out * HAIR.wisp_bulge
     vertices = np.stack([root, middle - aside, middle + aside, tip], axis=1)
     delta = anchors.read(skin.deltas)
-    deltas = np.stack([delta, delta * 0.7, delta * 0.7, delta * 0.3], axis=2)
+    half, end = HAIR.wisp_follow
+    deltas = np.stack([delta, delta * half, delta * half, delta * end], axis=2)
     first = np.arange(len(root))[:, None] * 4
     return make_part(
         "wisps",
         vertices.reshape(-1, 3),
-        np.concatenate([first + [0, 2, 1], first + [1, 2, 3]]),
+        np.concatenate([first + np.array(corners) for corners in ((0, 2, 1), (1, 2, 3))]),
         "hair",
         srgb(HAIR.color) * np.repeat(shade, 4)[:, None],
         deltas.reshape(CHANNEL_COUNT, -1, 3),
     )
+
+
+def _wisp_choices() -> tuple[Floats, Floats, Floats, Floats]:
+    """Azimuth (radians), root in front of the line (mm), length (mm), shade; mirrored."""
+    random = np.random.default_rng(HAIR.seed)
+    count = HAIR.wisps // 2
+    azimuth = np.linspace(0.5, HAIR.wisp_span, count)
+    azimuth = np.deg2rad(azimuth + random.uniform(-HAIR.wisp_jitter, HAIR.wisp_jitter, count))
+    before = random.uniform(*HAIR.wisp_before, count)
+    length = random.uniform(*HAIR.wisp_length, count)
+    shade = random.uniform(*HAIR.wisp_shade, count)
+    return np.r_[azimuth, -azimuth], np.tile(before, 2), np.tile(length, 2), np.tile(shade, 2)

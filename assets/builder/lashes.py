@@ -11,18 +11,22 @@ from assets.builder.shapes import Eye, Face
 from assets.builder.source import Floats, Ints
 from faceedit_app.core.arkit import ARKIT_INDEX
 
+_STRAND = ((0, 1, 3), (0, 3, 2), (2, 3, 4))  # two root vertices, two in the middle, the tip
+
 
 def build_lashes(face: Face, eye: Eye) -> list[Part]:
     """The lashes and lines of the upper and the lower lid."""
     parts = []
-    for rows, row, is_upper in ((eye.upper, LASHES.upper, True), (eye.lower, LASHES.lower, False)):
-        lid = "upper" if is_upper else "lower"
-        parts.append(_strands(f"{lid}Lashes{eye.side}", face, eye, rows, row, is_upper))
+    for lid, rows, row in (
+        ("upper", eye.upper, LASHES.upper),
+        ("lower", eye.lower, LASHES.lower),
+    ):
+        parts.append(_strands(f"{lid}Lashes{eye.side}", face, eye, rows, row))
         parts.append(_line(f"{lid}Line{eye.side}", face, rows, row))
     return parts
 
 
-def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow, is_upper: bool) -> Part:
+def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow) -> Part:
     random = np.random.default_rng(LASHES.seed)
     edge, tips = rows[1], rows[-1]
     along = np.linspace(LASHES.ends[0], len(edge) - LASHES.ends[1], row.strands)
@@ -32,11 +36,11 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow, is_upper
     root, root_delta = _read(face, edge, along)
     tip, tip_delta = _read(face, tips, along + LASHES.sweep)
     tip = root + (tip - root) * length
-    tip_delta = root_delta + (tip_delta - root_delta) * length
-    if is_upper:
-        tip_delta = _follow_lid(face, eye, root, root_delta, tip, tip_delta)
+    if row is LASHES.upper:
+        tip_delta = root_delta + (tip_delta - root_delta) * length
+        tip_delta = tip_delta + _turn_with_lid(eye, root, root_delta, tip)
     else:
-        tip_delta = root_delta
+        tip_delta = root_delta  # short, and stiff enough
     bend = [0.0, -row.bend, LASHES.bend_forward]
     middle = root + (tip - root) * LASHES.bend_at + bend
     middle_delta = root_delta + (tip_delta - root_delta) * LASHES.bend_at
@@ -45,7 +49,7 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow, is_upper
     vertices = [root - aside, root + aside, middle - aside * 0.66, middle + aside * 0.66, tip]
     deltas = [root_delta, root_delta, middle_delta, middle_delta, tip_delta]
     first = np.arange(row.strands)[:, None] * len(vertices)
-    faces = np.concatenate([first + [0, 1, 3], first + [0, 3, 2], first + [2, 3, 4]])
+    faces = np.concatenate([first + np.array(corners) for corners in _STRAND])
     return make_part(
         name,
         np.stack(vertices, axis=1).reshape(-1, 3),
@@ -56,17 +60,15 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow, is_upper
     )
 
 
-def _follow_lid(
-    face: Face, eye: Eye, root: Floats, root_delta: Floats, tip: Floats, tip_delta: Floats
-) -> Floats:
-    """Turn the upper lashes down in proportion to how far the lid is closed."""
+def _turn_with_lid(eye: Eye, root: Floats, root_delta: Floats, tip: Floats) -> Floats:
+    """Displacements (52, S, 3) that turn the upper lashes down as far as the lid is closed."""
     blink = root_delta[ARKIT_INDEX[f"eyeBlink{eye.side}"]]
     strand = tip - root
     out = unit(root + blink - eye.centre)
     closed = unit(LASHES.closed_out * out - [0, LASHES.closed_down, 0])
     turn = closed * np.linalg.norm(strand, axis=1, keepdims=True) - strand
     closing = root_delta[:, :, 1] / np.minimum(blink[:, 1], -0.1)
-    return np.asarray(tip_delta + np.clip(closing, -0.3, 1.2)[..., None] * turn)
+    return np.asarray(np.clip(closing, -0.3, 1.2)[..., None] * turn)
 
 
 def _line(name: str, face: Face, rows: Ints, row: LashRow) -> Part:

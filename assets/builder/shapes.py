@@ -93,6 +93,7 @@ def pose_face(source: Source) -> Face:
     _smooth_cheeks(neutral, deltas, body, lips, eyes)
     neutral = seal_lips(neutral, deltas, body, lips)
     lids, ears = source.mask("eyelids"), source.mask("ears")
+    _round_ears(neutral, body, ears)
     return Face(mesh, neutral, deltas, body, lips, mouth, lids, ears, eyes)
 
 
@@ -114,7 +115,7 @@ def _neutral(source: Source, deltas: Floats, mirror: Ints) -> Floats:
     neutral += NEUTRAL.lips_together * deltas[ARKIT_INDEX["mouthClose"]]
     for side in SIDES:
         neutral += NEUTRAL.lids_relaxed * deltas[ARKIT_INDEX[f"eyeBlink{side}"]]
-    return (neutral + neutral[mirror] * MIRROR) / 2
+    return np.asarray((neutral + neutral[mirror] * MIRROR) / 2)
 
 
 def _eye(side: str, mesh: BaseMesh, neutral: Floats) -> Eye:
@@ -216,3 +217,13 @@ def _smooth_cheeks(
         deltas[ARKIT_INDEX[channel], src.BODY] = smooth(
             field, links, strength, SHAPES.smooth_rounds
         )
+
+
+def _round_ears(neutral: Floats, body: Ints, ears: Floats) -> None:
+    """Smooth the ears, most of all their boxy lobes, in place."""
+    skin, mask = neutral[src.BODY], ears[src.BODY]
+    middle = skin[mask > 0.5, 1].mean()
+    lobe = smoothstep(*NEUTRAL.ear_lobe, middle - skin[:, 1])
+    whole, most = NEUTRAL.ear_strength
+    strength = mask * (whole + (most - whole) * lobe)
+    neutral[src.BODY] = smooth(skin, edges(body), strength, NEUTRAL.ear_rounds)

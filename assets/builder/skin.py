@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from assets.builder import source as src
-from assets.builder.parts import MATERIAL_INDEX, Part, make_part
+from assets.builder.geometry import face_normals, fan
+from assets.builder.parts import MATERIAL_INDEX, Part, make_part, srgb
 from assets.builder.settings import SKIN
 from assets.builder.shapes import Face
-from assets.builder.source import Floats, Ints
+from assets.builder.source import Bools, Floats, Ints
 
 
 def head_faces(face: Face) -> Ints:
     """The body's triangles (F, 3) that can belong to the bust."""
     height = face.neutral[face.body][:, :, 1].min(1)
-    return face.body[height > face.eye_height - SKIN.lowest]
+    return np.asarray(face.body[height > face.eye_height - SKIN.lowest])
 
 
 def build_skin(face: Face, above_hairline: Floats, colors: Floats) -> Part:
@@ -46,7 +49,7 @@ def build_skin(face: Face, above_hairline: Floats, colors: Floats) -> Part:
     return make_part("skin", extend(face.skin), faces, materials, extend(colors), deltas, index)
 
 
-def _in_sockets(face: Face, faces: Ints) -> np.ndarray:
+def _in_sockets(face: Face, faces: Ints) -> Bools:
     """(F,) which triangles of the sockets look at the eyeball and would show through."""
     dropped = np.zeros(len(faces), bool)
     for eye in face.eyes:
@@ -86,6 +89,37 @@ def _clip(faces: Ints, inside: Floats) -> tuple[Ints, tuple[Ints, Ints, Floats]]
                 polygon.append(a)
             if (inside[a] >= 0) != (inside[b] >= 0):
                 polygon.append(cut(a, b))
-        kept += [[polygon[0], *pair] for pair in zip(polygon[1:], polygon[2:], strict=False)]
+        kept += [[polygon[0], *pair] for pair in pairwise(polygon[1:])]
     start, stop = np.array(list(edges), np.int64).reshape(-1, 2).T
     return np.array(kept), (start, stop, inside[start] / (inside[start] - inside[stop]))
+
+
+def build_base(skin: Part, cuts_from: int) -> Part:
+    """The surface that closes the bust from below.
+
+    Args:
+        skin: the cut skin.
+        cuts_from: the index of its first vertex on a cut edge.
+    """
+    loop = _border_loop(skin.faces, cuts_from)
+    rim = skin.vertices[loop]
+    middle = rim.mean(0) + np.array([0, SKIN.base_rise, 0])
+    vertices = np.concatenate([[middle], rim])
+    deltas = np.concatenate([np.zeros((len(skin.deltas), 1, 3)), skin.deltas[:, loop]], axis=1)
+    faces = fan(0, 1 + np.arange(len(loop)))
+    if face_normals(vertices, faces)[:, 1].sum() > 0:
+        faces = faces[:, ::-1]
+    return make_part("base", vertices, faces, "skin", srgb(SKIN.base_color), deltas)
+
+
+def _border_loop(faces: Ints, cuts_from: int) -> Ints:
+    """The vertices of the longest border that runs along cut edges only, in order."""
+    directed = {(int(f[i]), int(f[i - 2])) for f in faces for i in range(3)}
+    border = {a: b for a, b in directed if (b, a) not in directed and min(a, b) >= cuts_from}
+    loops = []
+    while border:
+        loop = [min(border)]
+        while (following := border.pop(loop[-1], None)) is not None:
+            loop.append(following)
+        loops.append(loop[:-1] if loop[0] == loop[-1] else loop)
+    return np.array(max(loops, key=len))

@@ -54,7 +54,7 @@ class BaseMesh:
 
     def group(self, name: str) -> Ints:
         """The quads (q, 4) of one group."""
-        return self.quads[self.groups == name]
+        return np.asarray(self.quads[self.groups == name])
 
 
 class Source:
@@ -85,7 +85,7 @@ class Source:
         height, width = pixels.shape
         x = np.clip((self.mesh.uv[:, 0] * width).astype(int), 0, width - 1)
         y = np.clip(((1 - self.mesh.uv[:, 1]) * height).astype(int), 0, height - 1)
-        return pixels[y, x]
+        return np.asarray(pixels[y, x])
 
     def _displacements(self, content: bytes) -> Floats:
         """Parse the lines `index dx dy dz` of a target; lines of comment start with #."""

@@ -79,9 +79,10 @@ def _jaw_motion(face: Face, helper: slice, points: Floats) -> Floats:
 
 
 def _row(arch: Arch, jaw: Jaw, bite: float, upward: int) -> tuple[Floats, Ints, Floats]:
-    """One row of ten teeth: vertices, faces and colours."""
+    """One row of teeth: vertices, faces and colours."""
     widths = np.array(jaw.widths) * arch.length / 2 * TEETH.filled / sum(jaw.widths)
-    vertices, faces = [], []
+    vertices: list[Floats] = []
+    faces: list[Ints] = []
     per_tooth = len(TEETH.levels) * TEETH.sides
     for side in (1, -1):
         along = arch.length / 2
@@ -101,9 +102,7 @@ def _row(arch: Arch, jaw: Jaw, bite: float, upward: int) -> tuple[Floats, Ints, 
     return points, triangles[towards > TEETH.back_faces], srgb(TEETH.color) * shade.reshape(-1, 1)
 
 
-def _tooth(
-    arch: Arch, along: float, width: float, depth: float, root: float, tip: float
-) -> Floats:
+def _tooth(arch: Arch, along: float, width: float, depth: float, root: float, tip: float) -> Floats:
     """(levels * sides, 3) mm: superelliptic cross-sections from the root to the tip."""
     point, tangent, normal = arch.frame(along)
     angle = (np.arange(TEETH.sides) + 0.5) * 2 * np.pi / TEETH.sides
@@ -115,7 +114,9 @@ def _tooth(
     for height, wide, deep in TEETH.levels:
         flat = point + np.outer(across * width / 2 * wide, tangent)
         flat = flat + np.outer((out * deep - 1) * depth / 2, normal)
-        levels.append(np.c_[flat[:, 0], np.full(TEETH.sides, root + (tip - root) * height), flat[:, 1]])
+        levels.append(
+            np.c_[flat[:, 0], np.full(TEETH.sides, root + (tip - root) * height), flat[:, 1]]
+        )
     return np.concatenate(levels)
 
 

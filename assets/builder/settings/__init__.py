@@ -1,0 +1,56 @@
+"""Every number of the character that was tuned by eye, with its unit.
+
+Lengths are millimetres and angles degrees unless a comment says otherwise; colours are sRGB
+hex. There is one frozen dataclass for each module that reads them.
+"""
+
+from assets.builder.settings.face import (
+    ATTRIBUTION,
+    MATERIALS,
+    NAME,
+    Neutral,
+    Output,
+    Shapes,
+    Skin,
+)
+from assets.builder.settings.features import (
+    Brows,
+    Eyes,
+    Hair,
+    Jaw,
+    Lashes,
+    LashRow,
+    Ring,
+    Teeth,
+)
+from assets.builder.settings.paint import Colour
+
+NEUTRAL = Neutral()
+SHAPES = Shapes()
+SKIN = Skin()
+OUTPUT = Output()
+HAIR = Hair()
+BROWS = Brows()
+LASHES = Lashes()
+EYES = Eyes()
+TEETH = Teeth()
+COLOUR = Colour()
+
+__all__ = [
+    "ATTRIBUTION",
+    "BROWS",
+    "COLOUR",
+    "EYES",
+    "HAIR",
+    "LASHES",
+    "MATERIALS",
+    "NAME",
+    "NEUTRAL",
+    "OUTPUT",
+    "SHAPES",
+    "SKIN",
+    "TEETH",
+    "Jaw",
+    "LashRow",
+    "Ring",
+]
