@@ -116,10 +116,13 @@ def test_the_definitions_agree_with_the_character(rig: Rig) -> None:
         assert entry["neutral_length_mm"] == pytest.approx(neutral[control.id], abs=0.01)
 
 
-def test_building_it_again_gives_the_same_bytes(tmp_path: Path) -> None:
+def test_building_it_again_gives_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     wheel = os.environ.get(WHEEL_VARIABLE)
     if not wheel:
         pytest.skip(f"{WHEEL_VARIABLE} does not name the wheel that the character is built from")
+    monkeypatch.syspath_prepend(str(ROOT))
     from assets.builder.assemble import build_rig
     from assets.builder.controls import write_definitions
     from assets.builder.source import open_source

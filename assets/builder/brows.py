@@ -71,5 +71,6 @@ def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface) -> Part:
 
 def _thickness(t: Floats) -> Floats:
     """Thickness of the brow, mm: fullest in the inner third, tapering outwards."""
-    body = 0.62 + 0.38 * np.sin(np.pi * np.clip(t * 1.3, 0, 1))
-    return np.asarray(BROWS.thickness * body * (1 - 0.86 * smoothstep(0.5, 1.02, t)))
+    body = BROWS.ends + (1 - BROWS.ends) * np.sin(np.pi * np.clip(t * BROWS.swell, 0, 1))
+    taper = 1 - BROWS.taper * smoothstep(*BROWS.taper_between, t)
+    return np.asarray(BROWS.thickness * body * taper)

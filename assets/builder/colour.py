@@ -30,7 +30,7 @@ def paint_skin(face: Face, arch: BrowArch, above_hairline: Floats) -> Floats:
 
     nose = _nose_tip(face)
     cheek = skin[np.linalg.norm(face.delta("cheekSquintLeft")[src.BODY], axis=1).argmax()]
-    cheek = np.array([cheek[0] * 1.05, eye_height - COLOUR.blush_below_eyes, cheek[2]])
+    cheek = np.array([cheek[0] * COLOUR.blush_out, eye_height - COLOUR.blush_below_eyes, cheek[2]])
     blush = spot(cheek, COLOUR.blush_radius) + spot(cheek * [-1, 1, 1], COLOUR.blush_radius)
     blend(COLOUR.blush, COLOUR.blush_amount * blush)
     blend(COLOUR.nose, COLOUR.nose_amount * spot(nose, COLOUR.nose_radius))
@@ -38,19 +38,21 @@ def paint_skin(face: Face, arch: BrowArch, above_hairline: Floats) -> Floats:
     blend(COLOUR.lids, COLOUR.lids_amount * face.lids[src.BODY])
     for eye in face.eyes:
         rim = (np.linalg.norm(skin - eye.centre, axis=1) - eye.radius) / COLOUR.lid_edge_width
-        front = (np.abs(skin[:, 1] - eye_height) < 30) & (skin[:, 2] > eye.centre[2])
+        front = np.abs(skin[:, 1] - eye_height) < COLOUR.lid_edge_reach
+        front &= skin[:, 2] > eye.centre[2]
         blend(COLOUR.lid_edge, COLOUR.lid_edge_amount * np.exp(-(rim**2)) * front)
     blend(COLOUR.lips, COLOUR.lips_amount * face.lips[src.BODY])
     blend(COLOUR.mouth, face.mouth[src.BODY])
     blend(BROWS.color, COLOUR.brow_amount * _under_brow(face, arch))
-    root = smoothstep(-COLOUR.hairline_width, 0.02, above_hairline)
+    root = smoothstep(*COLOUR.hairline_between, above_hairline)
     blend(HAIR.color, COLOUR.hairline_amount * root**2)
     return color
 
 
 def _nose_tip(face: Face) -> Floats:
-    heights = np.linspace(face.eye_height - 60, face.eye_height, 40)
-    profile = project_front(face.skin, head_faces(face), np.c_[np.zeros(40), heights])
+    heights = face.eye_height - np.arange(0.0, COLOUR.nose_search)
+    middle = np.c_[np.zeros_like(heights), heights]
+    profile = project_front(face.skin, head_faces(face), middle)
     return np.asarray(profile[profile[:, 2].argmax()])
 
 
@@ -60,7 +62,7 @@ def _under_brow(face: Face, arch: BrowArch) -> Floats:
     front = face.skin[:, 2] > face.eyes[0].centre[2]
     band = np.exp(-(((y - arch.height(x)) / COLOUR.brow_width) ** 2))
     fade = 1 - smoothstep(*COLOUR.brow_fade, share)
-    return np.asarray(band * fade * (share > -0.05) * front)
+    return np.asarray(band * fade * (share > COLOUR.brow_from) * front)
 
 
 def _texture(points: Floats) -> Floats:
@@ -89,9 +91,9 @@ def shade(part: Part) -> Floats:
     """Colours (V, 3), sRGB, of the joined character darkened where little sky is seen."""
     occluders = _faces_of(part, "skin", "lips", "mouth", "hair", "sclera")
     sky = _visible_sky(part.vertices, occluders)
-    sky = smooth(sky, edges(part.faces), 0.5, COLOUR.sky_smoothing)
+    sky = smooth(sky, edges(part.faces), COLOUR.sky_smoothing, COLOUR.sky_rounds)
     uses = {name: _vertices_of(part, name) for name in MATERIAL_INDEX}
-    sky = np.clip(sky / np.quantile(sky[uses["skin"]], 0.80), 0, 1)
+    sky = np.clip(sky / np.quantile(sky[uses["skin"]], COLOUR.sky_full), 0, 1)
     darkest = np.where(uses["lips"], COLOUR.darkest_lips, COLOUR.darkest)
     light = (darkest + (1 - darkest) * sky)[:, None] ** np.array(COLOUR.shade_tint)
     outside = (uses["skin"] | uses["lips"] | uses["hair"]) & ~uses["mouth"]

@@ -51,4 +51,5 @@ def write_definitions(path: Path, rig: Rig) -> None:
         }
         for control, pair, length in zip(CONTROLS, rig.control_pairs, lengths, strict=True)
     ]
-    path.write_text(json.dumps({"controls": entries}, indent=2) + "\n")
+    text = json.dumps({"controls": entries}, indent=2) + "\n"
+    path.write_text(text, encoding="utf-8", newline="\n")

@@ -133,15 +133,16 @@ def _cap(
     angle = np.arccos(np.clip(start @ pole, -1, 1))[:, None]
     comb = np.cos(np.arange(HAIR.columns) * np.pi)  # every other column stands up
     rows, colors, reaches = [], [], []
+    middle, decrease = HAIR.middle_shade
     for i, share in enumerate(HAIR.rings):
         along = np.sin((1 - share) * angle) * start + np.sin(share * angle) * pole
         direction = along / np.sin(angle)
         reach = line.reach(direction)
         reaches.append(reach if i < 2 else _round_mean(reach))
         thickness = table(HAIR.thickness, np.array([share]))
-        groove = HAIR.groove * comb * smoothstep(0, 0.15, share)
+        groove = HAIR.groove * comb * smoothstep(*HAIR.groove_from, share)
         rows.append(line.centre + direction * (reaches[-1] + thickness + groove)[:, None])
-        bright = shade * (1 + HAIR.groove_shade * comb) * (1.12 - 0.25 * abs(share - 0.5))
+        bright = shade * (1 + HAIR.groove_shade * comb) * (middle - decrease * abs(share - 0.5))
         colors.append(srgb(HAIR.color) * bright[:, None])
     crown = float(reaches[-1].mean())
     top = line.centre + pole * (crown + HAIR.thickness[-1][1])
@@ -177,7 +178,8 @@ def _bun(centre: Floats, out: Floats) -> Part:
     )
     local = np.concatenate([ball.reshape(-1, 3), [[0, 0, HAIR.bun_flat]]]) * HAIR.bun_radius
     vertices = centre + local @ np.stack([right, up, out])
-    bright = (1 + HAIR.bun_shade * wave) * np.where(tilt < 0.64 * np.pi, 1.1, 0.75)
+    front, light, dark = HAIR.bun_front
+    bright = (1 + HAIR.bun_shade * wave) * np.where(tilt < front * np.pi, light, dark)
     color = srgb(HAIR.color) * np.r_[bright.ravel(), 1.0][:, None]
     faces = bridge_rows(HAIR.bun_rows - 1, HAIR.bun_columns, closed=True)
     cap = fan(len(vertices) - 1, np.arange(HAIR.bun_columns))

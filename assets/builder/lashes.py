@@ -30,8 +30,8 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow) -> Part:
     random = np.random.default_rng(LASHES.seed)
     edge, tips = rows[1], rows[-1]
     along = np.linspace(LASHES.ends[0], len(edge) - LASHES.ends[1], row.strands)
-    along = along + random.uniform(-0.15, 0.15, row.strands)
-    length = row.length * random.uniform(0.85, 1.1, row.strands)[:, None]
+    along = along + random.uniform(-LASHES.jitter, LASHES.jitter, row.strands)
+    length = row.length * random.uniform(*LASHES.length_spread, row.strands)[:, None]
 
     root, root_delta = _read(face, edge, along)
     tip, tip_delta = _read(face, tips, along + LASHES.sweep)
@@ -46,7 +46,8 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow) -> Part:
     middle_delta = root_delta + (tip_delta - root_delta) * LASHES.bend_at
 
     aside = unit(np.gradient(root, axis=0)) * row.width / 2
-    vertices = [root - aside, root + aside, middle - aside * 0.66, middle + aside * 0.66, tip]
+    slim = aside * LASHES.middle_width
+    vertices = [root - aside, root + aside, middle - slim, middle + slim, tip]
     deltas = [root_delta, root_delta, middle_delta, middle_delta, tip_delta]
     first = np.arange(row.strands)[:, None] * len(vertices)
     faces = np.concatenate([first + np.array(corners) for corners in _STRAND])
@@ -67,8 +68,8 @@ def _turn_with_lid(eye: Eye, root: Floats, root_delta: Floats, tip: Floats) -> F
     out = unit(root + blink - eye.centre)
     closed = unit(LASHES.closed_out * out - [0, LASHES.closed_down, 0])
     turn = closed * np.linalg.norm(strand, axis=1, keepdims=True) - strand
-    closing = root_delta[:, :, 1] / np.minimum(blink[:, 1], -0.1)
-    return np.asarray(np.clip(closing, -0.3, 1.2)[..., None] * turn)
+    closing = root_delta[:, :, 1] / np.minimum(blink[:, 1], -LASHES.blink_from)
+    return np.asarray(np.clip(closing, *LASHES.turn_limits)[..., None] * turn)
 
 
 def _line(name: str, face: Face, rows: Ints, row: LashRow) -> Part:

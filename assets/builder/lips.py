@@ -97,7 +97,7 @@ def _correction(lips: _Lips, neutral: Floats, posed: Floats) -> tuple[Floats, Fl
         seam_at = np.interp(pose[:, 0], columns[known], seam[known])
         slit_at = np.interp(pose[:, 0], columns, slit)
         near = 1 - smoothstep(0, SHAPES.seal_reach, np.abs(pose[:, 1] - seam_at))
-        near = near * (pose[:, 2] > pose[region, 2].max() - 2 * SHAPES.seal_reach - 20)
+        near = near * (pose[:, 2] > pose[region, 2].max() - SHAPES.seal_depth)
         step = 0.5 * slit_at * near * keep_middle
         shifts[0] -= np.where(lips.lower, 0, step)
         shifts[1] += np.where(lips.lower, step, 0)

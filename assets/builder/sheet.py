@@ -20,7 +20,7 @@ _CAPTION = 22  # pixels
 _CAPTION_SIZE = 14
 _INK, _PAPER = (225, 228, 235), (30, 32, 38)
 _SIDES = ("Left", "Right")
-_VIEW = Camera(distance=0.66, target=(0.0, 0.012, 0.0))
+_VIEW = Camera(distance=0.72, target=(0.0, 0.012, -0.012))
 
 
 @dataclass(frozen=True)

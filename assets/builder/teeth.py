@@ -149,6 +149,8 @@ def _tongue(face: Face) -> Part:
     used, index = np.unique(quads, return_inverse=True)
     quads = index.reshape(quads.shape)
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    vertices = face.neutral[used] + TEETH.tongue_shift
+    narrow = np.array([TEETH.tongue_narrow, 1, 1])
+    vertices = face.neutral[used] * narrow + TEETH.tongue_shift
     color = srgb(TEETH.tongue_color)
-    return make_part("tongue", vertices, faces, "tongue", color, face.deltas[:, used])
+    deltas = face.deltas[:, used] * narrow
+    return make_part("tongue", vertices, faces, "tongue", color, deltas)

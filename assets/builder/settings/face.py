@@ -89,6 +89,7 @@ class Shapes:
     )
     seal_overlap: float = 0.25  # how far the sealed lips overlap
     seal_reach: float = 7.0  # how far from the slit the correction fades out
+    seal_depth: float = 34.0  # how far behind the foremost lip it still acts
     seal_rounds: int = 3
     # The middle of the lips carries the controls and meets anyway: correct nothing there.
     seal_from: tuple[float, float] = (4.0, 9.0)

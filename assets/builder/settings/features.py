@@ -49,6 +49,8 @@ class Hair:
     groove: float = 0.35  # depth of the comb's grooves
     shade: tuple[float, float] = (0.72, 1.30)  # random brightness of a column, from and to
     groove_shade: float = 0.12
+    groove_from: tuple[float, float] = (0.0, 0.15)  # share of the way where grooves deepen
+    middle_shade: tuple[float, float] = (1.12, 0.25)  # brightness half way, and its decrease
     move_fade: float = 0.06  # share of the way over which the skin's motion fades out
     bun_radius: float = 23.0
     bun_out: float = 15.0  # how far its centre stands off the pole
@@ -57,6 +59,7 @@ class Hair:
     bun_rows: int = 9
     bun_groove: float = 0.045  # share of its radius
     bun_shade: float = 0.22
+    bun_front: tuple[float, float, float] = (0.64, 1.1, 0.75)  # share of the rows, shades
     # Fine strands that soften the hairline.
     wisps: int = 150
     wisp_length: tuple[float, float] = (7.0, 15.0)
@@ -79,7 +82,7 @@ class Hair:
 class Brows:
     """One-triangle strands along an arch of skin vertices."""
 
-    color: str = "4a3226"
+    color: str = "523a2c"
     path: tuple[int, ...] = (6984, 6983, 6980, 6979, 6981, 6982)  # left, base mesh, from inside
     raise_path: tuple[float, ...] = (3.0, 3.0, 3.5, 5.0, 5.0, 1.0)
     inner_end: float = 10.5  # x of the inner end
@@ -88,6 +91,12 @@ class Brows:
     strands: int = 110
     width: float = 0.6
     thickness: float = 4.4
+    # Along the brow it swells from this share of the thickness as a sine of this pace, and
+    # tapers by this share between two points.
+    ends: float = 0.62
+    swell: float = 1.3
+    taper: float = 0.86
+    taper_between: tuple[float, float] = (0.5, 1.02)
     root_lift: float = 0.3  # over the skin
     tip_lift: float = 0.8
     # Along the brow (0 inside, 1 outside): angle of the strands, and their length.
@@ -121,11 +130,16 @@ class Lashes:
     lower: LashRow = LashRow(22, 0.42, 0.35, -0.3, 0.18, "8a5a4c")
     sweep: float = 0.25  # helper columns by which a tip leans outwards
     ends: tuple[float, float] = (0.4, 1.15)  # helper columns left bare: inside, outside
-    bend_at: float = 0.55
+    jitter: float = 0.15  # helper columns
+    length_spread: tuple[float, float] = (0.85, 1.1)
+    middle_width: float = 0.66  # share of the width at the root
+    bend_at: float = 0.55  # where along the strand the middle lies
     bend_forward: float = 0.4
     # Direction of the upper lashes when the lid is closed: outwards, and downwards.
     closed_out: float = 0.80
     closed_down: float = 0.60
+    blink_from: float = 0.1  # roots that a blink lowers less turn as if by this much
+    turn_limits: tuple[float, float] = (-0.3, 1.2)  # of the turn of a closed lid
     seed: int = 5
 
 
@@ -205,6 +219,7 @@ class Teeth:
     gum_ends: float = 0.06  # share of the arch left bare at either end
     # Rows of the gum: distance from the biting edge, and how far in front of the arch.
     gum_rows: tuple[tuple[float, float], ...] = ((14.4, -3.2), (7.8, 0.0), (6.3, -2.2))
-    tongue_color: str = "b8605e"
+    tongue_color: str = "c97d79"
+    tongue_narrow: float = 0.86  # share of the helper's width
     tongue_shift: tuple[float, float, float] = (0.0, -1.2, -3.0)
     moves_from: float = 0.3  # mm: shapes that move the helper less do not move the teeth
