@@ -15,6 +15,10 @@ from faceedit_app.networks.store import RegionModel, load_model
 
 Array = NDArray[np.float64]
 
+# On a few hundred frames a second thread gains little, and when the machine has other work the
+# two wait for each other for hundreds of milliseconds.
+THREADS = 1
+
 
 @dataclass(frozen=True)
 class Engine:
@@ -29,6 +33,7 @@ class Engine:
         Raises:
             FileError: a file is missing or no model.
         """
+        torch.set_num_threads(THREADS)
         models = {}
         for region in REGIONS:
             path = Path(folder) / f"{region.id}.safetensors"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import os
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+import torch
 from rich.progress import Progress
 
 from faceedit_app import __version__
@@ -40,6 +42,7 @@ def train_models(
     Raises:
         FileError: a folder holds no take, or the output cannot be written.
     """
+    torch.set_num_threads(os.cpu_count() or 1)
     settings = FitSettings(seed=seed)
     if epochs is not None:
         settings = dataclasses.replace(settings, epochs_regressor=epochs, epochs_autoencoder=epochs)
