@@ -27,6 +27,7 @@ from faceedit_app.training.statistics import Take, measure, table
 
 CARD = "README.md"
 LICENCES = "licences.md"
+LOG_EVERY = 5  # epochs, where no progress bar can be drawn
 
 
 def train_models(
@@ -60,6 +61,8 @@ def train_models(
         def report(epoch: Epoch, bar: object = bar, label: str = region.label) -> None:
             text = f"{label}: {epoch.stage}, held-out loss {epoch.validation:.5f}"
             progress.update(bar, advance=1, description=text)  # type: ignore[arg-type]
+            if not progress.console.is_terminal and epoch.number % LOG_EVERY == 0:
+                progress.console.print(f"{text}, epoch {epoch.number} of {epoch.of}")
 
         result = fit_region(region, performances, distances, settings, report)
         path = output / f"{region.id}.safetensors"
