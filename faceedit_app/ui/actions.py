@@ -1,0 +1,182 @@
+"""Everything the user can command, in one table: menus, shortcuts and the help come from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QMainWindow, QMenu
+
+from faceedit_app.ui.icons import icon
+
+MENUS = ("File", "Edit", "View", "Playback", "Help")
+
+
+@dataclass(frozen=True)
+class Command:
+    """One thing that the user can do.
+
+    Attributes:
+        id: what code and tests call it.
+        menu: the menu that it stands in, one of `MENUS`.
+        text: the menu's text.
+        keys: shortcuts, the first of which is shown.
+        tip: one sentence for tooltips and the status bar.
+        icon: name of its icon, or nothing.
+        checkable: whether it is a state that is switched on and off.
+        needs_take: whether it is greyed out while no take is open.
+        starts_group: whether a line separates it from the command above.
+    """
+
+    id: str
+    menu: str
+    text: str
+    keys: tuple[str, ...] = ()
+    tip: str = ""
+    icon: str = ""
+    checkable: bool = False
+    needs_take: bool = True
+    starts_group: bool = False
+
+
+# fmt: off
+COMMANDS: tuple[Command, ...] = (
+    Command("open", "File", "&Open…", ("Ctrl+O",), "Open a tracked take (CSV)", "open",
+            needs_take=False),
+    Command("open_demo", "File", "Open &demo take", (), "Open the take that ships with FaceEdit",
+            needs_take=False),
+    Command("recent", "File", "Open &recent", needs_take=False),
+    Command("export", "File", "&Export…", ("Ctrl+E",),
+            "Write the edited take in the format of its source", "export", starts_group=True),
+    Command("save_edits", "File", "&Save edits…", ("Ctrl+S",),
+            "Save the list of edits, to load it again or for “faceedit apply”"),
+    Command("load_edits", "File", "&Load edits…", (), "Add the edits of a file to this take"),
+    Command("quit", "File", "&Quit", ("Ctrl+Q",), needs_take=False, starts_group=True),
+
+    Command("undo", "Edit", "&Undo", ("Ctrl+Z",), "Take the last step back", "undo"),
+    Command("redo", "Edit", "&Redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "Take the step again", "redo"),
+    Command("reset_range", "Edit", "Reset r&ange", ("Ctrl+R",),
+            "Back to the take as tracked: in the selection, else around the playhead", "reset",
+            starts_group=True),
+    Command("reset_curve", "Edit", "Reset range of this &curve", ("Ctrl+Shift+R",),
+            "Back to the take as tracked, for the curve that has the focus only"),
+    Command("select_all", "Edit", "Select &all", ("Ctrl+A",), "Select the whole take",
+            starts_group=True),
+    Command("deselect", "Edit", "&Deselect", ("Esc",),
+            "Cancel the drag in progress, else drop the selection"),
+    Command("preserve", "Edit", "&Preserve the take",
+            tip="Change only what the edits reach", checkable=True, starts_group=True),
+    Command("resynthesize", "Edit", "Re&synthesize",
+            tip="Answer the whole take anew by the networks", checkable=True),
+
+    Command("reset_camera", "View", "&Reset camera", ("0",), "Look at the face from the front",
+            "camera", needs_take=False),
+    Command("fit", "View", "&Zoom to fit", ("F",), "Show the whole take, or the selection", "fit"),
+    Command("zoom_in", "View", "Zoom &in", ("+", "="), "Show less time around the playhead"),
+    Command("zoom_out", "View", "Zoom &out", ("-",), "Show more time around the playhead"),
+    Command("show_edited", "View", "Show &edited face", tip="Show the face with your edits",
+            checkable=True, starts_group=True),
+    Command("show_tracked", "View", "Show &tracked face", ("T",),
+            "Show the face as tracked instead of as edited; hold B for a glance",
+            checkable=True),
+
+    Command("play", "Playback", "&Play / pause", ("Space",), "Play or pause", "play"),
+    Command("loop", "Playback", "&Loop", ("L",), "Repeat the selection, or the whole take",
+            "loop", checkable=True),
+    Command("back", "Playback", "Frame &back", ("Left",), "One frame back", "back",
+            starts_group=True),
+    Command("forward", "Playback", "Frame &forward", ("Right",), "One frame forward", "forward"),
+    Command("second_back", "Playback", "Second back", ("Shift+Left",), "One second back"),
+    Command("second_forward", "Playback", "Second forward", ("Shift+Right",),
+            "One second forward"),
+    Command("start", "Playback", "Go to &start", ("Home",), "Go to the first frame", "start"),
+    Command("end", "Playback", "Go to &end", ("End",), "Go to the last frame", "end"),
+    Command("mark_start", "Playback", "Selection starts &here", ("I",),
+            "Start the selection at the playhead", starts_group=True),
+    Command("mark_end", "Playback", "Selection ends here", ("O",),
+            "End the selection at the playhead"),
+
+    Command("shortcuts", "Help", "&Shortcuts", ("F1",), needs_take=False),
+    Command("about", "Help", "&About FaceEdit", needs_take=False),
+)
+
+# What the mouse and held keys do; they are no menu commands, but the help names them too.
+GESTURES: tuple[tuple[str, str, str], ...] = (
+    ("Curves", "Drag a curve up or down", "Edit it, with the falloff to either side"),
+    ("Curves", "Drag in the time ruler", "Move the playhead"),
+    ("Curves", "Wheel while dragging", "Change the falloff"),
+    ("Face", "Drag", "Turn around the face"),
+    ("Face", "Middle or right drag", "Move the view"),
+    ("Face", "Wheel", "Zoom"),
+    ("Face", "Double click", "Reset the camera"),
+    ("Face", "Hold B", "See the face as tracked"),
+    ("Window", "Drop a file", "Open a take, or load edits"),
+)
+# fmt: on
+
+
+class Actions:
+    """The commands as Qt actions, with the menus that hold them.
+
+    Args:
+        window: gets the menus and the shortcuts.
+        handlers: what to do for each `Command.id`.
+    """
+
+    def __init__(self, window: QMainWindow, handlers: Mapping[str, Callable[[], None]]) -> None:
+        self._actions: dict[str, QAction] = {}
+        self.recent_menu = QMenu("Open &recent", window)
+        menus = {name: window.menuBar().addMenu(f"&{name}") for name in MENUS}
+        for command in COMMANDS:
+            menu = menus[command.menu]
+            if command.starts_group:
+                menu.addSeparator()
+            if command.id == "recent":
+                action = menu.addMenu(self.recent_menu)
+            else:
+                action = self._create(command, window, handlers[command.id])
+                menu.addAction(action)
+            self._actions[command.id] = action
+        self.enable_for_take(False)
+
+    def __getitem__(self, name: str) -> QAction:
+        return self._actions[name]
+
+    @staticmethod
+    def _create(command: Command, window: QMainWindow, handler: Callable[[], None]) -> QAction:
+        action = QAction(command.text, window)
+        action.setObjectName(command.id)
+        action.setCheckable(command.checkable)
+        action.setShortcuts([QKeySequence(keys) for keys in command.keys])
+        action.setShortcutContext(Qt.ShortcutContext.WindowShortcut)
+        if command.icon:
+            action.setIcon(icon(command.icon))
+        if command.tip:
+            keys = f"  ({shown_keys(command.keys[0])})" if command.keys else ""
+            action.setToolTip(command.tip + keys)
+            action.setStatusTip(command.tip)
+        action.triggered.connect(lambda _checked=False: handler())
+        return action
+
+    def enable_for_take(self, is_open: bool) -> None:
+        """Grey out what needs a take while none is open."""
+        for command in COMMANDS:
+            if command.needs_take:
+                self._actions[command.id].setEnabled(is_open)
+
+
+def shown_keys(keys: str) -> str:
+    """A shortcut as this platform spells it, such as ⌘Z."""
+    return QKeySequence(keys).toString(QKeySequence.SequenceFormat.NativeText)
+
+
+def help_rows() -> Iterator[tuple[str, str, str]]:
+    """(section, keys or gesture, what it does) of everything that has a shortcut."""
+    for command in COMMANDS:
+        if command.keys:
+            keys = "  or  ".join(shown_keys(k) for k in command.keys)
+            text = command.tip or command.text.replace("&", "").rstrip("…")
+            yield command.menu, keys, text
+    yield from GESTURES

@@ -1,0 +1,44 @@
+"""A line across the window for news that nobody has to answer."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton
+
+from faceedit_app.ui.icons import icon
+from faceedit_app.ui.palette import ORANGE
+from faceedit_app.ui.theme import GAP, MARGIN
+
+
+class Banner(QFrame):
+    """Shows one message until it is dismissed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("banner")
+        sign = QLabel()
+        sign.setPixmap(icon("warning", ORANGE).pixmap(QSize(16, 16)))
+        self.text = QLabel()
+        self.text.setTextFormat(Qt.TextFormat.PlainText)
+        # A long path must not widen the window.
+        self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        close = QToolButton()
+        close.setObjectName("icon")
+        close.setIcon(icon("close"))
+        close.setToolTip("Dismiss")
+        close.setAccessibleName("Dismiss")
+        close.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        close.clicked.connect(self.hide)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(MARGIN, 3, MARGIN, 3)
+        row.setSpacing(GAP)
+        row.addWidget(sign)
+        row.addWidget(self.text, 1)
+        row.addWidget(close)
+        self.hide()
+
+    def say(self, text: str, detail: str = "") -> None:
+        """Show a message, with more in its tooltip."""
+        self.text.setText(text)
+        self.text.setToolTip(detail)
+        self.show()

@@ -1,0 +1,71 @@
+"""Asking the user. Each function is one question, so that tests answer it by replacing it."""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+from pathlib import Path
+
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+
+TAKES = "Takes (*.csv);;All files (*)"
+EDITS = "Edits (*.json);;All files (*)"
+
+
+class Unsaved(Enum):
+    """What to do about edits that are not exported."""
+
+    EXPORT = auto()
+    SAVE = auto()
+    DISCARD = auto()
+    CANCEL = auto()
+
+
+def ask_open(parent: QWidget, folder: Path) -> Path | None:
+    """Which take to open."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Open a take", str(folder), TAKES))
+
+
+def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the edited take."""
+    return _chosen(
+        QFileDialog.getSaveFileName(parent, "Export the edited take", str(suggestion), TAKES)
+    )
+
+
+def ask_save_edits(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save the list of edits."""
+    return _chosen(QFileDialog.getSaveFileName(parent, "Save edits", str(suggestion), EDITS))
+
+
+def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
+    """Which edits to load."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Load edits", str(folder), EDITS))
+
+
+def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
+    """What to do about edits before their take is closed."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("FaceEdit")
+    box.setText(f"The edits of {name} are neither exported nor saved.")
+    box.setInformativeText("They are lost if you discard them.")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,
+        box.addButton("Save edits…", role.AcceptRole): Unsaved.SAVE,
+        box.addButton("Discard", role.DestructiveRole): Unsaved.DISCARD,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), Unsaved.CANCEL)
+
+
+def show_error(parent: QWidget | None, error: Exception | str) -> None:
+    """Tell the user what went wrong, in one line."""
+    box = QMessageBox(QMessageBox.Icon.Warning, "FaceEdit", str(error), parent=parent)
+    box.exec()
+
+
+def _chosen(answer: tuple[str, str]) -> Path | None:
+    return Path(answer[0]) if answer[0] else None

@@ -1,0 +1,122 @@
+"""The open take and what is done to it: the doing behind the menus, without any dialog."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Signal
+
+from faceedit_app.core.regions import CONTROL_IDS
+
+if TYPE_CHECKING:  # torch comes with these; the window is there before it
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.editing.solve import Settings
+    from faceedit_app.networks.engine import Engine
+
+
+class Document(QObject):
+    """Holds the edit session and tells the views when something changed.
+
+    Signals:
+        opened(): another take is open.
+        changed(): edits, settings or the networks changed; all curves and the face may differ.
+        saved(): the edits are exported or saved.
+    """
+
+    opened = Signal()
+    changed = Signal()
+    saved = Signal()
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.session: EditSession | None = None
+        self.engine: Engine | None = None
+        self.path: Path | None = None
+
+    @property
+    def is_clean(self) -> bool:
+        """Whether nothing would be lost by closing."""
+        return self.session is None or self.session.is_exported
+
+    def adopt(self, session: EditSession) -> None:
+        """Open a take that has been read."""
+        if self.engine is not None and not session.has_engine:
+            session.use_engine(self.engine)
+        self.session, self.path = session, session.take.path
+        self.opened.emit()
+
+    def use_engine(self, engine: Engine) -> None:
+        """Answer by the networks from now on."""
+        self.engine = engine
+        if self.session is not None:
+            self.session.use_engine(engine)
+            self.changed.emit()
+
+    def undo(self) -> None:
+        """Take the last step back."""
+        if self.session is not None and self.session.can_undo:
+            self.session.undo()
+            self.changed.emit()
+
+    def redo(self) -> None:
+        """Take the step again."""
+        if self.session is not None and self.session.can_redo:
+            self.session.redo()
+            self.changed.emit()
+
+    def reset(self, start: float, end: float, controls: Sequence[str] = CONTROL_IDS) -> None:
+        """Bring curves back to the take as tracked from `start` to `end` seconds."""
+        if self.session is not None and controls and self.session.edits:
+            self.session.reset(start, end, controls)
+            self.changed.emit()
+
+    def configure(self, settings: Settings, replace_step: bool = False) -> bool:
+        """Answer by other settings, as one undo step.
+
+        Args:
+            replace_step: the last step was this gesture's own and gives way to the new one.
+
+        Returns:
+            Whether there is now a step of this gesture.
+        """
+        session = self.session
+        if session is None:
+            return False
+        if replace_step:
+            session.undo()
+        stepped = session.settings != settings
+        session.configure(settings)
+        self.changed.emit()
+        return stepped
+
+    def export(self, path: Path) -> None:
+        """Write the edited take.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        if self.session is not None:
+            self.session.export(path)
+            self.saved.emit()
+
+    def save_edits(self, path: Path) -> None:
+        """Write the list of edits.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        if self.session is not None:
+            self.session.save_edits(path)
+            self.saved.emit()
+
+    def load_edits(self, path: Path) -> None:
+        """Add the edits of a file, as one undo step.
+
+        Raises:
+            FileError: it is no edits file.
+        """
+        if self.session is not None:
+            self.session.load_edits(path)
+            self.changed.emit()

@@ -1,0 +1,79 @@
+"""The face pane: the viewport with its switches, following the playhead and the edits."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QResizeEvent
+from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
+
+from faceedit_app.ui.document import Document
+from faceedit_app.ui.theme import MARGIN
+from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.viewport import Viewport
+from faceedit_app.ui.widgets import icon_button, segments
+
+
+class FacePane(QWidget):
+    """Shows the frame under the playhead, as edited or as tracked."""
+
+    def __init__(
+        self,
+        document: Document,
+        timeline: Timeline,
+        show_edited: QAction,
+        show_tracked: QAction,
+        reset_camera: QAction,
+    ) -> None:
+        super().__init__()
+        self._document, self._timeline = document, timeline
+        self._show_edited, self._show_tracked = show_edited, show_tracked
+        self._tracked, self._glancing = False, False
+        self.viewport = Viewport(self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.viewport)
+        self._overlay = QWidget(self)
+        row = QHBoxLayout(self._overlay)
+        row.setContentsMargins(MARGIN, MARGIN, MARGIN, 0)
+        row.addWidget(segments((show_edited, "Edited"), (show_tracked, "Tracked")))
+        row.addStretch()
+        camera = icon_button(reset_camera)
+        row.addWidget(camera)
+        # Only its buttons take the mouse: the face between them can be turned.
+        self._overlay.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+        timeline.playhead_moved.connect(self.refresh)
+        document.opened.connect(self.refresh)
+        document.changed.connect(self.refresh)
+        self._sync()
+
+    @property
+    def shows_tracked(self) -> bool:
+        """Whether the face as tracked is on screen."""
+        return self._tracked or self._glancing
+
+    def set_tracked(self, tracked: bool) -> None:
+        """Show the face as tracked, or as edited."""
+        self._tracked = tracked
+        self._sync()
+
+    def glance(self, glancing: bool) -> None:
+        """Show the face as tracked for as long as a key is held."""
+        self._glancing = glancing
+        self._sync()
+
+    def _sync(self) -> None:
+        self._show_tracked.setChecked(self.shows_tracked)
+        self._show_edited.setChecked(not self.shows_tracked)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show the frame under the playhead."""
+        session = self._document.session
+        if session is not None:
+            frame = min(max(self._timeline.frame, 0), len(session.weights) - 1)
+            self.viewport.show_weights(session.rig_weights(frame, self.shows_tracked))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the switches at the top."""
+        super().resizeEvent(event)
+        self._overlay.setGeometry(0, 0, self.width(), self._overlay.sizeHint().height())

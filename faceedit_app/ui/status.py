@@ -1,0 +1,57 @@
+"""The status bar: what is open, what is odd about it, and whether the networks answer."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QLabel, QStatusBar
+
+from faceedit_app.formats.take import Take
+from faceedit_app.formats.timing import counted, format_rate, format_time, gap_notes
+
+
+class StatusLine(QStatusBar):
+    """Facts at the left, the state of the networks at the right."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setSizeGripEnabled(False)
+        self.facts, self.gaps, self.networks = QLabel(), QLabel(), QLabel()
+        self.addWidget(self.facts)
+        self.addWidget(self.gaps)
+        self.addPermanentWidget(self.networks)
+        self.set_networks("loading")
+
+    def set_take(self, take: Take) -> None:
+        """Tell about another take."""
+        clip = take.clip
+        parts = [
+            take.format,
+            format_rate(clip.rate),
+            counted(len(clip), "frame"),
+            format_time(clip.duration),
+        ]
+        self.facts.setText("   ·   ".join(parts))
+        self.facts.setToolTip(str(take.path))
+        gaps = gap_notes(clip.gaps)
+        others = [note for note in take.notes if note not in gaps]
+        texts = [*gaps, *([counted(len(others), "remark")] if others else [])]
+        self.gaps.setText("   ·   ".join(["", *texts]).lstrip() if texts else "")
+        self.gaps.setToolTip("\n".join(take.notes))
+        _mark(self.gaps, bool(gaps))
+
+    def set_networks(self, state: str, reason: str = "") -> None:
+        """Tell whether the networks answer: `loading`, `ready` or `missing`."""
+        texts = {
+            "loading": "Networks: loading…",
+            "ready": "Networks: ready",
+            "missing": "No networks: editing by the rig alone",
+        }
+        self.networks.setText(texts[state])
+        self.networks.setToolTip(reason)
+        _mark(self.networks, state == "missing")
+
+
+def _mark(label: QLabel, attention: bool) -> None:
+    """Let the style sheet show a label in the colour for things to take note of."""
+    label.setProperty("attention", attention)
+    label.style().unpolish(label)
+    label.style().polish(label)

@@ -1,0 +1,58 @@
+"""What FaceEdit remembers between two starts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QByteArray, QSettings
+from PySide6.QtWidgets import QMainWindow, QSplitter
+
+RECENT = 8
+
+
+class Store:
+    """The user's settings; pass another QSettings to keep tests and headless runs apart."""
+
+    def __init__(self, settings: QSettings | None = None) -> None:
+        self._settings = settings or QSettings("FaceEdit", "FaceEdit")
+
+    def recent(self) -> list[Path]:
+        """The takes that were opened last, newest first; those that are gone are left out."""
+        value = self._settings.value("recent", [])
+        names = [value] if isinstance(value, str) else value if isinstance(value, list) else []
+        return [path for path in map(Path, names) if path.is_file()]
+
+    def add_recent(self, path: Path) -> None:
+        """Remember that a take was opened."""
+        path = path.resolve()
+        others = [old for old in self.recent() if old != path]
+        self._settings.setValue("recent", [str(p) for p in [path, *others][:RECENT]])
+
+    def clear_recent(self) -> None:
+        """Forget all takes."""
+        self._settings.remove("recent")
+
+    def folder(self, kind: str) -> Path:
+        """Where a kind of file dialog was last used, else the home folder."""
+        folder = Path(str(self._settings.value(f"folder/{kind}", Path.home())))
+        return folder if folder.is_dir() else Path.home()
+
+    def set_folder(self, kind: str, folder: Path) -> None:
+        """Remember where a kind of file dialog was used."""
+        self._settings.setValue(f"folder/{kind}", str(folder))
+
+    def save_layout(self, window: QMainWindow, splitter: QSplitter) -> None:
+        """Remember the window's place and how its panes share it."""
+        self._settings.setValue("window", window.saveGeometry())
+        self._settings.setValue("panes", splitter.saveState())
+
+    def restore_window(self, window: QMainWindow) -> bool:
+        """Put the window where it was; False if it is the first time."""
+        geometry = self._settings.value("window")
+        return isinstance(geometry, QByteArray) and window.restoreGeometry(geometry)
+
+    def restore_panes(self, splitter: QSplitter) -> None:
+        """Share the window among its panes as last time."""
+        state = self._settings.value("panes")
+        if isinstance(state, QByteArray):
+            splitter.restoreState(state)

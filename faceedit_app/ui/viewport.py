@@ -1,0 +1,226 @@
+"""The picture of the face: camera by mouse, drawn only when something changed."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer
+from PySide6.QtGui import (
+    QCloseEvent,
+    QColor,
+    QImage,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QResizeEvent,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from faceedit_app import render
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.ui.palette import MUTED, PANEL
+
+if TYPE_CHECKING:
+    from faceedit_app.core.clip import Floats
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.render import FaceRenderer
+
+IDLE_MS = 150  # after so long without a change the picture is drawn with smooth edges
+ORBIT = 0.008  # radians per pixel
+ZOOM_STEP = 0.88  # per notch of the wheel
+# A rough picture may cost so many seconds before its resolution is lowered.
+_BUDGET = 0.035
+_COARSEST = 0.5
+
+
+class Viewport(QWidget):
+    """Shows the character with the weights it is given.
+
+    Drawing happens in `paintEvent`, so any number of changes in one turn of the event loop
+    costs one picture, and a hidden viewport costs none.
+    """
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.message = "Preparing the face…"
+        self.draws = 0
+        self._rig: Rig | None = None
+        self._renderer: FaceRenderer | None = None
+        self._weights: Floats | None = None
+        self._camera = render.Camera()
+        self._is_home = True
+        self._image: QImage | None = None
+        self._stale, self._smooth = True, True
+        self._scale = 1.0
+        self._grabbed: QPointF | None = None
+        self._idle = QTimer(self, singleShot=True, interval=IDLE_MS)
+        self._idle.timeout.connect(self._refine)
+        self.setMinimumSize(QSize(240, 240))
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setAccessibleName("Face")
+
+    # --- what is shown -----------------------------------------------------------------------
+
+    def open(self, rig: Rig) -> None:
+        """Start drawing a character; where that is impossible, say why instead."""
+        self.close_renderer()
+        self._rig = rig
+        try:
+            width, height = self._pixels()
+            self._renderer = render.open_renderer(rig, width, height)
+            self.message = ""
+        except FaceEditError as error:
+            self.message = str(error)
+        self.reset_camera()
+
+    @property
+    def can_draw(self) -> bool:
+        """Whether there is a face to see."""
+        return self._renderer is not None
+
+    def show_weights(self, weights: Floats | None) -> None:
+        """Show (K,) weights in the rig's order; None is the neutral face."""
+        self._weights = weights
+        self.redraw()
+
+    def redraw(self) -> None:
+        """Draw soon: roughly now, smoothly when nothing has changed for a moment."""
+        self._stale, self._smooth = True, False
+        self._idle.start()
+        self.update()
+
+    def reset_camera(self) -> None:
+        """Look from the front again."""
+        if self._rig is not None:
+            self._camera = render.default_camera(self._rig, self._aspect())
+        self._is_home = True
+        self.redraw()
+
+    @property
+    def camera(self) -> render.Camera:
+        """Where the face is looked at from."""
+        return self._camera
+
+    def close_renderer(self) -> None:
+        """Free the graphics memory."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+            self._image = None
+
+    # --- drawing -----------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the face if it is out of date, then paint the picture."""
+        if self._stale:
+            self._draw()
+        painter = QPainter(self)
+        if self._image is not None:
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+            painter.drawImage(QRectF(self.rect()), self._image)
+            return
+        painter.fillRect(self.rect(), QColor(PANEL))
+        painter.setPen(QColor(MUTED))
+        box = self.rect().adjusted(32, 48, -32, -32)
+        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+        painter.drawText(box, int(flags), self.message)
+
+    def _draw(self) -> None:
+        if self._renderer is None or self._rig is None:
+            return
+        began = time.perf_counter()
+        scale = 1.0 if self._smooth else self._scale
+        width, height = (max(1, round(n * scale)) for n in self._pixels())
+        weights = self._weights
+        vertices = self._rig.neutral if weights is None else self._rig.vertices(weights)
+        try:
+            self._renderer.resize(width, height)
+            pixels = self._renderer.draw(vertices, self._camera, smooth=self._smooth)
+        except FaceEditError as error:
+            self.close_renderer()
+            self.message = str(error)
+            return
+        self._image = QImage(
+            pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
+        )
+        self._stale = False
+        self.draws += 1
+        if not self._smooth:
+            self._adapt(time.perf_counter() - began)
+
+    def _adapt(self, seconds: float) -> None:
+        """Trade resolution for speed while things move, on computers that draw slowly."""
+        if seconds > _BUDGET:
+            self._scale = max(self._scale * 0.8, _COARSEST)
+        elif seconds < _BUDGET / 3:
+            self._scale = min(self._scale * 1.1, 1.0)
+
+    def _refine(self) -> None:
+        if self._grabbed is not None:
+            self._idle.start()
+            return
+        self._stale = self._smooth = True
+        self.update()
+
+    def _pixels(self) -> tuple[int, int]:
+        ratio = self.devicePixelRatioF()
+        return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
+
+    def _aspect(self) -> float:
+        return self.width() / max(1, self.height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the framing until the user has chosen another one."""
+        if self._is_home:
+            self.reset_camera()
+        self.redraw()
+
+    # --- camera ------------------------------------------------------------------------------
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Grab the view."""
+        self._grabbed = event.position()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Left turns around the face, middle and right move the view."""
+        if self._grabbed is None:
+            return
+        moved = event.position() - self._grabbed
+        self._grabbed = event.position()
+        if event.buttons() & Qt.MouseButton.LeftButton:
+            self._look(self._camera.orbit(-moved.x() * ORBIT, moved.y() * ORBIT))
+        elif event.buttons():
+            metres = self._camera.distance * 0.39 / max(1, self.height())
+            self._look(self._camera.pan(-moved.x() * metres, moved.y() * metres))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Let go of the view."""
+        if not event.buttons():
+            self._grabbed = None
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Back to the front."""
+        self.reset_camera()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom."""
+        notches = event.angleDelta().y() / 120
+        if notches:
+            self._look(self._camera.zoom(ZOOM_STEP**notches))
+        event.accept()
+
+    def _look(self, camera: render.Camera) -> None:
+        self._camera, self._is_home = camera, False
+        self.redraw()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Free what the picture is drawn with."""
+        self.close_renderer()
+        super().closeEvent(event)
+
+    def sizeHint(self) -> QSize:
+        """A portrait."""
+        return QSize(560, 680)

@@ -1,0 +1,81 @@
+"""Small widgets that several parts of the window share."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QAction, QKeyEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QToolButton, QWidget
+
+from faceedit_app.ui.icons import GRID
+from faceedit_app.ui.theme import GAP, MARGIN
+
+
+class Segment(QToolButton):
+    """Half of a two-way choice. Enter presses it too, since Space always plays."""
+
+    def __init__(self, action: QAction, name: str, text: str) -> None:
+        super().__init__()
+        self.setObjectName(name)
+        self.setDefaultAction(action)
+        self.setText(text)
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Enter presses the button."""
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.click()
+        else:
+            super().keyPressEvent(event)
+
+
+def segments(left: tuple[QAction, str], right: tuple[QAction, str]) -> QWidget:
+    """Two joined buttons for a choice between two checkable actions."""
+    box = QWidget()
+    row = QHBoxLayout(box)
+    row.setContentsMargins(0, 0, 0, 0)
+    row.setSpacing(1)
+    row.addWidget(Segment(left[0], "segment_left", left[1]))
+    row.addWidget(Segment(right[0], "segment_right", right[1]))
+    return box
+
+
+def icon_button(action: QAction, name: str = "icon") -> QToolButton:
+    """An action as an icon. It has a shortcut, so it stays out of the way of the focus."""
+    button = QToolButton()
+    button.setObjectName(name)
+    button.setDefaultAction(action)
+    button.setIconSize(QSize(GRID, GRID))
+    button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    button.setAccessibleName(action.text().replace("&", ""))
+    return button
+
+
+def caption(text: str, buddy: QWidget | None = None) -> QLabel:
+    """The quiet name of a control."""
+    label = QLabel(text)
+    label.setObjectName("caption")
+    if buddy is not None:
+        label.setBuddy(buddy)
+        label.setToolTip(buddy.toolTip())
+        buddy.setAccessibleName(text)
+    return label
+
+
+def divider() -> QFrame:
+    """A thin upright line between groups."""
+    line = QFrame()
+    line.setObjectName("line")
+    line.setFixedSize(1, 18)
+    return line
+
+
+def bar_row(box: QWidget, name: str) -> QHBoxLayout:
+    """Make a widget a horizontal bar; returns the row to fill it with."""
+    box.setObjectName(name)
+    box.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+    row = QHBoxLayout(box)
+    row.setContentsMargins(MARGIN, GAP // 2 + 1, MARGIN, GAP // 2 + 1)
+    row.setSpacing(GAP // 2)
+    return row

@@ -1,0 +1,292 @@
+"""The main window: makes the parts, connects them, and starts what takes long."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QEvent, QTimer, Signal
+from PySide6.QtGui import (
+    QCloseEvent,
+    QDragEnterEvent,
+    QDragLeaveEvent,
+    QDropEvent,
+    QShowEvent,
+)
+from PySide6.QtWidgets import QMainWindow, QStackedWidget, QVBoxLayout, QWidget
+
+from faceedit_app.ui import dialogs, loading
+from faceedit_app.ui.actions import Actions
+from faceedit_app.ui.banner import Banner
+from faceedit_app.ui.document import Document
+from faceedit_app.ui.edit_commands import EditCommands
+from faceedit_app.ui.file_commands import FileCommands
+from faceedit_app.ui.help import about_dialog, shortcuts_dialog
+from faceedit_app.ui.icons import app_icon
+from faceedit_app.ui.keys import KeyArbiter
+from faceedit_app.ui.playback import Playback
+from faceedit_app.ui.start_page import StartPage
+from faceedit_app.ui.status import StatusLine
+from faceedit_app.ui.store import Store
+from faceedit_app.ui.timeline import Timeline
+
+if TYPE_CHECKING:
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.networks.engine import Engine
+    from faceedit_app.ui.curves import CurvesPanel
+    from faceedit_app.ui.editor import Editor
+
+_FIRST_SIZE = (1440, 900)
+_TOLD_MS = 6000
+
+
+class MainWindow(QMainWindow):
+    """FaceEdit's window.
+
+    Signals:
+        settled(): the start is over: the face and the networks are there, or it is known why not.
+    """
+
+    settled = Signal()
+
+    def __init__(self, store: Store) -> None:
+        super().__init__()
+        self._store = store
+        self._rig: Rig | None = None
+        self._face_wanted = False
+        self._on_paint: Callable[[], None] | None = None
+        self.editor: Editor | None = None
+        self.document = Document(self)
+        self.timeline = Timeline(self)
+        self.playback = Playback(self.timeline, parent=self)
+        self._background = loading.Background(self)
+        self.files = FileCommands(self, self.document, store, self._background)
+        self.edits = EditCommands(
+            self.document, self.timeline, self.playback, self._curves, self._settle
+        )
+        self.actions_ = Actions(self, self._handlers())
+        self.start_page = StartPage(self.actions_)
+        self.banner = Banner()
+        self.status = StatusLine()
+        self.keys = KeyArbiter(self)
+        self._lay_out()
+        self._connect()
+
+    def _handlers(self) -> dict[str, Callable[[], None]]:
+        files = self.files
+        return self.edits.handlers() | {
+            "open": files.ask_open,
+            "open_demo": files.open_demo,
+            "export": lambda: _ignore(files.ask_export()),
+            "save_edits": lambda: _ignore(files.ask_save_edits()),
+            "load_edits": files.ask_load_edits,
+            "quit": lambda: _ignore(self.close()),
+            "reset_camera": self._reset_camera,
+            "show_edited": lambda: self._show_tracked(False),
+            "show_tracked": lambda: self._show_tracked(None),
+            "shortcuts": lambda: shortcuts_dialog(self).show(),
+            "about": self._about,
+        }
+
+    def _lay_out(self) -> None:
+        self.setWindowTitle("FaceEdit")
+        self.setWindowIcon(app_icon())
+        self.setAcceptDrops(True)
+        self._pages = QStackedWidget()
+        self._pages.addWidget(self.start_page)
+        central = QWidget()
+        column = QVBoxLayout(central)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.banner)
+        column.addWidget(self._pages, 1)
+        self.setCentralWidget(central)
+        self.setStatusBar(self.status)
+        self.setMinimumSize(860, 560)
+        if not self._store.restore_window(self):
+            room = self.screen().availableGeometry()
+            self.resize(min(_FIRST_SIZE[0], room.width()), min(_FIRST_SIZE[1], room.height()))
+        self.start_page.show_recent(self._store.recent())
+
+    def _connect(self) -> None:
+        self.document.opened.connect(self._opened)
+        self.document.changed.connect(self._mark_modified)
+        self.document.saved.connect(self._mark_modified)
+        self.files.reading.connect(self._say_reading)
+        self.files.character_loaded.connect(self._character_loaded)
+        self.files.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
+        self.start_page.chosen.connect(self.files.open_if_saved)
+        menu = self.actions_.recent_menu
+        menu.aboutToShow.connect(lambda: self.files.fill_recent(menu))
+        self.keys.glancing.connect(self._glance)
+
+    # --- start -------------------------------------------------------------------------------
+
+    def start(self, take: Path | None = None, demo: bool = False) -> None:
+        """Begin with what takes long; call it when the window is on the screen."""
+        if take is not None:
+            self.files.open(take)
+        elif demo:
+            self.files.open_demo()
+        if not self.files.is_reading:
+            self._background.run(loading.load_character, self.files.use_character, self._failed)
+        self.build_editor()
+
+    def after_first_paint(self, work: Callable[[], None]) -> None:
+        """Call `work` once the window has been painted."""
+        self._on_paint = work
+
+    def event(self, event: QEvent) -> bool:
+        """Notice the first paint."""
+        if event.type() == QEvent.Type.Paint and self._on_paint is not None:
+            QTimer.singleShot(0, self._on_paint)
+            self._on_paint = None
+        return super().event(event)
+
+    def build_editor(self) -> Editor:
+        """The page with curves and face, made when it is first needed."""
+        if self.editor is None:
+            from faceedit_app.ui.editor import Editor
+
+            self.editor = Editor(self.actions_, self.document, self.timeline, self.playback)
+            self._pages.addWidget(self.editor)
+            self._store.restore_panes(self.editor.panes)
+        return self.editor
+
+    def _failed(self, error: Exception) -> None:
+        dialogs.show_error(self, error)
+
+    def _character_loaded(self, rig: Rig) -> None:
+        self._rig = rig
+        self._background.run(loading.prepare_renderer, lambda _: self._want_face(), self._failed)
+
+    def _want_face(self) -> None:
+        """The face is drawn as soon as there is a take to see it in."""
+        self._face_wanted = True
+        self._open_face()
+        self._background.run(loading.load_engine, self._use_engine, self._do_without_engine)
+
+    def _open_face(self) -> None:
+        if self._face_wanted and self.document.session is not None and self._rig is not None:
+            self._face_wanted = False
+            self.build_editor().face.viewport.open(self._rig)
+
+    def _use_engine(self, engine: Engine) -> None:
+        self.document.use_engine(engine)
+        self.status.set_networks("ready", "Edits are answered by the networks")
+        self.settled.emit()
+
+    def _do_without_engine(self, error: Exception) -> None:
+        self.status.set_networks("missing", str(error))
+        self.banner.say(
+            "The networks could not be loaded, so edits are answered by the rig alone:"
+            f" {getattr(error, 'problem', error)}.",
+            str(error),
+        )
+        self.settled.emit()
+
+    # --- following the document --------------------------------------------------------------
+
+    def _opened(self) -> None:
+        session = self.document.session
+        assert session is not None
+        self.playback.pause()
+        editor = self.build_editor()
+        editor.open()
+        self.status.set_take(session.take)
+        self.actions_.enable_for_take(True)
+        editor.strip.sync()
+        self._pages.setCurrentWidget(editor)
+        editor.curves.setFocus()
+        self.setWindowTitle(f"{session.take.path.name}[*] – FaceEdit")
+        self._mark_modified()
+        self._open_face()
+
+    def _mark_modified(self) -> None:
+        self.setWindowModified(not self.document.is_clean)
+
+    def _say_reading(self, text: str) -> None:
+        if self.document.session is None:
+            self.start_page.show_loading(text or None)
+        if text:
+            self.status.showMessage(text)
+        else:
+            self.status.clearMessage()
+
+    def _curves(self) -> CurvesPanel | None:
+        return self.editor.curves if self.editor is not None else None
+
+    def _settle(self) -> None:
+        if self.editor is not None:
+            self.editor.strip.settle()
+
+    # --- view and help -----------------------------------------------------------------------
+
+    def _reset_camera(self) -> None:
+        if self.editor is not None:
+            self.editor.face.viewport.reset_camera()
+
+    def _show_tracked(self, tracked: bool | None) -> None:
+        """Show the tracked face or the edited one; None takes the other."""
+        if self.editor is not None:
+            face = self.editor.face
+            face.set_tracked(not face.shows_tracked if tracked is None else tracked)
+
+    def _glance(self, glancing: bool) -> None:
+        if self.editor is not None:
+            self.editor.face.glance(glancing)
+
+    def _about(self) -> None:
+        about_dialog(self, self._rig.attribution if self._rig is not None else "").show()
+
+    # --- window events -----------------------------------------------------------------------
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Welcome a file."""
+        if _dropped(event) is not None:
+            event.acceptProposedAction()
+            self.start_page.show_drop(True)
+
+    def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
+        """Forget a file that was not dropped."""
+        self.start_page.show_drop(False)
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Open a take, or load edits."""
+        self.start_page.show_drop(False)
+        path = _dropped(event)
+        if path is None:
+            return
+        event.acceptProposedAction()
+        if path.suffix.lower() == ".json" and self.document.session is not None:
+            self.files.load_edits(path)
+        else:
+            self.files.open_if_saved(path)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Have the keys arrive somewhere from the start."""
+        super().showEvent(event)
+        self.setFocus()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask about edits, remember the layout, stop what is running."""
+        if not self.files.may_close():
+            event.ignore()
+            return
+        self.playback.pause()
+        if self.editor is not None:
+            self._store.save_layout(self, self.editor.panes)
+            self.editor.face.viewport.close_renderer()
+        self._background.close()
+        super().closeEvent(event)
+
+
+def _dropped(event: QDropEvent) -> Path | None:
+    """The local file that is dropped."""
+    files = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+    return Path(files[0]) if files else None
+
+
+def _ignore(_: object) -> None:
+    """Handlers return nothing."""
