@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,7 +17,9 @@ from faceedit_app.editing.edit import Edit, Op, read_edits, write_edits
 from faceedit_app.editing.solve import Island, Patch, Settings, Solver
 from faceedit_app.formats.opening import write_take
 from faceedit_app.formats.take import Take
-from faceedit_app.networks.engine import Engine
+
+if TYPE_CHECKING:  # torch comes with it, and the window is there before torch
+    from faceedit_app.networks.engine import Engine
 
 
 @dataclass(frozen=True)

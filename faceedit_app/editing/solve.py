@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,9 @@ from faceedit_app.core.rig import Distances, Rig
 from faceedit_app.editing.edit import Edit
 from faceedit_app.editing.reach import Goal, reach
 from faceedit_app.editing.request import Request, affected, region_influence, request
-from faceedit_app.networks.engine import Engine
+
+if TYPE_CHECKING:  # torch comes with it, and the window is there before torch
+    from faceedit_app.networks.engine import Engine
 
 Array = NDArray[np.float64]
 
