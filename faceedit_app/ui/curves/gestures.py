@@ -1,0 +1,151 @@
+"""What the mouse means, without Qt: small frozen objects that say what should happen.
+
+A gesture begins with a press, takes each move by returning its next self, and is asked at the
+end what came of it. Widgets translate events into these calls and do as they are told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.ui.curves.axes import Scale, Span
+
+CLICK_SLOP = 3.0  # pixels that a hand moves while it only means to click
+FINE = 0.1  # Shift makes the hand ten times as steady
+ZOOM_STEP = 0.85  # per notch of the wheel
+PAN_STEP = 0.1  # of the view, per notch
+FALLOFF_STEP = 1.2  # per notch
+LEAST_FALLOFF = 0.02  # seconds; below, a falloff is 0
+
+
+@dataclass(frozen=True)
+class Brush:
+    """Where an edit acts: in full from `start` to `end` seconds, fading over `falloff`."""
+
+    start: float
+    end: float
+    falloff: float
+
+    @property
+    def reach(self) -> Span:
+        """First and last second that the edit changes."""
+        return self.start - self.falloff, self.end + self.falloff
+
+
+def brush_at(seconds: float, selection: Span | None, falloff: float) -> Brush:
+    """What a press at a frame's time would edit: the selection it lies in, else that frame."""
+    if selection is not None and selection[0] <= seconds <= selection[1]:
+        return Brush(*selection, falloff)
+    return Brush(seconds, seconds, falloff)
+
+
+@dataclass(frozen=True)
+class CurveDrag:
+    """Left press on a curve: an edit once the mouse has moved up or down, else a click.
+
+    Attributes:
+        control: id of the curve.
+        time: seconds of the frame under the press.
+        hold: first and last second of the edit's full strength.
+        press: pixels of the press.
+        at: pixels of the pointer now.
+        mm_per_pixel: fixed at the press: the axis does not change under the hand.
+        value: millimetres moved so far.
+        moving: whether it has become an edit.
+    """
+
+    control: str
+    time: float
+    hold: Span
+    press: tuple[float, float]
+    at: tuple[float, float]
+    mm_per_pixel: float
+    value: float = 0.0
+    moving: bool = False
+
+    def moved(self, x: float, y: float, fine: bool) -> CurveDrag:
+        """The pointer went to a pixel. Fine counts from here on only, so nothing jumps."""
+        step = (self.at[1] - y) * self.mm_per_pixel * (FINE if fine else 1.0)
+        moving = self.moving or abs(y - self.press[1]) > CLICK_SLOP
+        return replace(self, at=(x, y), value=self.value + step, moving=moving)
+
+    @property
+    def is_click(self) -> bool:
+        """Whether a release now is a click."""
+        return not self.moving and abs(self.at[0] - self.press[0]) <= CLICK_SLOP
+
+    def brush(self, falloff: float) -> Brush:
+        """Where the edit acts."""
+        return Brush(*self.hold, falloff)
+
+    def edit(self, falloff: float) -> Edit | None:
+        """The edit as it stands, or None while there is nothing to do."""
+        if not self.moving or self.value == 0.0:
+            return None
+        return Edit((self.control,), Op.OFFSET, *self.hold, falloff, self.value)
+
+
+def press_curve(
+    control: str, x: float, y: float, scale: Scale, time: float, brush: Brush
+) -> CurveDrag:
+    """Begin a drag: `time` is that of the frame under the pixel, `brush` what would be edited."""
+    return CurveDrag(control, time, (brush.start, brush.end), (x, y), (x, y), scale.mm_per_pixel)
+
+
+@dataclass(frozen=True)
+class Pan:
+    """Middle press: the time under the pointer stays under it."""
+
+    press: float
+    view: Span
+    seconds_per_pixel: float
+
+    def moved(self, x: float) -> Span:
+        """The view when the pointer is at a pixel."""
+        shift = (self.press - x) * self.seconds_per_pixel
+        return self.view[0] + shift, self.view[1] + shift
+
+
+@dataclass(frozen=True)
+class RulerDrag:
+    """Left press on the ruler: scrubs, or with Shift selects from `anchor` seconds."""
+
+    anchor: float
+    selecting: bool
+
+    def selection(self, seconds: float) -> Span:
+        """The selection when the pointer is at a frame's time."""
+        return min(self.anchor, seconds), max(self.anchor, seconds)
+
+
+class WheelMeans(Enum):
+    """What a turn of the wheel is for."""
+
+    FALLOFF = "falloff"
+    ZOOM_TIME = "zoom time"
+    ZOOM_VALUES = "zoom values"
+    PAN = "pan"
+
+
+def wheel_means(dragging: bool, shift: bool, ctrl: bool) -> WheelMeans:
+    """During a drag the wheel sets the falloff; Shift pans, Ctrl zooms the values, else time."""
+    if dragging:
+        return WheelMeans.FALLOFF
+    if shift:
+        return WheelMeans.PAN
+    return WheelMeans.ZOOM_VALUES if ctrl else WheelMeans.ZOOM_TIME
+
+
+def zoom_factor(notches: float) -> float:
+    """How the visible range scales; away from the user is closer."""
+    return float(ZOOM_STEP**notches)
+
+
+def stepped_falloff(falloff: float, notches: float) -> float:
+    """The falloff after a turn of the wheel; it gets down to 0 and up from it."""
+    if notches > 0:
+        falloff = max(falloff, LEAST_FALLOFF / FALLOFF_STEP)
+    stepped = falloff * float(FALLOFF_STEP**notches)
+    return stepped if stepped >= LEAST_FALLOFF * (1 - 1e-9) else 0.0

@@ -1,0 +1,107 @@
+"""The head of a plot's row: region, name, value at the playhead, and the value axis' numbers."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QRectF, Qt, Signal
+from PySide6.QtGui import QFontMetricsF, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from faceedit_app.core.regions import Control
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.axes import Scale, value_ticks
+
+_BAR = 3  # pixels of region colour
+_TEXT_LEFT = 12
+_AXIS = 42  # pixels for the numbers
+_FLAGS = Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
+
+
+class Header(QWidget):
+    """Stands left of a plot, as tall as it.
+
+    Signals:
+        fit_asked(): double click: fit the value axis to the curve.
+    """
+
+    fit_asked = Signal()
+
+    def __init__(self, control: Control, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.control = control
+        self.value = ""
+        self.note = ""
+        self._scale: Scale | None = None
+        self._active = False
+        self.setFixedWidth(style.HEADER_WIDTH)
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.setToolTip(f"{control.hint}\nDouble click: fit the height to the curve.")
+        self.setAccessibleName(control.label)
+
+    def show_value(self, value: str, note: str = "") -> None:
+        """Show the value at the playhead, and a remark on it."""
+        if (value, note) != (self.value, self.note):
+            self.value, self.note = value, note
+            self.setAccessibleDescription(f"{value} at the playhead. {self.control.hint}")
+            self.update()
+
+    def show_scale(self, scale: Scale) -> None:
+        """Number the value axis of the plot beside it."""
+        self._scale = scale
+        self.update()
+
+    def show_active(self, active: bool) -> None:
+        """Light up with the plot that the pointer is on."""
+        if active != self._active:
+            self._active = active
+            self.update()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Fit the value axis."""
+        self.fit_asked.emit()
+        event.accept()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Bar, name, value, numbers."""
+        painter = QPainter(self)
+        ground = style.PLOT_ACTIVE if self._active else style.PLOT
+        painter.fillRect(self.rect(), style.color(ground))
+        region = style.color(style.REGION_COLORS[self.control.region])
+        painter.fillRect(QRectF(0, 0, _BAR, self.height()), region)
+        self._paint_text(painter)
+        self._paint_axis(painter)
+
+    def _paint_text(self, painter: QPainter) -> None:
+        """Name and value as one block, centred; the name gets two lines where it needs them."""
+        name, value = style.scaled_font(self, 0.92), style.scaled_font(self, 1.08, bold=True)
+        room = QRectF(_TEXT_LEFT, 0, self.width() - _TEXT_LEFT - _AXIS, self.height())
+        metrics = QFontMetricsF(name)
+        name_height = metrics.boundingRect(room, int(_FLAGS), self.control.label).height()
+        value_height = QFontMetricsF(value).height()
+        note_height = metrics.height() if self.note else 0.0
+        text_height = name_height + value_height
+        show_note = bool(self.note) and text_height + note_height <= self.height()
+        top = max(0.5 * (self.height() - text_height - (note_height if show_note else 0.0)), 0.0)
+        painter.setFont(name)
+        painter.setPen(style.color(style.TEXT if self._active else style.LABEL))
+        painter.drawText(room.translated(0, top), int(_FLAGS), self.control.label)
+        painter.setFont(value)
+        painter.setPen(style.color(style.TEXT))
+        painter.drawText(room.translated(0, top + name_height), int(_FLAGS), self.value)
+        if show_note:
+            painter.setFont(name)
+            painter.setPen(style.color(style.MUTED))
+            painter.drawText(room.translated(0, top + text_height), int(_FLAGS), self.note)
+
+    def _paint_axis(self, painter: QPainter) -> None:
+        if self._scale is None:
+            return
+        font = style.scaled_font(self, 0.82)
+        half = 0.5 * QFontMetricsF(font).height()
+        painter.setFont(font)
+        painter.setPen(style.color(style.MUTED))
+        for tick in value_ticks(self._scale.span, self._scale.height, style.VALUE_SPACING):
+            y = self._scale.y_of(tick.at)
+            if half - 2 <= y <= self.height() - half + 2:  # never half a number
+                box = QRectF(self.width() - _AXIS, y - half, _AXIS - 6, 2 * half)
+                flags = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+                painter.drawText(box, flags, tick.label)

@@ -1,0 +1,231 @@
+"""The curves panel: legend, ruler and the eight plots, kept in step with timeline and session."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QPalette
+from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QStackedWidget, QVBoxLayout, QWidget
+
+from faceedit_app.core.regions import CONTROLS
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.axes import fitted_span, grown_span
+from faceedit_app.ui.curves.gestures import brush_at
+from faceedit_app.ui.curves.header import Header
+from faceedit_app.ui.curves.interaction import Interaction
+from faceedit_app.ui.curves.legend import Legend
+from faceedit_app.ui.curves.paint import Marks
+from faceedit_app.ui.curves.plot import CurvePlot, Handle, Lines
+from faceedit_app.ui.curves.ruler import Ruler
+from faceedit_app.ui.timeline import Timeline
+
+_APART = 0.05  # mm between face and asked from which on the header says so
+_EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
+_IDLE_HINT = "Drag a curve up or down to change the face"
+
+
+class CurvesPanel(QWidget):
+    """Eight curves on one time axis; dragging them edits the session.
+
+    The window opens the clip on the timeline and gives the session; the panel shows both and
+    repaints itself while it is dragged. Call `refresh` when anything else changed the session.
+
+    Signals:
+        edited(): each step of a drag, also when it is cancelled: the face must be redrawn.
+        committed(): a gesture ended in `session.commit()`: one more undo step.
+    """
+
+    edited = Signal()
+    committed = Signal()
+
+    def __init__(self, timeline: Timeline, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.timeline = timeline
+        self.session: EditSession | None = None
+        self._gaps: tuple[tuple[float, float], ...] = ()
+        self._mouse = Interaction(timeline, self)
+        self.legend, self.ruler = Legend(), Ruler(timeline)
+        self.plots = [CurvePlot(control, self._mouse) for control in CONTROLS]
+        self.headers = [Header(control) for control in CONTROLS]
+        self._pages = QStackedWidget()
+        self._build()
+        self._connect()
+        self.set_session(None)
+
+    def _build(self) -> None:
+        self.setObjectName("curves")
+        self.setAccessibleName("Curves")
+        self.setAutoFillBackground(True)
+        colors = self.palette()
+        colors.setColor(QPalette.ColorRole.Window, style.color(style.BACKGROUND))
+        self.setPalette(colors)
+        empty = QLabel(_EMPTY)
+        empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        empty.setWordWrap(True)
+        empty.setStyleSheet(f"color: {style.MUTED}; font-size: 15px;")
+        content = QWidget()
+        grid = QGridLayout(content)
+        grid.setContentsMargins(0, 0, style.RIGHT_MARGIN, 0)
+        grid.setHorizontalSpacing(0)
+        grid.setVerticalSpacing(style.ROW_GAP)
+        grid.addWidget(self.legend, 0, 0, 1, 2)
+        grid.addWidget(self.ruler, 1, 1)
+        for row, (header, plot) in enumerate(zip(self.headers, self.plots, strict=True), start=2):
+            grid.addWidget(header, row, 0)
+            grid.addWidget(plot, row, 1)
+            grid.setRowStretch(row, 1)
+            plot.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
+        grid.setColumnStretch(1, 1)
+        for page in (empty, content):
+            self._pages.addWidget(page)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._pages)
+
+    def _connect(self) -> None:
+        for header, plot in zip(self.headers, self.plots, strict=True):
+            plot.scale_changed.connect(lambda h=header, p=plot: h.show_scale(p.current_scale))
+            header.fit_asked.connect(lambda p=plot: self._fit(p))
+        self.timeline.view_changed.connect(self._show_view)
+        self.timeline.playhead_moved.connect(self._show_state)
+        self.timeline.selection_changed.connect(self._show_state)
+        self.timeline.falloff_changed.connect(self._show_state)
+        self._mouse.changed.connect(self._show_state)
+        self._mouse.previewed.connect(self._previewed)
+        self._mouse.committed.connect(self._committed)
+
+    # --- what the window uses --------------------------------------------------------------
+
+    @property
+    def is_dragging(self) -> bool:
+        """Whether an edit is being dragged."""
+        return self._mouse.is_dragging
+
+    @property
+    def focused_control(self) -> str | None:
+        """Id of the control whose curve was last clicked or hovered."""
+        return self._mouse.focused
+
+    def cancel_drag(self) -> None:
+        """Drop the drag in progress, if any."""
+        self._mouse.cancel()
+
+    def set_session(self, session: EditSession | None) -> None:
+        """Show another take, or none."""
+        self._mouse.cancel()
+        self.session = self._mouse.session = session
+        clip = session.take.clip if session is not None else None
+        self._gaps = ()
+        if clip is not None:
+            times = clip.times
+            self._gaps = tuple(
+                (float(times[gap.frame]), float(times[gap.frame + 1])) for gap in clip.gaps
+            )
+        self.ruler.show_clip(clip)
+        self._pages.setCurrentIndex(0 if session is None else 1)
+        self._show_lines()
+        for plot in self.plots:
+            self._fit(plot)
+        self._show_view()
+
+    def refresh(self) -> None:
+        """The session's arrays changed: draw them, and make room for a curve that grew."""
+        self._show_lines()
+        if not self.is_dragging:
+            self._make_room()
+        self._show_state()
+
+    # --- keeping in step -------------------------------------------------------------------
+
+    def _previewed(self) -> None:
+        self.refresh()
+        self.edited.emit()
+
+    def _committed(self) -> None:
+        self.refresh()
+        self.committed.emit()
+
+    def _show_view(self) -> None:
+        for plot in self.plots:
+            plot.show_view(self.timeline.view)
+        self.ruler.update()
+        self._show_state()
+
+    def _show_lines(self) -> None:
+        session = self.session
+        for i, plot in enumerate(self.plots):
+            lines = None
+            if session is not None:
+                curves = (session.tracked, session.asked, session.achieved)
+                lines = Lines(session.take.clip.times, *(curve[:, i] for curve in curves))
+            plot.show_lines(lines)
+
+    def _fit(self, plot: CurvePlot) -> None:
+        """Fit a value axis to the whole take, as tracked and as edited."""
+        plot.span_chosen = False
+        if plot.lines is None:
+            return
+        tracked = plot.lines.tracked
+        plot.show_span(fitted_span(float(tracked.min()), float(tracked.max())))
+        self._make_room()
+
+    def _make_room(self) -> None:
+        """Extend value axes that an edited curve has left."""
+        for plot in self.plots:
+            if plot.lines is not None and not plot.span_chosen:
+                curves = (plot.lines.asked, plot.lines.face)
+                low, high = (
+                    float(min(c.min() for c in curves)),
+                    float(max(c.max() for c in curves)),
+                )
+                plot.show_span(grown_span(plot.span, low, high))
+
+    def _show_state(self) -> None:
+        """Playhead, bands, handle, values and hint."""
+        session, mouse, timeline = self.session, self._mouse, self.timeline
+        if session is None:
+            return
+        # A window that changes take tells timeline and panel one after the other.
+        frame = min(timeline.frame, len(session.tracked) - 1)
+        marks = Marks(timeline.time, timeline.selection, self._gaps)
+        for i, (header, plot) in enumerate(zip(self.headers, self.plots, strict=True)):
+            here = plot is mouse.plot
+            brush, alpha = None, style.HOVER
+            if here or mouse.is_dragging:
+                brush = mouse.brush
+            if mouse.is_dragging:
+                alpha = style.STRONG if here else style.WEAK
+            face = float(session.achieved[frame, i])
+            asked = float(session.asked[frame, i])
+            handle = self._handle(session, i) if here else None
+            plot.show_marks(replace(marks, brush=brush, alpha=alpha), handle, face)
+            apart = abs(asked - face) > _APART
+            header.show_value(f"{face:.1f} mm", f"asked {asked:.1f}" if apart else "")
+            header.show_active(here or plot.hasFocus())
+        brush = mouse.brush or brush_at(timeline.time, timeline.selection, timeline.falloff)
+        self.ruler.show_marks(replace(marks, brush=brush, alpha=style.STRONG))
+        self.legend.show_hint(self._hint())
+
+    def _handle(self, session: EditSession, control: int) -> Handle | None:
+        """The dot under the pointer: on what was asked for, since that is what a drag moves."""
+        time, drag = self._mouse.hover_time, self._mouse.drag
+        if time is None:
+            return None
+        frame = session.take.clip.frame_at(time)
+        asked = float(session.asked[frame, control])
+        if drag is None or not drag.moving:
+            return Handle(time, asked, held=drag is not None)
+        face = float(session.achieved[frame, control])
+        words = f"{drag.value:+.1f} mm", f"asked {asked:.1f} · face {face:.1f}"
+        return Handle(time, asked, True, words)
+
+    def _hint(self) -> str:
+        mouse = self._mouse
+        if mouse.is_dragging:
+            seconds = self.timeline.falloff
+            return f"Softness {seconds:.2f} s (wheel) · Shift: fine · Esc: cancel"
+        if mouse.plot is not None:
+            return mouse.plot.control.hint
+        return _IDLE_HINT

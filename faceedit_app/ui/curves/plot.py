@@ -1,0 +1,265 @@
+"""One curve's plot: draws its three lines and marks, and passes the mouse on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QFocusEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPen,
+    QResizeEvent,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QGraphicsView
+
+from faceedit_app.core.regions import Control
+from faceedit_app.ui.curves import paint, style
+from faceedit_app.ui.curves.axes import Scale, Span, value_ticks
+from faceedit_app.ui.curves.line import WideLine
+from faceedit_app.ui.curves.polyline import Mask, Values, visible_polyline
+
+# Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
+SAME = 0.005
+
+
+class Mouse(Protocol):
+    """Who is told what the mouse does on a plot. Positions are pixels of the plot."""
+
+    def press(self, plot: CurvePlot, event: QMouseEvent) -> None:
+        """A button went down."""
+
+    def move(self, plot: CurvePlot, event: QMouseEvent) -> None:
+        """The pointer moved, with or without a button."""
+
+    def release(self, plot: CurvePlot, event: QMouseEvent) -> None:
+        """A button went up."""
+
+    def wheel(self, plot: CurvePlot, event: QWheelEvent) -> None:
+        """The wheel turned."""
+
+    def leave(self, plot: CurvePlot) -> None:
+        """The pointer went elsewhere."""
+
+    def cancel(self) -> None:
+        """Esc."""
+
+
+@dataclass(frozen=True)
+class Lines:
+    """A curve's three lines, each (T,) mm, and their (T,) times."""
+
+    times: Values
+    tracked: Values
+    asked: Values
+    face: Values
+
+
+@dataclass(frozen=True)
+class Handle:
+    """The point that would be or is dragged, and the numbers beside it."""
+
+    time: float
+    value: float
+    held: bool = False
+    text: tuple[str, ...] = ()
+
+
+class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
+    """The plot of one control.
+
+    pyqtgraph draws the lines; its own mouse handling is bypassed, so that a drag means an edit
+    and nothing in the scene can swallow it. Marks are painted behind and before the scene.
+
+    Signals:
+        scale_changed(): its size, visible time or value axis changed.
+    """
+
+    scale_changed = Signal()
+
+    def __init__(self, control: Control, mouse: Mouse) -> None:
+        super().__init__(background=None)
+        self.control, self._mouse = control, mouse
+        self.view: Span = (0.0, 1.0)
+        self.span: Span = (0.0, 1.0)
+        self.span_chosen = False  # by the user: it is then not extended for them
+        self.lines: Lines | None = None
+        self._marks = paint.Marks()
+        self._handle: Handle | None = None
+        self._dot: float | None = None
+        self.setObjectName(f"plot_{control.id}")
+        self.setAccessibleName(f"{control.label} curve")
+        self.setAccessibleDescription(control.hint)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.viewport().setCursor(Qt.CursorShape.SizeVerCursor)
+        self.setMinimumHeight(style.ROW_HEIGHT)
+        # Marks lie outside the scene, so there is no smaller area that pyqtgraph could know of.
+        self.setCacheMode(QGraphicsView.CacheModeFlag(0))  # nor may the background be cached
+        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.FullViewportUpdate)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Strip pyqtgraph's plot to its view, and put the three lines in it."""
+        item = self.getPlotItem()
+        item.layout.setContentsMargins(0, 0, 0, 0)
+        item.hideAxis("left")
+        item.hideAxis("bottom")
+        item.hideButtons()
+        item.setMenuEnabled(False)
+        item.disableAutoRange()
+        item.getViewBox().setDefaultPadding(0.0)
+        line = {"antialias": True, "skipFiniteCheck": True}
+        self._face = WideLine(style.REGION_COLORS[self.control.region], style.FACE_WIDTH)
+        self._tracked = pg.PlotCurveItem(pen=style.tracked_pen(), **line)
+        self._asked = pg.PlotCurveItem(pen=style.asked_pen(), **line)
+        for curve in (self._tracked, self._face, self._asked):
+            self.addItem(curve)
+
+    # --- what it shows ---------------------------------------------------------------------
+
+    @property
+    def current_scale(self) -> Scale:
+        """How its pixels map to seconds and millimetres."""
+        size = self.viewport().size()
+        return Scale(size.width(), size.height(), self.view, self.span)
+
+    def show_view(self, view: Span) -> None:
+        """Make a range of seconds visible."""
+        self.view = view
+        self._apply_scale()
+        self._draw_lines()
+
+    def show_span(self, span: Span) -> None:
+        """Make a range of millimetres visible."""
+        if span != self.span:
+            self.span = span
+            self._apply_scale()
+
+    def show_lines(self, lines: Lines | None) -> None:
+        """Draw these curves."""
+        self.lines = lines
+        self._draw_lines()
+
+    def show_marks(self, marks: paint.Marks, handle: Handle | None, dot: float | None) -> None:
+        """Draw bands, playhead and handle; `dot` is the face's value at the playhead."""
+        if (marks, handle, dot) != (self._marks, self._handle, self._dot):
+            self._marks, self._handle, self._dot = marks, handle, dot
+            self.viewport().update()
+
+    def _apply_scale(self) -> None:
+        self.getViewBox().setRange(xRange=self.view, yRange=self.span, padding=0)
+        self.scale_changed.emit()
+
+    def _draw_lines(self) -> None:
+        if self.lines is None:
+            for curve in (self._tracked, self._face, self._asked):
+                curve.setData([], [])
+            return
+        lines = self.lines
+        self._draw(self._face, lines.face, None)
+        # Where lines coincide only the face is drawn: a take without edits is one calm line.
+        self._draw(self._tracked, lines.tracked, np.abs(lines.tracked - lines.face) > SAME)
+        self._draw(self._asked, lines.asked, np.abs(lines.asked - lines.tracked) > SAME)
+
+    def _draw(self, curve: pg.PlotCurveItem, values: Values, shown: Mask | None) -> None:
+        assert self.lines is not None
+        columns = round(self.viewport().width() * self.devicePixelRatioF())
+        x, y = visible_polyline(self.lines.times, values, *self.view, columns, shown)
+        curve.setData(x, y, connect="all" if shown is None else "finite")
+
+    # --- painting --------------------------------------------------------------------------
+
+    def drawBackground(self, painter: QPainter, rect: QRectF) -> None:
+        """Paint what lies behind the lines."""
+        scale = self.current_scale
+        active = self.hasFocus() or self._handle is not None
+        painter.fillRect(rect, style.color(style.PLOT_ACTIVE if active else style.PLOT))
+        painter.setPen(QPen(style.color(style.GRID), 0))
+        for tick in value_ticks(scale.span, scale.height, style.VALUE_SPACING):
+            y = round(scale.y_of(tick.at))
+            painter.drawLine(QPointF(0, y), QPointF(scale.width, y))
+        if self._marks.selection is not None:
+            paint.draw_selection(painter, scale, self._marks.selection)
+        if self._marks.brush is not None:
+            paint.draw_brush(painter, scale, self._marks.brush, self._marks.alpha)
+        paint.draw_gaps(painter, scale, self._marks.gaps, alpha=90)
+
+    def drawForeground(self, painter: QPainter, _rect: QRectF) -> None:
+        """Paint what lies before the lines."""
+        scale, color = self.current_scale, style.REGION_COLORS[self.control.region]
+        if self.lines is None:
+            return
+        paint.draw_playhead(painter, scale, self._marks.playhead)
+        if self._dot is not None:
+            at = QPointF(scale.x_of(self._marks.playhead), scale.y_of(self._dot))
+            paint.draw_dot(painter, at, 2.5, color, color)
+        if (handle := self._handle) is not None:
+            at = QPointF(scale.x_of(handle.time), scale.y_of(handle.value))
+            paint.draw_dot(painter, at, 5.0, color if handle.held else style.PLOT, style.ASKED)
+            if handle.text:
+                font = style.scaled_font(self, 0.9)
+                paint.draw_tag(painter, scale, at, handle.text, font)
+
+    # --- events: translated, nothing else --------------------------------------------------
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """A button went down."""
+        self._mouse.press(self, event)
+        event.accept()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """The second press of two is a press like any other."""
+        self.mousePressEvent(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """The pointer moved."""
+        self._mouse.move(self, event)
+        event.accept()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """A button went up."""
+        self._mouse.release(self, event)
+        event.accept()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """The wheel turned."""
+        self._mouse.wheel(self, event)
+        event.accept()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """The pointer went elsewhere."""
+        self._mouse.leave(self)
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc drops the drag in progress; all other keys are the window's."""
+        if event.key() == Qt.Key.Key_Escape:
+            self._mouse.cancel()
+        event.ignore()
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """The keyboard's focus is shown by the background."""
+        self.viewport().update()
+        event.accept()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """The keyboard went elsewhere."""
+        self.viewport().update()
+        event.accept()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Another size needs other ticks and other points."""
+        super().resizeEvent(event)
+        if hasattr(self, "_asked"):  # pyqtgraph resizes while it is being built
+            self._draw_lines()
+            self.scale_changed.emit()
+
+    def sizeHint(self) -> QSize:
+        """Room for a curve; plots then share what there is."""
+        return QSize(400, 2 * style.ROW_HEIGHT)

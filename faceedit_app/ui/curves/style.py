@@ -1,0 +1,83 @@
+"""How the curves panel looks: every colour and measure in one place.
+
+Sky blue and orange (Okabe and Ito) are told apart with any kind of colour blindness, and the
+three lines differ in weight and pattern too, so no meaning hangs on colour alone.
+"""
+
+from __future__ import annotations
+
+from PySide6.QtGui import QColor, QFont, QPen
+from PySide6.QtWidgets import QWidget
+
+from faceedit_app.ui import palette
+
+BACKGROUND = palette.BACKGROUND
+PLOT = "#23272c"
+PLOT_ACTIVE = "#272c32"  # under the pointer, or with the keyboard's focus
+TICK = "#5c626b"
+GRID = "#30353c"
+TEXT = palette.TEXT
+MUTED = palette.MUTED
+LABEL = "#b4b9c2"  # names of the curves
+REGION_COLORS = {"lower": palette.ACCENT, "upper": "#009e73", "eyelids": palette.ORANGE}
+TRACKED = "#9aa0aa"
+ASKED = "#f4f5f7"
+PLAYHEAD = "#ffffff"
+SELECTION = palette.ACCENT
+BAND = "#a9c4de"  # where an edit acts
+GAP = "#d08a6a"  # frames that the recording lost
+TAG = "#14161a"  # behind numbers that stand on the curves
+
+FACE_WIDTH = 1.8  # pixels
+HEADER_WIDTH = 152  # label, value and the value axis' numbers, left of every plot
+RULER_HEIGHT = 34
+LEGEND_HEIGHT = 26
+ROW_HEIGHT = 46  # at least
+ROW_GAP = 2
+RIGHT_MARGIN = 8
+VALUE_SPACING = 19  # pixels between the numbers of the value axis
+TIME_SPACING = 74  # pixels between the numbers of the time axis
+
+# Alpha of the bands, 0..255: a drag's own plot, the other plots, and what hovering would edit.
+STRONG, WEAK, HOVER = 72, 34, 40
+
+
+def color(name: str, alpha: int = 255) -> QColor:
+    """A colour with some transparency."""
+    out = QColor(name)
+    out.setAlpha(alpha)
+    return out
+
+
+def _pen(name: str, width: float, dashes: tuple[float, ...] = ()) -> QPen:
+    pen = QPen(QColor(name), width)
+    pen.setCosmetic(True)
+    if dashes:
+        pen.setDashPattern(list(dashes))
+    return pen
+
+
+def tracked_pen() -> QPen:
+    """The take as tracked: thin and grey."""
+    return _pen(TRACKED, 1.0)
+
+
+def asked_pen() -> QPen:
+    """What the user asked for: dashed. Width 1 is the one width that Qt dashes quickly."""
+    return _pen(ASKED, 1.0, (4.0, 3.0))
+
+
+def face_pen(region: str) -> QPen:
+    """What the face does: solid, in the region's colour."""
+    return _pen(REGION_COLORS[region], FACE_WIDTH)
+
+
+def scaled_font(widget: QWidget, factor: float, bold: bool = False) -> QFont:
+    """The widget's own font in another size, whether it was set in points or in pixels."""
+    font = QFont(widget.font())
+    if font.pointSizeF() > 0:
+        font.setPointSizeF(font.pointSizeF() * factor)
+    else:
+        font.setPixelSize(max(round(font.pixelSize() * factor), 1))
+    font.setBold(bold)
+    return font
