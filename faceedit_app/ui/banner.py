@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton
 
-from faceedit_app.ui.icons import icon
+from faceedit_app.ui.icons import icon, picture
 from faceedit_app.ui.palette import ORANGE
 from faceedit_app.ui.theme import GAP, MARGIN
 
@@ -17,7 +17,7 @@ class Banner(QFrame):
         super().__init__()
         self.setObjectName("banner")
         sign = QLabel()
-        sign.setPixmap(icon("warning", ORANGE).pixmap(QSize(16, 16)))
+        sign.setPixmap(picture("warning", ORANGE, 16, self.devicePixelRatioF()))
         self.text = QLabel()
         self.text.setTextFormat(Qt.TextFormat.PlainText)
         # A long path must not widen the window.

@@ -27,6 +27,13 @@ def icon(name: str, color: str = TEXT) -> QIcon:
     return out
 
 
+def picture(name: str, color: str, size: int, ratio: float) -> QPixmap:
+    """The icon at another size than the usual, for a screen with `ratio` pixels per unit."""
+    pixmap = _pixmap(_DRAWINGS[name], color, size * ratio / GRID)
+    pixmap.setDevicePixelRatio(ratio)
+    return pixmap
+
+
 def app_icon() -> QIcon:
     """FaceEdit's own icon: a curve, its edit, and the point that is dragged."""
     out = QIcon()

@@ -107,4 +107,4 @@ class Background(QObject):
     def close(self) -> None:
         """Forget what is still running; nothing is delivered any more."""
         self._closed = True
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool.shutdown(wait=False, cancel_futures=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.ui.actions import Actions, shown_keys
-from faceedit_app.ui.icons import icon
+from faceedit_app.ui.icons import picture
 from faceedit_app.ui.palette import ACCENT
 from faceedit_app.ui.theme import GAP
 
@@ -48,7 +48,7 @@ class StartPage(QWidget):
 
     def _fill(self, actions: Actions) -> None:
         sign = QLabel()
-        sign.setPixmap(icon("drop", ACCENT).pixmap(QSize(48, 48)))
+        sign.setPixmap(picture("drop", ACCENT, 56, self.devicePixelRatioF()))
         title = QLabel("Open a tracked face")
         title.setObjectName("title")
         lead = QLabel(

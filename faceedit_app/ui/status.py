@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PySide6.QtWidgets import QLabel, QStatusBar
 
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import counted, format_rate, format_time, gap_notes
+
+_DOT = "   ·   "
 
 
 class StatusLine(QStatusBar):
@@ -14,9 +18,9 @@ class StatusLine(QStatusBar):
     def __init__(self) -> None:
         super().__init__()
         self.setSizeGripEnabled(False)
-        self.facts, self.gaps, self.networks = QLabel(), QLabel(), QLabel()
-        self.addWidget(self.facts)
-        self.addWidget(self.gaps)
+        self.facts, self.gaps, self.remarks, self.networks = (QLabel() for _ in range(4))
+        for label in (self.facts, self.gaps, self.remarks):
+            self.addWidget(label)
         self.addPermanentWidget(self.networks)
         self.set_networks("loading")
 
@@ -29,14 +33,18 @@ class StatusLine(QStatusBar):
             counted(len(clip), "frame"),
             format_time(clip.duration),
         ]
-        self.facts.setText("   ·   ".join(parts))
+        self.facts.setText(_DOT.join(parts))
         self.facts.setToolTip(str(take.path))
         gaps = gap_notes(clip.gaps)
         others = [note for note in take.notes if note not in gaps]
-        texts = [*gaps, *([counted(len(others), "remark")] if others else [])]
-        self.gaps.setText("   ·   ".join(["", *texts]).lstrip() if texts else "")
-        self.gaps.setToolTip("\n".join(take.notes))
-        _mark(self.gaps, bool(gaps))
+        self._add(self.gaps, gaps[0] if gaps else "", take.notes)
+        self._add(self.remarks, counted(len(others), "remark") if others else "", others)
+        _mark(self.gaps, True)
+
+    @staticmethod
+    def _add(label: QLabel, text: str, details: Sequence[str]) -> None:
+        label.setText(f"{_DOT}{text}" if text else "")
+        label.setToolTip("\n".join(details))
 
     def set_networks(self, state: str, reason: str = "") -> None:
         """Tell whether the networks answer: `loading`, `ready` or `missing`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt
-from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QLabel, QWidget
+from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timing import format_time
@@ -12,7 +12,7 @@ from faceedit_app.ui.icons import icon
 from faceedit_app.ui.playback import SPEEDS, Playback
 from faceedit_app.ui.theme import GAP
 from faceedit_app.ui.timeline import FALLOFF_RANGE, Timeline
-from faceedit_app.ui.widgets import bar_row, caption, divider, icon_button
+from faceedit_app.ui.widgets import Choice, bar_row, caption, divider, icon_button
 
 
 class Transport(QWidget):
@@ -69,13 +69,12 @@ class Transport(QWidget):
         box.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
         return box
 
-    def _speed_box(self) -> QComboBox:
-        box = QComboBox()
+    def _speed_box(self) -> Choice:
+        box = Choice()
         box.setToolTip("How fast the take is played")
         for speed in SPEEDS:
             box.addItem(f"{speed:g}×", speed)
         box.setCurrentIndex(len(SPEEDS) - 1)
-        box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         box.currentIndexChanged.connect(lambda i: self._playback.set_speed(SPEEDS[i]))
         return box
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QAction, QKeyEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QToolButton, QWidget
+from PySide6.QtCore import QPointF, QSize, Qt
+from PySide6.QtGui import QAction, QColor, QKeyEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QToolButton, QWidget
 
 from faceedit_app.ui.icons import GRID
+from faceedit_app.ui.palette import FAINT, TEXT
 from faceedit_app.ui.theme import GAP, MARGIN
 
 
@@ -16,8 +17,8 @@ class Segment(QToolButton):
     def __init__(self, action: QAction, name: str, text: str) -> None:
         super().__init__()
         self.setObjectName(name)
+        action.setIconText(text)  # what a button shows of an action; the menu shows its text
         self.setDefaultAction(action)
-        self.setText(text)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
@@ -27,6 +28,26 @@ class Segment(QToolButton):
             self.click()
         else:
             super().keyPressEvent(event)
+
+
+class Choice(QComboBox):
+    """A drop-down list; the style sheet takes Fusion's arrow away, so here is ours."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        # The mouse leaves the focus where it is, so that the arrows go on moving the playhead.
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Add a chevron."""
+        super().paintEvent(event)
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(TEXT if self.isEnabled() else FAINT), 1.5))
+        x, y = self.width() - 12.0, self.height() / 2
+        painter.drawPolyline(
+            [QPointF(x - 3.5, y - 1.75), QPointF(x, y + 1.75), QPointF(x + 3.5, y - 1.75)]
+        )
 
 
 def segments(left: tuple[QAction, str], right: tuple[QAction, str]) -> QWidget:

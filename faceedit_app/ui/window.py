@@ -16,12 +16,14 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.resources import shipped
 from faceedit_app.ui import dialogs, loading
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.banner import Banner
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.edit_commands import EditCommands
-from faceedit_app.ui.file_commands import FileCommands
+from faceedit_app.ui.file_commands import DEMO, FileCommands
 from faceedit_app.ui.help import about_dialog, shortcuts_dialog
 from faceedit_app.ui.icons import app_icon
 from faceedit_app.ui.keys import KeyArbiter
@@ -132,6 +134,21 @@ class MainWindow(QMainWindow):
         if not self.files.is_reading:
             self._background.run(loading.load_character, self.files.use_character, self._failed)
         self.build_editor()
+
+    def open_demo_now(self) -> None:
+        """Open the demo take with all that belongs to it, and return when it is there.
+
+        Raises:
+            FileError: a shipped file is missing or damaged.
+        """
+        rig = loading.load_character()
+        try:
+            self.document.engine = loading.load_engine()
+            self.status.set_networks("ready")
+        except FaceEditError as error:
+            self._do_without_engine(error)
+        self.document.adopt(loading.open_session(shipped(DEMO), rig))
+        self.build_editor().face.viewport.open(rig)
 
     def after_first_paint(self, work: Callable[[], None]) -> None:
         """Call `work` once the window has been painted."""
@@ -274,12 +291,17 @@ class MainWindow(QMainWindow):
         if not self.files.may_close():
             event.ignore()
             return
-        self.playback.pause()
         if self.editor is not None:
             self._store.save_layout(self, self.editor.panes)
-            self.editor.face.viewport.close_renderer()
-        self._background.close()
+        self.leave()
         super().closeEvent(event)
+
+    def leave(self) -> None:
+        """Stop what is running and free the graphics memory."""
+        self.playback.pause()
+        self._background.close()
+        if self.editor is not None:
+            self.editor.face.viewport.close_renderer()
 
 
 def _dropped(event: QDropEvent) -> Path | None:
