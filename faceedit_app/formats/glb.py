@@ -161,19 +161,6 @@ def _accessor(document: gltf.GLTF2, index: int) -> NDArray[Any]:
     return array
 
 
-def _parse(path: Path) -> gltf.GLTF2:
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise FileError(path, f"cannot be read ({error.strerror})", "check the path") from error
-    if content[:4] != b"glTF":
-        raise FileError(path, "is not a binary glTF file", _REMEDY)
-    document = gltf.GLTF2.load_from_bytes(content)
-    if document is None or not document.meshes:
-        raise FileError(path, "holds no mesh", _REMEDY)
-    return document
-
-
 def read_rig(path: Path | str) -> Rig:
     """Read a character written by `write_rig`.
 
@@ -181,40 +168,67 @@ def read_rig(path: Path | str) -> Rig:
         FileError: not a GLB, or one without morph targets or control definitions.
     """
     path = Path(path)
-    document = _parse(path)
-    mesh = document.meshes[0]
-    extras = mesh.extras or {}
     try:
-        first = mesh.primitives[0]
-        channels = tuple(extras["targetNames"])
-        controls = extras["controls"]
-        pairs = np.array([controls[name] for name in CONTROL_IDS], np.int32)
-        faces, materials, start = [], [], 0
-        for primitive in mesh.primitives:
-            triangles = _accessor(document, primitive.indices).reshape(-1, 3).astype(np.int32)
-            look = document.materials[primitive.material]
-            surface = look.pbrMetallicRoughness
-            materials.append(
-                Material(
-                    look.name,
-                    start,
-                    start + len(triangles),
-                    surface.roughnessFactor,
-                    surface.metallicFactor,
-                )
-            )
-            faces.append(triangles)
-            start += len(triangles)
-        return Rig(
-            neutral=_accessor(document, first.attributes.POSITION).astype(np.float32),
-            faces=np.concatenate(faces),
-            channels=channels,
-            deltas=np.stack([_accessor(document, t["POSITION"]) for t in first.targets]),
-            colors=_accessor(document, first.attributes.COLOR_0).astype(np.float32),
-            materials=tuple(materials),
-            control_pairs=pairs,
-            name=mesh.name or path.stem,
-            attribution=extras.get("attribution", ""),
-        )
+        content = path.read_bytes()
+    except OSError as error:
+        raise FileError(path, f"cannot be read ({error.strerror})", "check the path") from error
+    if content[:4] != b"glTF":
+        raise FileError(path, "is not a binary glTF file", _REMEDY)
+    try:
+        document = gltf.GLTF2.load_from_bytes(content)
+    except Exception as error:  # the library has no error of its own for a damaged file
+        raise FileError(path, "is damaged", _REMEDY) from error
+    if document is None or not document.meshes:
+        raise FileError(path, "holds no mesh", _REMEDY)
+    try:
+        rig = _rig(document, path.stem)
     except (KeyError, TypeError, IndexError, ValueError, AttributeError) as error:
         raise FileError(path, "lacks a part of the character", _REMEDY) from error
+    if problem := _problem(rig):
+        raise FileError(path, problem, _REMEDY)
+    return rig
+
+
+def _rig(document: gltf.GLTF2, fallback_name: str) -> Rig:
+    mesh = document.meshes[0]
+    extras = mesh.extras or {}
+    first = mesh.primitives[0]
+    controls = extras["controls"]
+    faces, materials, start = [], [], 0
+    for primitive in mesh.primitives:
+        triangles = _accessor(document, primitive.indices).reshape(-1, 3).astype(np.int32)
+        look = document.materials[primitive.material]
+        surface = look.pbrMetallicRoughness
+        stop = start + len(triangles)
+        materials.append(
+            Material(look.name, start, stop, surface.roughnessFactor, surface.metallicFactor)
+        )
+        faces.append(triangles)
+        start = stop
+    return Rig(
+        neutral=_accessor(document, first.attributes.POSITION).astype(np.float32),
+        faces=np.concatenate(faces),
+        channels=tuple(extras["targetNames"]),
+        deltas=np.stack([_accessor(document, t["POSITION"]) for t in first.targets]),
+        colors=_accessor(document, first.attributes.COLOR_0).astype(np.float32),
+        materials=tuple(materials),
+        control_pairs=np.array([controls[name] for name in CONTROL_IDS], np.int32),
+        name=mesh.name or fallback_name,
+        attribution=extras.get("attribution", ""),
+    )
+
+
+def _problem(rig: Rig) -> str | None:
+    """What does not fit together in a rig from a file."""
+    count = len(rig.neutral)
+    shapes = (rig.neutral.shape, rig.deltas.shape, rig.colors.shape, rig.control_pairs.shape)
+    if shapes != ((count, 3), (len(rig.channels), count, 3), (count, 4), (len(CONTROL_IDS), 2)):
+        return "has parts of the character that do not fit together"
+    if not all(isinstance(name, str) for name in rig.channels):
+        return "has morph targets without names"
+    for indices, what in ((rig.faces, "triangle"), (rig.control_pairs, "control")):
+        if indices.min() < 0 or indices.max() >= count:
+            return f"has a {what} that names a vertex which is not there"
+    if not (np.isfinite(rig.neutral).all() and np.isfinite(rig.deltas).all()):
+        return "has vertices that are not numbers"
+    return None
