@@ -18,6 +18,9 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_IDS
 
 VERSION = 1
+# Far beyond any take and any face, and far below where sums stop being numbers.
+LARGEST = 1e6
+LONGEST_SMOOTH = 10.0  # seconds
 
 
 class Op(StrEnum):
@@ -50,19 +53,23 @@ class Edit:
     value: float = 0.0
 
     def __post_init__(self) -> None:
-        unknown = [c for c in self.controls if c not in CONTROL_IDS]
-        if unknown or not self.controls:
-            raise ValueError(
-                f"unknown control {unknown[0]!r}" if unknown else "it names no control"
-            )
-        if not all(map(math.isfinite, (self.start, self.end, self.falloff, self.value))):
-            raise ValueError("its numbers must be finite")
+        if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
+            raise ValueError(f"unknown control {unknown[0]!r}")
+        if not self.controls:
+            raise ValueError("it names no control")
+        if len(set(self.controls)) < len(self.controls):
+            raise ValueError("it names a control twice")
+        numbers = (self.start, self.end, self.falloff, self.value)
+        if not all(math.isfinite(number) and abs(number) <= LARGEST for number in numbers):
+            raise ValueError(f"its numbers must lie between -{LARGEST:.0f} and {LARGEST:.0f}")
         if self.end < self.start:
             raise ValueError("its end lies before its start")
         if self.falloff < 0:
             raise ValueError("its falloff is negative")
         if self.op in (Op.SCALE, Op.SMOOTH) and self.value < 0:
             raise ValueError(f"a {self.op} needs a value of at least 0")
+        if self.op is Op.SMOOTH and self.value > LONGEST_SMOOTH:
+            raise ValueError(f"a smooth needs a value of at most {LONGEST_SMOOTH:.0f} seconds")
 
     @property
     def reach(self) -> tuple[float, float]:
@@ -102,9 +109,12 @@ def from_json(entry: Mapping[str, Any]) -> Edit:
     known = {"control", "controls", "op", "start", "end", "falloff", "value"}
     if extra := set(entry) - known:
         raise ValueError(f"it has an unknown field {sorted(extra)[0]!r}")
-    controls = entry.get("controls", entry.get("control"))
-    names = [controls] if isinstance(controls, str) else controls
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+    names = entry.get("controls", [entry.get("control")])
+    if (
+        {"control", "controls"} <= set(entry)
+        or not isinstance(names, list)
+        or not all(isinstance(name, str) for name in names)
+    ):
         raise ValueError('it needs "control" (a name) or "controls" (a list of names)')
     try:
         op = Op(str(entry.get("op")))
@@ -119,7 +129,9 @@ def from_json(entry: Mapping[str, Any]) -> Edit:
     for name, number in numbers.items():
         if isinstance(number, bool) or not isinstance(number, int | float):
             raise ValueError(f'its "{name}" is not a number')
-    return Edit(tuple(names), op, **{k: float(v) for k, v in numbers.items()})
+    # Whole numbers have no largest; one that no float holds is as bad as infinity.
+    floats = {k: float(min(max(v, -1e300), 1e300)) for k, v in numbers.items()}
+    return Edit(tuple(names), op, **floats)
 
 
 def write_edits(path: Path | str, edits: Iterable[Edit]) -> None:
@@ -146,8 +158,8 @@ def read_edits(path: Path | str) -> tuple[Edit, ...]:
         raise FileError(
             path, f"is not JSON ({error.msg})", "save the edits again", error.lineno
         ) from error
-    except (UnicodeDecodeError, RecursionError) as error:
-        raise FileError(path, "is not a text file", "choose an edits file (JSON)") from error
+    except (ValueError, RecursionError) as error:  # no UTF-8, or numbers or lists without end
+        raise FileError(path, "is no edits file", "choose an edits file (JSON)") from error
     if not isinstance(document, dict) or not isinstance(document.get("edits"), list):
         raise FileError(path, 'has no list of "edits"', "choose an edits file saved by FaceEdit")
     if document.get("version") != VERSION:

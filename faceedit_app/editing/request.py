@@ -92,8 +92,11 @@ def _wanted(edit: Edit, curve: Array, tracked: Array, median: float, rate: float
         case Op.SCALE:
             return median + edit.value * (curve - median)
         case Op.SMOOTH:
-            smooth: Array = gaussian_filter1d(curve, edit.value * rate, mode="nearest")
-            return smooth if edit.value > 0 else curve
+            frames = edit.value * rate
+            if frames < 0.01:  # narrower than any frame
+                return curve
+            smooth: Array = gaussian_filter1d(curve, frames, mode="nearest")
+            return smooth
         case Op.RESET:
             return tracked
 
