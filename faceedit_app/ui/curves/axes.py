@@ -12,6 +12,8 @@ Span = tuple[float, float]
 Values = NDArray[np.floating]
 
 SMALLEST_SPAN = 2.0  # mm: below this, tracking noise would look like acting
+# Of the whole take's height: a quiet passage in view is drawn larger, but still looks quiet.
+LEAST_SHARE = 0.2
 MARGIN = 0.12  # of the data's height, above and below
 _TIME_STEPS = (
     *(0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0),
@@ -70,9 +72,9 @@ class Tick:
     label: str
 
 
-def fitted_span(low: float, high: float) -> Span:
-    """The value axis for data from `low` to `high`: a margin, and never absurdly close up."""
-    wide = max(high - low, SMALLEST_SPAN)
+def fitted_span(low: float, high: float, least: float = SMALLEST_SPAN) -> Span:
+    """The value axis for data from `low` to `high`: a margin, and at least `least` mm of data."""
+    wide = max(high - low, least, SMALLEST_SPAN)
     middle = 0.5 * (low + high)
     half = wide * (0.5 + MARGIN)
     return middle - half, middle + half

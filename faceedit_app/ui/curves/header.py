@@ -12,7 +12,7 @@ from faceedit_app.ui.curves.axes import Scale, value_ticks
 
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
-_AXIS = 42  # pixels for the numbers
+_AXIS = 38  # pixels for the numbers
 _FLAGS = Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
 
 
@@ -20,10 +20,10 @@ class Header(QWidget):
     """Stands left of a plot, as tall as it.
 
     Signals:
-        fit_asked(): double click: fit the value axis to the curve.
+        close_up_asked(): double click: show small movements large, or no longer.
     """
 
-    fit_asked = Signal()
+    close_up_asked = Signal()
 
     def __init__(self, control: Control, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -34,7 +34,7 @@ class Header(QWidget):
         self._active = False
         self.setFixedWidth(style.HEADER_WIDTH)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
-        self.setToolTip(f"{control.hint}\nDouble click: fit the height to the curve.")
+        self.setToolTip(f"{control.hint}\nDouble click: enlarge small movements.")
         self.setAccessibleName(control.label)
 
     def show_value(self, value: str, note: str = "") -> None:
@@ -56,8 +56,8 @@ class Header(QWidget):
             self.update()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Fit the value axis."""
-        self.fit_asked.emit()
+        """Show small movements large."""
+        self.close_up_asked.emit()
         event.accept()
 
     def paintEvent(self, _event: QPaintEvent) -> None:

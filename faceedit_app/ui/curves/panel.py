@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QStackedWidget, 
 from faceedit_app.core.regions import CONTROLS
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.axes import fitted_span, grown_span
+from faceedit_app.ui.curves.axes import LEAST_SHARE, SMALLEST_SPAN, fitted_span, grown_span
 from faceedit_app.ui.curves.gestures import brush_at
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
@@ -21,7 +21,7 @@ from faceedit_app.ui.curves.plot import CurvePlot, Handle, Lines
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.timeline import Timeline
 
-_APART = 0.05  # mm between face and asked from which on the header says so
+_APART = 0.05  # mm between two lines from which on the header mentions it
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
 _IDLE_HINT = "Drag a curve up or down to change the face"
 
@@ -45,6 +45,7 @@ class CurvesPanel(QWidget):
         self.timeline = timeline
         self.session: EditSession | None = None
         self._gaps: tuple[tuple[float, float], ...] = ()
+        self._width = 0.0  # seconds in view
         self._mouse = Interaction(timeline, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
         self.plots = [CurvePlot(control, self._mouse) for control in CONTROLS]
@@ -87,7 +88,7 @@ class CurvesPanel(QWidget):
     def _connect(self) -> None:
         for header, plot in zip(self.headers, self.plots, strict=True):
             plot.scale_changed.connect(lambda h=header, p=plot: h.show_scale(p.current_scale))
-            header.fit_asked.connect(lambda p=plot: self._fit(p))
+            header.close_up_asked.connect(lambda p=plot: self._toggle_close_up(p))
         self.timeline.view_changed.connect(self._show_view)
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
@@ -127,14 +128,14 @@ class CurvesPanel(QWidget):
         self._pages.setCurrentIndex(0 if session is None else 1)
         self._show_lines()
         for plot in self.plots:
-            self._fit(plot)
+            plot.span_chosen = plot.close_up = False
+        self._width = 0.0
         self._show_view()
 
     def refresh(self) -> None:
         """The session's arrays changed: draw them, and make room for a curve that grew."""
         self._show_lines()
-        if not self.is_dragging:
-            self._make_room()
+        self._make_room()
         self._show_state()
 
     # --- keeping in step -------------------------------------------------------------------
@@ -148,8 +149,15 @@ class CurvesPanel(QWidget):
         self.committed.emit()
 
     def _show_view(self) -> None:
+        """Value axes follow a zoom; a pan only makes them room, so that it does not shake."""
+        first, last = self.timeline.view
+        zoomed = abs((last - first) - self._width) > 1e-6
+        self._width = last - first
         for plot in self.plots:
             plot.show_view(self.timeline.view)
+            if zoomed:
+                self._fit(plot)
+        self._make_room()
         self.ruler.update()
         self._show_state()
 
@@ -163,24 +171,24 @@ class CurvesPanel(QWidget):
             plot.show_lines(lines)
 
     def _fit(self, plot: CurvePlot) -> None:
-        """Fit a value axis to the whole take, as tracked and as edited."""
-        plot.span_chosen = False
-        if plot.lines is None:
+        """Fit a value axis to what is in view, unless the user chose it."""
+        if plot.lines is None or plot.span_chosen or self.is_dragging:
             return
-        tracked = plot.lines.tracked
-        plot.show_span(fitted_span(float(tracked.min()), float(tracked.max())))
-        self._make_room()
+        low, high = float(plot.lines.tracked.min()), float(plot.lines.tracked.max())
+        least = SMALLEST_SPAN if plot.close_up else LEAST_SHARE * (high - low)
+        plot.show_span(fitted_span(*plot.extent(), least))
+
+    def _toggle_close_up(self, plot: CurvePlot) -> None:
+        """Fit a value axis as closely as it makes sense, or no longer."""
+        plot.close_up = not (plot.close_up or plot.span_chosen)
+        plot.span_chosen = False
+        self._fit(plot)
 
     def _make_room(self) -> None:
-        """Extend value axes that an edited curve has left."""
+        """Extend value axes that a visible curve has left, unless the user chose them."""
         for plot in self.plots:
-            if plot.lines is not None and not plot.span_chosen:
-                curves = (plot.lines.asked, plot.lines.face)
-                low, high = (
-                    float(min(c.min() for c in curves)),
-                    float(max(c.max() for c in curves)),
-                )
-                plot.show_span(grown_span(plot.span, low, high))
+            if plot.lines is not None and not plot.span_chosen and not self.is_dragging:
+                plot.show_span(grown_span(plot.span, *plot.extent()))
 
     def _show_state(self) -> None:
         """Playhead, bands, handle, values and hint."""
@@ -201,8 +209,8 @@ class CurvesPanel(QWidget):
             asked = float(session.asked[frame, i])
             handle = self._handle(session, i) if here else None
             plot.show_marks(replace(marks, brush=brush, alpha=alpha), handle, face)
-            apart = abs(asked - face) > _APART
-            header.show_value(f"{face:.1f} mm", f"asked {asked:.1f}" if apart else "")
+            tracked = float(session.tracked[frame, i])
+            header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
             header.show_active(here or plot.hasFocus())
         brush = mouse.brush or brush_at(timeline.time, timeline.selection, timeline.falloff)
         self.ruler.show_marks(replace(marks, brush=brush, alpha=style.STRONG))
@@ -229,3 +237,10 @@ class CurvesPanel(QWidget):
         if mouse.plot is not None:
             return mouse.plot.control.hint
         return _IDLE_HINT
+
+
+def _note(tracked: float, asked: float, face: float) -> str:
+    """What else to know about a value: that the face fell short, or moved along unasked."""
+    if abs(asked - tracked) > _APART:
+        return f"asked {asked:.1f}" if abs(asked - face) > _APART else ""
+    return f"tracked {tracked:.1f}" if abs(tracked - face) > _APART else ""

@@ -23,7 +23,7 @@ from faceedit_app.core.regions import Control
 from faceedit_app.ui.curves import paint, style
 from faceedit_app.ui.curves.axes import Scale, Span, value_ticks
 from faceedit_app.ui.curves.line import WideLine
-from faceedit_app.ui.curves.polyline import Mask, Values, visible_polyline
+from faceedit_app.ui.curves.polyline import Mask, Values, visible_polyline, visible_rows
 
 # Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
 SAME = 0.005
@@ -88,7 +88,8 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self.control, self._mouse = control, mouse
         self.view: Span = (0.0, 1.0)
         self.span: Span = (0.0, 1.0)
-        self.span_chosen = False  # by the user: it is then not extended for them
+        self.span_chosen = False  # by the user: nothing else then changes it
+        self.close_up = False  # whether its span fits even the smallest movements
         self.lines: Lines | None = None
         self._marks = paint.Marks()
         self._handle: Handle | None = None
@@ -152,6 +153,13 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
             self._marks, self._handle, self._dot = marks, handle, dot
             self.viewport().update()
 
+    def extent(self) -> Span:
+        """Lowest and highest value in view, of all three lines."""
+        assert self.lines is not None
+        rows = visible_rows(self.lines.times, *self.view)
+        lines = [line[rows] for line in (self.lines.tracked, self.lines.asked, self.lines.face)]
+        return float(min(v.min() for v in lines)), float(max(v.max() for v in lines))
+
     def _apply_scale(self) -> None:
         self.getViewBox().setRange(xRange=self.view, yRange=self.span, padding=0)
         self.scale_changed.emit()
@@ -170,8 +178,9 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
     def _draw(self, curve: pg.PlotCurveItem, values: Values, shown: Mask | None) -> None:
         assert self.lines is not None
         columns = round(self.viewport().width() * self.devicePixelRatioF())
-        x, y = visible_polyline(self.lines.times, values, *self.view, columns, shown)
-        curve.setData(x, y, connect="all" if shown is None else "finite")
+        line = visible_polyline(self.lines.times, values, *self.view, columns, shown)
+        joined = "all" if line.joined is None else line.joined
+        curve.setData(line.x, line.y, connect=joined)
 
     # --- painting --------------------------------------------------------------------------
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,6 +51,20 @@ def peaks(values: Values, rows: slice, size: int) -> Indices:
     return found
 
 
+@dataclass(frozen=True)
+class Polyline:
+    """Points to draw.
+
+    Attributes:
+        x, y: (N,) seconds and values.
+        joined: (N,) whether a line goes from this point to the next; None if all are joined.
+    """
+
+    x: Values
+    y: Values
+    joined: Mask | None = None
+
+
 def visible_polyline(
     times: Values,
     values: Values,
@@ -56,7 +72,7 @@ def visible_polyline(
     last: float,
     columns: int,
     shown: Mask | None = None,
-) -> tuple[Values, Values]:
+) -> Polyline:
     """The points to draw of a curve: every sample, or each pixel column's extremes.
 
     Args:
@@ -65,20 +81,18 @@ def visible_polyline(
         columns: pixels across.
         shown: (T,) which frames to draw; None draws all of them. A frame next to a shown one is
             drawn too, so that runs join what lies beside them.
-
-    Returns:
-        Times and values (N,) of the points; NaN values separate runs.
     """
     rows = visible_rows(times, first, last)
     size = bin_size(rows, columns)
+    if shown is not None and not shown[rows].any():
+        return Polyline(times[:0], values[:0])
     index = peaks(values, rows, size)
-    x, y = times[index], values[index]
     if shown is None:
-        return x, y
+        return Polyline(times[index], values[index])
     keep = _near(shown, index, size)
-    if not keep.any():
-        return x[:0], y[:0]
-    return x, y if keep.all() else np.where(keep, y, np.nan)
+    index = index[keep]
+    joined = np.append(keep[1:], False)[keep]
+    return Polyline(times[index], values[index], None if joined[:-1].all() else joined)
 
 
 def _near(shown: Mask, index: Indices, reach: int) -> Mask:

@@ -141,32 +141,32 @@ class Ruler(QWidget):
         if self._marks.brush is not None:
             paint.draw_brush(painter, scale, self._marks.brush, self._marks.alpha)
         paint.draw_gaps(painter, scale, self._marks.gaps)
-        self._paint_times(painter, scale)
-        self._paint_frames(painter, scale)
+        times = np.asarray(self._clip.times)
+        frames = frame_ticks(times, scale.view, scale.width, _FRAME_SPACING, _FRAME_CLOSEST)
+        self._paint_times(painter, scale, bool(frames))
+        self._paint_frames(painter, scale, frames)
         self._paint_head(painter, scale)
 
-    def _paint_times(self, painter: QPainter, scale: Scale) -> None:
+    def _paint_times(self, painter: QPainter, scale: Scale, has_frames: bool) -> None:
+        """Seconds; where frames are marked, those take the place of the ticks."""
         labelled, between = time_ticks(scale.view, scale.width, style.TIME_SPACING)
-        bottom = scale.height
-        painter.setPen(QPen(style.color(style.TICK), 0))
-        for seconds in between:
-            x = round(scale.x_of(seconds))
-            painter.drawLine(QPointF(x, bottom - 4), QPointF(x, bottom))
-        for tick in labelled:
-            x = round(scale.x_of(tick.at))
-            painter.drawLine(QPointF(x, bottom - 9), QPointF(x, bottom))
+        if not has_frames:
+            painter.setPen(QPen(style.color(style.TICK), 0))
+            self._paint_ticks(painter, scale, between, 4)
+            self._paint_ticks(painter, scale, [tick.at for tick in labelled], 9)
         self._paint_labels(painter, scale, labelled, 3.0, 0.88, style.LABEL)
 
-    def _paint_frames(self, painter: QPainter, scale: Scale) -> None:
-        assert self._clip is not None
-        times = np.asarray(self._clip.times)
-        ticks = frame_ticks(times, scale.view, scale.width, _FRAME_SPACING, _FRAME_CLOSEST)
-        numbers = [tick for tick in ticks if tick.label]
-        self._paint_labels(painter, scale, numbers, 0.5 * scale.height, 0.74, style.MUTED)
-        painter.setPen(QPen(style.color(style.MUTED), 0))
-        for tick in ticks:
-            x = round(scale.x_of(tick.at))
-            painter.drawLine(QPointF(x, scale.height - 2), QPointF(x, scale.height))
+    def _paint_frames(self, painter: QPainter, scale: Scale, ticks: list[Tick]) -> None:
+        numbered = [tick for tick in ticks if tick.label]
+        self._paint_labels(painter, scale, numbered, 0.5 * scale.height - 1, 0.74, style.MUTED)
+        painter.setPen(QPen(style.color(style.TICK), 0))
+        self._paint_ticks(painter, scale, [tick.at for tick in ticks], 2)
+        self._paint_ticks(painter, scale, [tick.at for tick in numbered], 4)
+
+    def _paint_ticks(self, painter: QPainter, scale: Scale, at: list[float], length: int) -> None:
+        for seconds in at:
+            x = round(scale.x_of(seconds))
+            painter.drawLine(QPointF(x, scale.height - length), QPointF(x, scale.height))
 
     def _paint_labels(
         self,

@@ -29,7 +29,7 @@ GAP = "#d08a6a"  # frames that the recording lost
 TAG = "#14161a"  # behind numbers that stand on the curves
 
 FACE_WIDTH = 1.8  # pixels
-HEADER_WIDTH = 152  # label, value and the value axis' numbers, left of every plot
+HEADER_WIDTH = 162  # label, value and the value axis' numbers, left of every plot
 RULER_HEIGHT = 34
 LEGEND_HEIGHT = 26
 ROW_HEIGHT = 46  # at least
