@@ -40,6 +40,8 @@ class Engine:
             model = load_model(path)
             if model.region != region.id:
                 raise FileError(path, f"holds the region {model.region!r}", "restore the models")
+            if model.channels != region.channels:  # the order counts
+                raise FileError(path, "answers other channels", "train the models again")
             models[region.id] = model
         return cls(models)
 

@@ -53,6 +53,7 @@ def save_model(path: Path | str, model: RegionModel) -> None:
     tensors["covariance"] = torch.from_numpy(model.covariance)
     tensors["low"], tensors["high"] = torch.from_numpy(model.low), torch.from_numpy(model.high)
     about = {
+        "format": FORMAT,
         "version": VERSION,
         "region": model.region,
         "controls": model.controls,
@@ -60,7 +61,8 @@ def save_model(path: Path | str, model: RegionModel) -> None:
         "widths": model.widths,
         "notes": model.notes,
     }
-    write_atomically(path, save(tensors, {"format": FORMAT, "about": json.dumps(about)}))
+    # One entry only: safetensors writes several in an order of its own that changes by chance.
+    write_atomically(path, save(tensors, {"about": json.dumps(about)}))
 
 
 def load_model(path: Path | str) -> RegionModel:
@@ -82,6 +84,13 @@ def load_model(path: Path | str) -> RegionModel:
         if not set(controls) <= set(CONTROL_IDS) or not set(channels) <= set(MODELLED_CHANNELS):
             raise FileError(path, "names unknown controls or channels", _REMEDY)
         widths = tuple(int(w) for w in about["widths"])
+        if not widths or min(widths) < 1:
+            raise ValueError(f"widths {widths}")
+        shapes = [tuple(tensors[name].shape) for name in ("covariance", "low", "high")]
+        if shapes != [(len(channels),) * 2, (len(controls),), (len(controls),)]:
+            raise ValueError(f"shapes {shapes}")
+        if not all(bool(tensor.isfinite().all()) for tensor in tensors.values()):
+            raise ValueError("numbers that are none")
         networks = RegionNetworks(len(controls), len(channels), widths)
         prefix = "networks."
         networks.load_state_dict(
