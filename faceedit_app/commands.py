@@ -80,8 +80,9 @@ def apply(
     mode: Annotated[
         str, typer.Option(help="preserve: change the take; resynthesize: make it anew.")
     ] = "preserve",
-    naturalness: Annotated[
-        float, typer.Option(min=0.0, max=1.0, help="0 obeys, 1 is believable.")
+    naturalness: Annotated[float, typer.Option(help="0 obeys, 1 is believable.")] = 1.0,
+    reach: Annotated[
+        float, typer.Option(help="0 as the networks answer, 1 all the way to what was asked.")
     ] = 1.0,
     models: ModelsOption = None,
 ) -> None:
@@ -90,8 +91,11 @@ def apply(
 
     if mode not in list(Mode):
         raise FaceEditError(f"--mode {mode}: must be {' or '.join(Mode)}")
+    for name, value in (("naturalness", naturalness), ("reach", reach)):
+        if not 0 <= value <= 1:
+            raise FaceEditError(f"--{name} {value:g}: must be from 0 to 1")
     session = _session(take, _engine(models))
-    session.configure(Settings(Mode(mode), naturalness))
+    session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
     session.export(output)
     print(

@@ -20,6 +20,8 @@ def write_atomically(path: Path | str, content: bytes) -> None:
         FileError: the folder is missing or read-only, or the disk is full.
     """
     path = Path(path)
+    if path.exists() and not path.is_file():  # such as /dev/null, which a rename would replace
+        raise FileError(path, "cannot be written (it is no file)", "choose another name")
     temporary: Path | None = None
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)

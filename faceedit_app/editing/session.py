@@ -165,7 +165,7 @@ class EditSession:
 
     def _show(self, islands: list[Island]) -> None:
         """Make the live arrays show these islands and the tracked take between them."""
-        wanted = {(i.rows.start, i.rows.stop, *i.key): i for i in islands}
+        wanted = {island.key: island for island in islands}
         for key in [key for key in self._shown if key not in wanted]:
             rows = self._shown.pop(key).rows
             self.asked[rows] = self.achieved[rows] = self.tracked[rows]

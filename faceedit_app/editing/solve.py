@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
+from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
 from faceedit_app.core.resample import GRID_RATE, from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Distances, Rig
-from faceedit_app.editing.edit import Edit
+from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.reach import Goal, reach
 from faceedit_app.editing.request import Request, affected, region_influence, request
 
@@ -32,6 +32,8 @@ Array = NDArray[np.float64]
 
 # How far above the range seen in training a request is followed, as a share of that range.
 BEYOND = 0.1
+# Seconds by which a frame may stand outside a time range and still count as on its edge.
+SLACK = 1e-9
 
 
 class Mode(StrEnum):
@@ -48,10 +50,16 @@ class Settings:
     Attributes:
         mode: see `Mode`.
         naturalness: 0 = regressor alone (obeys), 1 = full system (believable).
+        reach: 0 = what the networks answer, 1 = all the way to what was asked.
     """
 
     mode: Mode = Mode.PRESERVE
     naturalness: float = 1.0
+    reach: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.naturalness <= 1:
+            raise ValueError(f"naturalness {self.naturalness:g}: must be from 0 to 1")
 
 
 @dataclass(frozen=True)
@@ -60,11 +68,18 @@ class Island:
 
     Attributes:
         rows: the frames.
-        key: the edits that matter to them and the settings; equal keys mean equal results.
+        settings: how the edits are answered.
+        edits: those that matter to the frames, in the user's order.
     """
 
     rows: slice
-    key: tuple[object, ...]
+    settings: Settings
+    edits: tuple[Edit, ...]
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Islands with equal keys have equal results."""
+        return (self.rows.start, self.rows.stop, self.settings, self.edits)
 
 
 @dataclass(frozen=True)
@@ -100,29 +115,30 @@ class Solver:
         if not edits:
             return []
         if settings.mode is Mode.RESYNTHESIZE:
-            return [Island(slice(0, len(self.clip)), (settings, *edits))]
+            return [Island(slice(0, len(self.clip)), settings, tuple(edits))]
         spans = sorted(affected(edit) for edit in edits)
         runs = [list(spans[0])]
         for first, last in spans[1:]:
-            if first <= runs[-1][1]:
+            if first <= runs[-1][1] + 2 * SLACK:
                 runs[-1][1] = max(runs[-1][1], last)
             else:
                 runs.append([first, last])
         islands = []
         for first, last in runs:
-            rows = slice(*map(int, np.searchsorted(self.clip.times, (first - 1e-9, last + 1e-9))))
+            ends = np.searchsorted(self.clip.times, (first - SLACK, last + SLACK))
+            rows = slice(int(ends[0]), int(ends[1]))
             if rows.start < rows.stop:
-                islands.append(Island(rows, (settings, *self._near(edits, first, last))))
+                islands.append(Island(rows, settings, self._near(edits, first, last)))
         return islands
 
-    def _near(self, edits: Sequence[Edit], first: float, last: float) -> list[Edit]:
+    def _near(self, edits: Sequence[Edit], first: float, last: float) -> tuple[Edit, ...]:
         """The edits that the networks can see from a run of seconds, in the user's order."""
-        margin = (self._context + 4) / GRID_RATE
-        return [
+        margin = (self._context + 4) / GRID_RATE + _sight(edits)
+        return tuple(
             edit
             for edit in edits
             if affected(edit)[0] <= last + margin and affected(edit)[1] >= first - margin
-        ]
+        )
 
     @property
     def _context(self) -> int:
@@ -130,17 +146,15 @@ class Solver:
 
     def solve(self, island: Island) -> Patch:
         """Compute one island."""
-        settings, *edits = island.key
-        assert isinstance(settings, Settings)
-        rows = island.rows
+        rows, settings, edits = island.rows, island.settings, island.edits
         window = self._window(rows)
-        near = slice(*self._rows_of(window))
+        near = slice(*self._rows_of(window, _sight(edits)))
         asked = request(
             self.clip.times[near],
             self.clip.rate,
             self.controls[near].astype(np.float64),
             self.medians,
-            [edit for edit in edits if isinstance(edit, Edit)],
+            edits,
         )
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
@@ -162,9 +176,9 @@ class Solver:
         last = int(np.ceil(self.clip.times[rows.stop - 1] * GRID_RATE)) + 3 + self._context
         return max(first // scale * scale, 0), min(last, len(self.grid))
 
-    def _rows_of(self, window: tuple[int, int]) -> tuple[int, int]:
+    def _rows_of(self, window: tuple[int, int], sight: float) -> tuple[int, int]:
         """The clip's frames that a window of grid frames is computed from."""
-        edges = np.array([window[0] - 1, window[1]]) / GRID_RATE
+        edges = ((window[0] - 1) / GRID_RATE - sight, window[1] / GRID_RATE + sight)
         first, last = np.searchsorted(self.clip.times, edges)
         return max(int(first) - 1, 0), min(int(last) + 1, len(self.clip))
 
@@ -179,8 +193,9 @@ class Solver:
         return self.engine.models[region.id].controls if self.engine else region.controls
 
     def _channels(self, region: Region) -> NDArray[np.intp]:
-        """Positions in the region of the channels that the source has a column for."""
-        return np.array([i for i, c in enumerate(region.channels) if c in self._present], np.intp)
+        """Positions in the region of the channels that may change: the source has a column."""
+        may = self._present if "jawOpen" in self._present else self._present - {"mouthClose"}
+        return np.array([i for i, c in enumerate(region.channels) if c in may], np.intp)
 
     def _answer(
         self,
@@ -239,7 +254,8 @@ class Solver:
             answer = old + influence[:, None] * answer
         new = np.clip(answer, np.minimum(old, 0.0), self._upper(old, influence))
         weights[:, columns] = np.where(influence[:, None] > 0, new, old)
-        _couple(weights, self.tracked[rows], influence > 0)
+        if "mouthClose" in region.channels:
+            _couple(weights, self.tracked[rows], influence > 0)
 
     @staticmethod
     def _upper(old: Array, influence: Array) -> Array:
@@ -250,12 +266,11 @@ class Solver:
         self, weights: Array, region: Region, mine: Request, rows: slice, settings: Settings
     ) -> None:
         """Bring the region's own controls the rest of the way to what was asked."""
-        if region.id == "upper":  # the brows do not move any control
-            return
-        controls = np.array([CONTROL_INDEX[c] for c in region.controls], np.intp)
+        # The brows have none: they move no control.
+        controls = np.array([i for i, c in enumerate(CONTROLS) if c.region == region.id], np.intp)
         where = np.flatnonzero(mine.hold[:, controls].any(axis=1))
         have = self._channels(region)
-        if not len(where) or not len(have):
+        if not len(where) or not len(have) or settings.reach == 0:
             return
         tracked = self.controls[rows][where]
         goals = self._believable(mine.curves[where], tracked, region)[:, controls]
@@ -268,13 +283,14 @@ class Solver:
         )
         hold = mine.hold[np.ix_(where, controls)]
         asked = hold > 0
+        strength = np.where(asked, hold, hold.max(axis=1, keepdims=True))
         old = weights[np.ix_(where, columns)]
         influence = region_influence(mine, region.controls)[where]
         weights[np.ix_(where, columns)] = reach(
             Distances(self.distances.offsets[controls], self.distances.gradients[:, controls]),
             weights[where],
             columns,
-            Goal(goals, np.where(asked, hold, hold.max(axis=1, keepdims=True)), asked),
+            Goal(goals, settings.reach * strength, asked),
             self._covariance(region)[np.ix_(have, have)],
             self._upper(old, influence),
             coupled,
@@ -288,6 +304,11 @@ class Solver:
         return self.engine.models[region.id].covariance
 
 
+def _sight(edits: Sequence[Edit]) -> float:
+    """Seconds beyond their own reach that edits read the take: a Gaussian ends at four sigma."""
+    return 4.0 * max((edit.value for edit in edits if edit.op is Op.SMOOTH), default=0.0)
+
+
 def _columns(region: Region) -> NDArray[np.intp]:
     return np.array([ARKIT_INDEX[c] for c in region.channels], np.intp)
 
@@ -298,6 +319,6 @@ def _couple(weights: Array, tracked: NDArray[np.float32], where: NDArray[np.bool
     Where the take itself exceeds it, by as much as the take does.
     """
     close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
-    slack = np.maximum(tracked[:, close] - tracked[:, jaw], 0.0)
+    slack = np.maximum(tracked[:, close].astype(np.float64) - tracked[:, jaw], 0.0)
     limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
     weights[where, close] = limit[where]

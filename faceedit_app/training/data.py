@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_INDEX, Region
-from faceedit_app.core.resample import grid_length, to_grid
+from faceedit_app.core.resample import GRID_RATE, grid_length, to_grid
 from faceedit_app.core.rig import Distances
 from faceedit_app.formats.opening import open_take
 
@@ -44,7 +44,7 @@ class Performance:
     @property
     def seconds(self) -> float:
         """Length of the take."""
-        return len(self.weights) / 25.0
+        return len(self.weights) / GRID_RATE
 
 
 def load_performances(

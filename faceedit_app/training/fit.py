@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_INDEX, Region
+from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.core.rig import Distances
 from faceedit_app.networks.models import DEFAULT_WIDTHS, RegionNetworks
 from faceedit_app.networks.store import RegionModel
@@ -282,12 +284,21 @@ def _examples(
     weights, captured, blocks = cut_windows(performances, settings.window, settings.overlap)
     random = np.random.default_rng(settings.seed)
     chosen = random.permutation(blocks.max() + 1)
-    held = np.isin(blocks, chosen[: max(1, round(settings.held_out * len(chosen)))])
+    count = max(1, round(settings.held_out * len(chosen)))
+    while not np.isin(chosen[:count], blocks).any():  # short ends of takes hold no window
+        count += 1
+    held = np.isin(blocks, chosen[:count])
     more = augment(weights[~held], captured[~held], settings.augmentation, random)
-    return (
-        region_windows(region, *more, distances),
-        region_windows(region, weights[held], captured[held], distances),
-    )
+    train = region_windows(region, *more, distances)
+    validation = region_windows(region, weights[held], captured[held], distances)
+    if not len(train) or not len(validation):
+        raise FileError(
+            "training data",
+            f"is too little for the {region.label.lower()}: {len(train)} windows to learn from "
+            f"and {len(validation)} to hold out",
+            f"add takes of more than {4 * settings.window / GRID_RATE:.0f} seconds",
+        )
+    return train, validation
 
 
 def _gradients(region: Region, distances: Distances) -> NDArray[np.float32]:

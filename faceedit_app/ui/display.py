@@ -10,7 +10,8 @@ from pathlib import Path
 
 def has_display() -> bool:
     """Whether there is a desktop, or Qt was told to do without one."""
-    if sys.platform in ("win32", "darwin") or os.environ.get("QT_QPA_PLATFORM"):
+    told = os.environ.get("QT_QPA_PLATFORM", "")
+    if sys.platform in ("win32", "darwin") or (told and not told.startswith(("xcb", "wayland"))):
         return True
     return _wayland_answers() or _x11_answers()
 
