@@ -105,8 +105,15 @@ COMMANDS: tuple[Command, ...] = (
 # What the mouse and held keys do; they are no menu commands, but the help names them too.
 GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Curves", "Drag a curve up or down", "Edit it, with the falloff to either side"),
-    ("Curves", "Drag in the time ruler", "Move the playhead"),
+    ("Curves", "Shift while dragging", "Ten times finer"),
     ("Curves", "Wheel while dragging", "Change the falloff"),
+    ("Curves", "Esc or right button while dragging", "Drop the edit"),
+    ("Curves", "Click", "Move the playhead"),
+    ("Curves", "Wheel", "Zoom the time; with Shift pan, with Ctrl zoom the millimetres"),
+    ("Curves", "Middle drag", "Pan"),
+    ("Time ruler", "Drag", "Move the playhead"),
+    ("Time ruler", "Shift and drag", "Select a range of time"),
+    ("Time ruler", "Double click", "Drop the selection"),
     ("Face", "Drag", "Turn around the face"),
     ("Face", "Middle or right drag", "Move the view"),
     ("Face", "Wheel", "Zoom"),

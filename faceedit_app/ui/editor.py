@@ -24,7 +24,7 @@ class Editor(QWidget):
         self, actions: Actions, document: Document, timeline: Timeline, playback: Playback
     ) -> None:
         super().__init__()
-        self._document, self._timeline = document, timeline
+        self._document, self._timeline, self._playback = document, timeline, playback
         self.strip = SettingsStrip(actions, document)
         self.curves = CurvesPanel(timeline)
         self.face = FacePane(
@@ -49,7 +49,7 @@ class Editor(QWidget):
         column.addWidget(self.strip)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
-        self.curves.edited.connect(self.face.refresh)
+        self.curves.edited.connect(self._dragged)
         self.curves.committed.connect(document.changed)
         document.changed.connect(self.curves.refresh)
 
@@ -61,4 +61,9 @@ class Editor(QWidget):
         self._timeline.open(clip)
         self.curves.set_session(session)
         self.transport.set_clip(clip)
+        self.face.refresh()
+
+    def _dragged(self) -> None:
+        # The face stays on the frame that is being changed.
+        self._playback.pause()
         self.face.refresh()

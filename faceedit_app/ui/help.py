@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app import __version__
 from faceedit_app.ui.actions import help_rows
-from faceedit_app.ui.palette import ACCENT, MUTED
+from faceedit_app.ui.palette import ACCENT, MUTED, TEXT
 
 ABOUT = (
     "Edit tracked facial animation by dragging eight plain curves.",
@@ -34,14 +34,14 @@ LICENCES = (
 
 def shortcuts_html() -> str:
     """All shortcuts and gestures as a table."""
-    parts = ["<table cellspacing='0' cellpadding='3'>"]
+    parts = ["<table cellspacing='0' cellpadding='3' width='100%'>"]
     for section, rows in groupby(help_rows(), key=lambda row: row[0]):
         parts.append(
             f"<tr><td colspan='2' style='color:{ACCENT}; padding-top:10px'>"
             f"<b>{escape(section)}</b></td></tr>"
         )
         parts += [
-            f"<tr><td style='padding-right:24px; color:#ffffff'>{escape(keys)}</td>"
+            f"<tr><td width='38%' style='color:{TEXT}'>{escape(keys)}</td>"
             f"<td style='color:{MUTED}'>{escape(text)}</td></tr>"
             for _, keys, text in rows
         ]
@@ -52,13 +52,14 @@ def shortcuts_dialog(parent: QWidget) -> QDialog:
     """Every shortcut, generated from the table of commands."""
     label = QLabel(shortcuts_html())
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    label.setWordWrap(True)
     label.setContentsMargins(8, 0, 8, 8)
     label.setAlignment(Qt.AlignmentFlag.AlignTop)
     area = QScrollArea()
     area.setWidget(label)
     area.setWidgetResizable(True)
     area.setFrameShape(QScrollArea.Shape.NoFrame)
-    return _dialog(parent, "Shortcuts", area, (560, 620))
+    return _dialog(parent, "Shortcuts", area, (660, 640))
 
 
 def about_dialog(parent: QWidget, attribution: str) -> QDialog:
@@ -73,7 +74,8 @@ def about_dialog(parent: QWidget, attribution: str) -> QDialog:
     label.setWordWrap(True)
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
     label.setContentsMargins(8, 0, 8, 8)
-    return _dialog(parent, "About FaceEdit", label, (520, 380))
+    label.setAlignment(Qt.AlignmentFlag.AlignTop)
+    return _dialog(parent, "About FaceEdit", label, (540, 340))
 
 
 def _dialog(parent: QWidget, title: str, content: QWidget, size: tuple[int, int]) -> QDialog:

@@ -43,7 +43,7 @@ class StatusLine(QStatusBar):
 
     @staticmethod
     def _add(label: QLabel, text: str, details: Sequence[str]) -> None:
-        label.setText(f"{_DOT}{text}" if text else "")
+        label.setText(f" ·   {text}" if text else "")
         label.setToolTip("\n".join(details))
 
     def set_networks(self, state: str, reason: str = "") -> None:

@@ -39,6 +39,7 @@ class SettingsStrip(QWidget):
         actions["resynthesize"].setToolTip(RESYNTHESIZE_TIP)
         self.natural = self._natural_slider()
         self.percent = QLabel()
+        self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100 %"))
         self.edits = caption("")
         self._stepped = False
@@ -53,11 +54,12 @@ class SettingsStrip(QWidget):
 
     def _lay_out(self) -> None:
         row = bar_row(self, "bar")
-        for name in ("open", "export"):
-            row.addWidget(icon_button(self._actions[name]))
+        row.addWidget(icon_button(self._actions["open"]))
+        row.addWidget(icon_button(self._actions["export"], text="Export"))
         row.addWidget(divider())
-        for name in ("undo", "redo", "reset_range"):
-            row.addWidget(icon_button(self._actions[name]))
+        row.addWidget(icon_button(self._actions["undo"]))
+        row.addWidget(icon_button(self._actions["redo"]))
+        row.addWidget(icon_button(self._actions["reset_range"], text="Reset range"))
         row.addWidget(divider())
         row.addSpacing(GAP // 2)
         row.addWidget(self.edits)
@@ -70,7 +72,9 @@ class SettingsStrip(QWidget):
         )
         row.addSpacing(GAP * 2)
         row.addWidget(caption("Naturalness", self.natural))
+        row.addSpacing(GAP // 2)
         row.addWidget(self.natural)
+        row.addSpacing(GAP // 2)
         row.addWidget(self.percent)
 
     def _natural_slider(self) -> QSlider:

@@ -61,7 +61,7 @@ QPushButton#primary {{ background: {ACCENT_DEEP}; padding: 8px 18px; }}
 QPushButton#primary:hover {{ background: #2d6d94; }}
 QPushButton#secondary {{ padding: 8px 18px; }}
 QPushButton#link {{
-    background: transparent; color: {ACCENT}; padding: 3px 6px; text-align: left;
+    background: transparent; color: {ACCENT}; padding: 3px 0; text-align: left;
 }}
 QPushButton#link:hover {{ background: {PANEL}; }}
 QPushButton#primary:focus, QPushButton#secondary:focus, QPushButton#link:focus {{

@@ -27,6 +27,7 @@ class Transport(QWidget):
         self.falloff = self._falloff_box()
         self.speed = self._speed_box()
         self.clock, self.seconds, self.frame = QLabel(), QLabel(), QLabel()
+        self._labels = (self.clock, self.seconds, self.frame)
         self._lay_out(actions)
         timeline.playhead_moved.connect(self._show_time)
         timeline.falloff_changed.connect(self._show_falloff)
@@ -46,7 +47,7 @@ class Transport(QWidget):
         self.clock.setToolTip("Time of the frame on screen, as the take tells it")
         for label in (self.seconds, self.frame):
             label.setObjectName("caption")
-        for label in (self.clock, self.seconds, self.frame):
+        for label in self._labels:
             label.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             row.addWidget(label)
             row.addSpacing(GAP)
@@ -59,6 +60,7 @@ class Transport(QWidget):
 
     def _falloff_box(self) -> QDoubleSpinBox:
         box = QDoubleSpinBox(decimals=2, singleStep=0.05, suffix=" s")
+        box.setAlignment(Qt.AlignmentFlag.AlignCenter)
         box.setRange(*FALLOFF_RANGE)
         box.setValue(self._timeline.falloff)
         box.setToolTip(
@@ -83,20 +85,30 @@ class Transport(QWidget):
         self._clip = clip
         self.falloff.setEnabled(clip is not None)
         self.speed.setEnabled(clip is not None)
+        if clip is not None:
+            # Wide enough for the last frame, so that nothing jumps while playing.
+            for label, text in zip(self._labels, _times(clip, len(clip) - 1), strict=True):
+                label.ensurePolished()
+                label.setMinimumWidth(label.fontMetrics().horizontalAdvance(text) + GAP)
         self._show_time()
 
     def _show_time(self) -> None:
         clip = self._clip
-        if clip is None:
-            for label in (self.clock, self.seconds, self.frame):
-                label.clear()
-            return
-        i = min(max(self._timeline.frame, 0), len(clip) - 1)
-        seconds = format_time(float(clip.times[i]))
-        self.clock.setText(clip.timecodes[i] if clip.timecodes else seconds)
-        self.seconds.setText(f"{seconds} / {format_time(clip.duration)}")
-        self.frame.setText(f"frame {i + 1} / {len(clip)}")
+        frame = min(max(self._timeline.frame, 0), len(clip) - 1) if clip is not None else 0
+        texts = _times(clip, frame) if clip is not None else ("", "", "")
+        for label, text in zip(self._labels, texts, strict=True):
+            label.setText(text)
 
     def _show_falloff(self, seconds: float) -> None:
         with QSignalBlocker(self.falloff):
             self.falloff.setValue(seconds)
+
+
+def _times(clip: Clip, frame: int) -> tuple[str, str, str]:
+    """When a frame is: as the source tells it, in seconds, and counted from 1."""
+    seconds = format_time(float(clip.times[frame]))
+    return (
+        clip.timecodes[frame] if clip.timecodes else seconds,
+        f"{seconds} / {format_time(clip.duration)}",
+        f"frame {frame + 1} / {len(clip)}",
+    )

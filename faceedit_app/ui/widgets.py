@@ -61,13 +61,16 @@ def segments(left: tuple[QAction, str], right: tuple[QAction, str]) -> QWidget:
     return box
 
 
-def icon_button(action: QAction, name: str = "icon") -> QToolButton:
+def icon_button(action: QAction, name: str = "icon", text: str = "") -> QToolButton:
     """An action as an icon. It has a shortcut, so it stays out of the way of the focus."""
     button = QToolButton()
+    if text:
+        action.setIconText(text)
     button.setObjectName(name)
     button.setDefaultAction(action)
     button.setIconSize(QSize(GRID, GRID))
-    button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+    style = Qt.ToolButtonStyle
+    button.setToolButtonStyle(style.ToolButtonTextBesideIcon if text else style.ToolButtonIconOnly)
     button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
     button.setAccessibleName(action.text().replace("&", ""))
     return button
