@@ -1,0 +1,74 @@
+"""The plainest character on which all eight controls can be edited, and takes to edit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip, Floats, Gap
+from faceedit_app.core.rig import Material, Rig
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.take import Take
+
+# Control, its distance at rest in mm, and the mm that a channel at weight 1 adds to it.
+_MOVES: tuple[tuple[int, float, dict[str, float]], ...] = (
+    (0, 2.0, {"jawOpen": 40.0, "mouthClose": -20.0}),
+    (1, 45.0, {"mouthStretchLeft": 10.0, "mouthStretchRight": 10.0, "mouthPucker": -20.0}),
+    (2, 28.0, {"mouthSmileLeft": 12.0, "mouthFrownLeft": -6.0}),
+    (3, 28.0, {"mouthSmileRight": 12.0, "mouthFrownRight": -6.0}),
+    (4, 50.0, {"mouthUpperUpLeft": -4.0, "mouthUpperUpRight": -4.0, "mouthRollUpper": 6.0}),
+    (5, 20.0, {"mouthLowerDownLeft": -4.0, "mouthLowerDownRight": -4.0, "mouthRollLower": 6.0}),
+    (6, 10.0, {"eyeBlinkLeft": -9.0, "eyeWideLeft": 3.0}),
+    (7, 10.0, {"eyeBlinkRight": -9.0, "eyeWideRight": 3.0}),
+)
+
+
+def tiny_rig() -> Rig:
+    """Eight pairs of vertices, each moved apart along one axis by a few channels."""
+    neutral = np.zeros((16, 3), np.float32)
+    deltas = np.zeros((len(ARKIT_CHANNELS), 16, 3), np.float32)
+    for control, rest, moves in _MOVES:
+        neutral[2 * control] = (0.02 * control, 0.0, 0.0)
+        neutral[2 * control + 1] = (0.02 * control, rest / 1000, 0.0)
+        for channel, millimetres in moves.items():
+            deltas[ARKIT_CHANNELS.index(channel), 2 * control + 1, 1] = millimetres / 1000
+    return Rig(
+        neutral=neutral,
+        faces=np.array([[0, 1, 2]], np.int32),
+        channels=ARKIT_CHANNELS,
+        deltas=deltas,
+        colors=np.ones((16, 4), np.float32),
+        materials=(Material("skin", 0, 1),),
+        control_pairs=np.arange(16, dtype=np.int32).reshape(8, 2),
+    )
+
+
+class NoFile:
+    """A source for takes that no test writes."""
+
+    def encode(self, tracked: Floats, edited: Floats) -> bytes:
+        """Nothing."""
+        return b""
+
+
+def tiny_take(frames: int = 200, rate: float = 50.0, gaps: tuple[Gap, ...] = ()) -> Take:
+    """A mouth that opens and closes, and eyes half open."""
+    times = np.arange(frames) / rate
+    for gap in gaps:
+        times[gap.frame + 1 :] += gap.missing / rate
+    weights = np.zeros((frames, len(ARKIT_CHANNELS)), np.float32)
+    wave = 0.5 - 0.5 * np.cos(2 * np.pi * times)
+    weights[:, ARKIT_CHANNELS.index("jawOpen")] = 0.4 * wave
+    for channel in ("mouthPucker", "mouthSmileLeft", "mouthSmileRight"):
+        weights[:, ARKIT_CHANNELS.index(channel)] = 0.3 * wave[::-1]
+    for channel in ("eyeBlinkLeft", "eyeBlinkRight", "mouthRollLower", "mouthUpperUpLeft"):
+        weights[:, ARKIT_CHANNELS.index(channel)] = 0.3
+    clip = Clip(weights, ARKIT_CHANNELS, times, rate, gaps)
+    return Take(Path("tiny.csv"), "Test", clip, (), (), NoFile())
+
+
+def tiny_session(frames: int = 200, gaps: tuple[Gap, ...] = ()) -> EditSession:
+    """The tiny take on the tiny rig, edited without networks."""
+    return EditSession(tiny_take(frames, gaps=gaps), tiny_rig())
