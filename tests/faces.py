@@ -14,8 +14,12 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.formats.glb import read_rig
 from faceedit_app.networks.engine import Engine
+from faceedit_app.networks.inference import RegionAnswer
 from faceedit_app.networks.models import RegionNetworks
-from faceedit_app.networks.store import RegionModel
+from faceedit_app.networks.store import RegionModel, as_file
+
+# Networks this small gain nothing from threads, and lose much where others use the machine.
+torch.set_num_threads(1)
 
 
 @lru_cache(maxsize=1)
@@ -78,9 +82,14 @@ def random_model(region: Region, seed: int = 0) -> RegionModel:
     )
 
 
-def random_engine(seed: int = 0) -> Engine:
+def random_models(seed: int = 0) -> list[RegionModel]:
     """Random networks for every region: they answer, and what they answer is nonsense."""
-    return Engine({region.id: random_model(region, seed + i) for i, region in enumerate(REGIONS)})
+    return [random_model(region, seed + i) for i, region in enumerate(REGIONS)]
+
+
+def random_engine(seed: int = 0) -> Engine:
+    """An engine of `random_models`."""
+    return Engine({m.region: RegionAnswer(as_file(m)) for m in random_models(seed)})
 
 
 def talking_clip(

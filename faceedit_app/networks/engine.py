@@ -6,17 +6,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
-from faceedit_app.networks.store import RegionModel, load_model
+from faceedit_app.networks.files import REMEDY, read_region
+from faceedit_app.networks.inference import RegionAnswer
 
 Array = NDArray[np.float64]
 
-# On a few hundred frames a second thread gains little, and when the machine has other work the
-# two wait for each other for hundreds of milliseconds.
+# On matrices this small a second thread gains nothing, and when the machine has other work the
+# two wait for each other for a hundred milliseconds.
 THREADS = 1
 
 
@@ -24,7 +25,7 @@ THREADS = 1
 class Engine:
     """Trained networks for each region, keyed by `Region.id`."""
 
-    models: dict[str, RegionModel]
+    models: dict[str, RegionAnswer]
 
     @classmethod
     def load(cls, folder: Path | str) -> Engine:
@@ -33,11 +34,14 @@ class Engine:
         Raises:
             FileError: a file is missing or no model.
         """
-        torch.set_num_threads(THREADS)
+        threadpool_limits(THREADS, user_api="blas")
         models = {}
         for region in REGIONS:
             path = Path(folder) / f"{region.id}.safetensors"
-            model = load_model(path)
+            try:
+                model = RegionAnswer(read_region(path))
+            except (KeyError, ValueError) as error:
+                raise FileError(path, "is no FaceEdit model, or is damaged", REMEDY) from error
             if model.region != region.id:
                 raise FileError(path, f"holds the region {model.region!r}", "restore the models")
             if model.channels != region.channels:  # the order counts
@@ -48,12 +52,12 @@ class Engine:
     @property
     def scale(self) -> int:
         """Windows start and end on multiples of this many grid frames."""
-        return max(model.networks.scale for model in self.models.values())
+        return max(model.scale for model in self.models.values())
 
     @property
     def context(self) -> int:
         """Grid frames on either side of a window that its answer can depend on."""
-        radius = max(model.networks.radius for model in self.models.values())
+        radius = max(model.radius for model in self.models.values())
         return -(-radius // self.scale) * self.scale
 
     def answer(self, region: str, curves: Array, naturalness: float) -> Array:
@@ -70,9 +74,5 @@ class Engine:
         model = self.models[region]
         columns = [CONTROL_INDEX[c] for c in model.controls]
         length = curves.shape[1]
-        padded = np.pad(curves[:, :, columns], ((0, 0), (0, -length % self.scale), (0, 0)), "edge")
-        inputs = torch.from_numpy(padded.astype(np.float32)).transpose(1, 2)
-        with torch.inference_mode():
-            answer = model.networks(inputs.contiguous(), naturalness)
-        weights: Array = answer.transpose(1, 2)[:, :length].numpy().astype(np.float64)
-        return weights
+        inputs = np.pad(curves[:, :, columns], ((0, 0), (0, -length % self.scale), (0, 0)), "edge")
+        return model(inputs.astype(np.float32), naturalness)[:, :length].astype(np.float64)

@@ -11,6 +11,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from faceedit_app.networks.inference import time_radius, time_scale
+
 DEFAULT_WIDTHS = (32, 64, 128)
 
 
@@ -42,14 +44,12 @@ class UNet(nn.Module):
     @property
     def scale(self) -> int:
         """Frames that the coarsest level sees as one; lengths are padded to a multiple."""
-        return 1 << (len(self.down) - 1)
+        return time_scale(len(self.down))
 
     @property
     def radius(self) -> int:
         """Frames on either side that can influence a frame of the output."""
-        levels = [1 << i for i in range(len(self.down))]
-        convolutions = 2 * sum(levels) + 2 * sum(levels[:-1]) + 1
-        return convolutions + levels[-1] - 1
+        return time_radius(len(self.down))
 
     def forward(self, x: Tensor) -> Tensor:
         """(N, inputs, T) -> (N, outputs, T); T must be a multiple of `scale`."""
@@ -66,13 +66,17 @@ class UNet(nn.Module):
 class RegionNetworks(nn.Module):
     """Regressor and stacked autoencoder of one region.
 
-    The autoencoder learns the correction to its input and starts as the identity: with a few
-    minutes of data this keeps lip closures that the plain one of the paper smooths away.
+    A residual autoencoder learns the correction to its input and starts as the identity: with a
+    few minutes of data this keeps lip closures that the plain one of the paper smooths away.
 
     Args:
         controls: number of controls C.
         channels: number of channels K.
         widths: features of both U-Nets.
+        residual: the autoencoder adds to its input instead of replacing it (not in the paper).
+        adapted: the full system reads the regressor with batch-norm statistics of its own,
+            adapted to noisy controls (as in the paper), so that the regressor alone keeps those
+            that it was trained with.
 
     Attributes:
         mean: (C,) mm, subtracted from the controls (mean over the training set).
@@ -80,13 +84,23 @@ class RegionNetworks(nn.Module):
 
     mean: Tensor
 
-    def __init__(self, controls: int, channels: int, widths: tuple[int, ...] = DEFAULT_WIDTHS):
+    def __init__(
+        self,
+        controls: int,
+        channels: int,
+        widths: tuple[int, ...] = DEFAULT_WIDTHS,
+        residual: bool = True,
+        adapted: bool = False,
+    ):
         super().__init__()
+        self.residual = residual
         self.register_buffer("mean", torch.zeros(controls))
         self.regressor = UNet(controls, channels, widths)
         self.autoencoder = UNet(channels, channels, widths)
-        nn.init.zeros_(self.autoencoder.out.weight)
-        nn.init.zeros_(self.autoencoder.out.bias)  # type: ignore[arg-type]
+        self.adapted = UNet(controls, channels, widths) if adapted else None
+        if residual:
+            nn.init.zeros_(self.autoencoder.out.weight)
+            nn.init.zeros_(self.autoencoder.out.bias)  # type: ignore[arg-type]
 
     @property
     def scale(self) -> int:
@@ -103,14 +117,21 @@ class RegionNetworks(nn.Module):
         result: Tensor = self.regressor(controls - self.mean[:, None])
         return result
 
+    def prepare(self, controls: Tensor) -> Tensor:
+        """(N, C, T) mm -> (N, K, T) weights, as the regressor hands them to the autoencoder."""
+        reader = self.regressor if self.adapted is None else self.adapted
+        result: Tensor = reader(controls - self.mean[:, None])
+        return result
+
     def clean(self, weights: Tensor) -> Tensor:
         """(N, K, T) weights -> (N, K, T) weights on natural motion."""
-        result: Tensor = weights + self.autoencoder(weights)
-        return result
+        cleaned: Tensor = self.autoencoder(weights)
+        return weights + cleaned if self.residual else cleaned
 
     def forward(self, controls: Tensor, naturalness: float = 1.0) -> Tensor:
         """(N, C, T) mm -> (N, K, T) weights; naturalness 0 = regressor, 1 = full system."""
         regressed = self.regress(controls)
         if naturalness == 0:
             return regressed
-        return torch.lerp(regressed, self.clean(regressed), naturalness)
+        prepared = regressed if self.adapted is None else self.prepare(controls)
+        return torch.lerp(regressed, self.clean(prepared), naturalness)

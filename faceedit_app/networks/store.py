@@ -1,25 +1,45 @@
-"""The networks of a region as one safetensors file; nothing in it is ever executed."""
+"""The networks of a region to and from their file, for training (torch)."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_IDS, MODELLED_CHANNELS
+from faceedit_app.networks.files import FORMAT, PREFIX, REMEDY, VERSION, RegionFile, read_region
 from faceedit_app.networks.models import RegionNetworks
 
-FORMAT = "faceedit-region"
-VERSION = 1
-_REMEDY = "choose a folder of models written by faceedit train, or reinstall FaceEdit"
+
+@dataclass(frozen=True)
+class Natural:
+    """Natural motion of a region's channels: a Gaussian over weights and their change per frame.
+
+    Attributes:
+        mean: (2 K,) of the K weights and their K changes from the frame before, at 25 fps.
+        precision: (2 K, 2 K) the inverse of their covariance.
+        limit: the 99.9th percentile of the distances of recorded frames.
+    """
+
+    mean: NDArray[np.float64]
+    precision: NDArray[np.float64]
+    limit: float
+
+    def distance(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far each frame is from natural motion (Mahalanobis): weights (T, K) -> (T,)."""
+        change = np.diff(weights, axis=0, prepend=weights[:1])
+        away = np.concatenate([weights, change], axis=1) - self.mean
+        square = np.einsum("tk,kl,tl->t", away, self.precision, away)
+        result: NDArray[np.float64] = np.sqrt(np.maximum(square, 0.0))
+        return result
 
 
 @dataclass
@@ -34,6 +54,7 @@ class RegionModel:
         covariance: (K, K) of the channels in the training data.
         low, high: (C,) mm, the range of each control in the training data.
         notes: free text for the model card (data, settings, figures).
+        natural: what natural motion looks like, for the evaluation; older files lack it.
     """
 
     region: str
@@ -45,11 +66,12 @@ class RegionModel:
     high: NDArray[np.float64]
     widths: tuple[int, ...]
     notes: str = ""
+    natural: Natural | None = None
 
 
 def save_model(path: Path | str, model: RegionModel) -> None:
     """Write a region's networks; the same model always gives the same bytes."""
-    tensors = {f"networks.{k}": v.contiguous() for k, v in model.networks.state_dict().items()}
+    tensors = {f"{PREFIX}{k}": v.contiguous() for k, v in model.networks.state_dict().items()}
     tensors["covariance"] = torch.from_numpy(model.covariance)
     tensors["low"], tensors["high"] = torch.from_numpy(model.low), torch.from_numpy(model.high)
     about = {
@@ -60,55 +82,62 @@ def save_model(path: Path | str, model: RegionModel) -> None:
         "channels": model.channels,
         "widths": model.widths,
         "notes": model.notes,
+        "residual": model.networks.residual,
+        "adapted": model.networks.adapted is not None,
     }
+    if model.natural is not None:
+        tensors["natural_mean"] = torch.from_numpy(model.natural.mean)
+        tensors["natural_precision"] = torch.from_numpy(model.natural.precision)
+        about["natural_limit"] = model.natural.limit
     # One entry only: safetensors writes several in an order of its own that changes by chance.
     write_atomically(path, save(tensors, {"about": json.dumps(about)}))
 
 
+def as_file(model: RegionModel) -> RegionFile:
+    """What the model's file would hold, so that it can answer without being written first."""
+    state = model.networks.state_dict().items()
+    return RegionFile(
+        region=model.region,
+        controls=model.controls,
+        channels=model.channels,
+        widths=model.widths,
+        covariance=model.covariance,
+        low=model.low,
+        high=model.high,
+        tensors={name: tensor.numpy() for name, tensor in state},
+        notes=model.notes,
+    )
+
+
 def load_model(path: Path | str) -> RegionModel:
-    """Read a region's networks, ready to answer.
+    """Read a region's networks, ready to be trained further.
 
     Raises:
         FileError: missing, no model file, damaged, or of another version.
     """
-    path = Path(path)
+    file = read_region(path)
+    networks = RegionNetworks(len(file.controls), len(file.channels), file.widths)
     try:
-        with safe_open(str(path), framework="pt") as file:
-            about = json.loads((file.metadata() or {})["about"])
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-        if about["version"] != VERSION:
-            raise FileError(
-                path, f"has version {about['version']}, not {VERSION}", "update FaceEdit"
-            )
-        controls, channels = tuple(about["controls"]), tuple(about["channels"])
-        if not set(controls) <= set(CONTROL_IDS) or not set(channels) <= set(MODELLED_CHANNELS):
-            raise FileError(path, "names unknown controls or channels", _REMEDY)
-        widths = tuple(int(w) for w in about["widths"])
-        if not widths or min(widths) < 1:
-            raise ValueError(f"widths {widths}")
-        shapes = [tuple(tensors[name].shape) for name in ("covariance", "low", "high")]
-        if shapes != [(len(channels),) * 2, (len(controls),), (len(controls),)]:
-            raise ValueError(f"shapes {shapes}")
-        if not all(bool(tensor.isfinite().all()) for tensor in tensors.values()):
-            raise ValueError("numbers that are none")
-        networks = RegionNetworks(len(controls), len(channels), widths)
-        prefix = "networks."
-        networks.load_state_dict(
-            {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
-        )
-        return RegionModel(
-            region=str(about["region"]),
-            controls=controls,
-            channels=channels,
-            networks=networks.eval(),
-            covariance=tensors["covariance"].double().numpy(),
-            low=tensors["low"].double().numpy(),
-            high=tensors["high"].double().numpy(),
-            widths=widths,
-            notes=str(about["notes"]),
-        )
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise FileError(path, f"cannot be read ({reason})", _REMEDY) from error
-    except (SafetensorError, KeyError, ValueError, TypeError, RuntimeError) as error:
-        raise FileError(path, "is no FaceEdit model, or is damaged", _REMEDY) from error
+        networks.load_state_dict({k: torch.from_numpy(v.copy()) for k, v in file.tensors.items()})
+    except RuntimeError as error:
+        raise FileError(path, "is no FaceEdit model, or is damaged", REMEDY) from error
+    return RegionModel(
+        region=file.region,
+        controls=file.controls,
+        channels=file.channels,
+        networks=networks.eval(),
+        covariance=file.covariance,
+        low=file.low,
+        high=file.high,
+        widths=file.widths,
+        notes=file.notes,
+    )
+
+
+def _natural(about: Mapping[str, Any], tensors: Mapping[str, Any], size: int) -> Natural | None:
+    if "natural_limit" not in about:
+        return None
+    mean, precision = tensors["natural_mean"], tensors["natural_precision"]
+    if tuple(mean.shape) != (size,) or tuple(precision.shape) != (size, size):
+        raise ValueError(f"shapes {mean.shape} {precision.shape}")
+    return Natural(mean.double().numpy(), precision.double().numpy(), float(about["natural_limit"]))
