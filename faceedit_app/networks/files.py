@@ -21,6 +21,29 @@ REMEDY = "choose a folder of models written by faceedit train, or reinstall Face
 
 
 @dataclass(frozen=True)
+class Natural:
+    """Natural motion of a region's channels: a Gaussian over weights and their change per frame.
+
+    Attributes:
+        mean: (2 K,) of the K weights and their K changes from the frame before, at 25 fps.
+        precision: (2 K, 2 K) the inverse of their covariance.
+        limit: the 99.9th percentile of the distances of recorded frames.
+    """
+
+    mean: NDArray[np.float64]
+    precision: NDArray[np.float64]
+    limit: float
+
+    def distance(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far each frame is from natural motion (Mahalanobis): weights (T, K) -> (T,)."""
+        change = np.diff(weights, axis=0, prepend=weights[:1])
+        away = np.concatenate([weights, change], axis=1) - self.mean
+        square = np.einsum("tk,kl,tl->t", away, self.precision, away)
+        result: NDArray[np.float64] = np.sqrt(np.maximum(square, 0.0))
+        return result
+
+
+@dataclass(frozen=True)
 class RegionFile:
     """What a model file holds.
 
@@ -33,6 +56,8 @@ class RegionFile:
         low, high: (C,) mm, the range of each control in the training data.
         tensors: parameters of the networks by their name in `models.RegionNetworks`.
         notes: free text for the model card.
+        residual: the autoencoder adds to its input instead of replacing it.
+        natural: what natural motion looks like, for the evaluation; older files lack it.
     """
 
     region: str
@@ -44,6 +69,13 @@ class RegionFile:
     high: NDArray[np.float64]
     tensors: dict[str, NDArray[Any]]
     notes: str
+    residual: bool = True
+    natural: Natural | None = None
+
+    @property
+    def adapted(self) -> bool:
+        """Whether the full system reads the regressor with statistics of its own."""
+        return any(name.startswith("adapted.") for name in self.tensors)
 
 
 def read_region(path: Path | str) -> RegionFile:
@@ -89,4 +121,16 @@ def _checked(path: Path, about: dict[str, Any], tensors: dict[str, NDArray[Any]]
         high=tensors["high"].astype(np.float64),
         tensors={k.removeprefix(PREFIX): v for k, v in tensors.items() if k.startswith(PREFIX)},
         notes=str(about["notes"]),
+        residual=bool(about.get("residual", True)),
+        natural=_natural(about, tensors, 2 * len(channels)),
     )
+
+
+def _natural(about: dict[str, Any], tensors: dict[str, NDArray[Any]], size: int) -> Natural | None:
+    if "natural_limit" not in about:
+        return None
+    mean, precision = tensors["natural_mean"], tensors["natural_precision"]
+    if mean.shape != (size,) or precision.shape != (size, size):
+        raise ValueError(f"shapes {mean.shape} {precision.shape}")
+    limit = float(about["natural_limit"])
+    return Natural(mean.astype(np.float64), precision.astype(np.float64), limit)

@@ -110,7 +110,7 @@ class RegionAnswer:
     """The trained networks of one region, ready to answer.
 
     Attributes:
-        region, controls, channels, covariance, low, high: as in `RegionFile`.
+        region, controls, channels, covariance, low, high, natural: as in `RegionFile`.
         scale: sequence lengths must be a multiple of this.
         radius: frames on either side that can influence a frame of the answer.
 
@@ -126,13 +126,20 @@ class RegionAnswer:
         self._mean = file.tensors["mean"].astype(np.float32)
         self._regressor = _UNet(file.tensors, "regressor", levels)
         self._autoencoder = _UNet(file.tensors, "autoencoder", levels)
+        self._adapted = _UNet(file.tensors, "adapted", levels) if file.adapted else None
+        self._residual, self.natural = file.residual, file.natural
         probe = self(np.zeros((1, self.scale, len(self.controls)), np.float32), 1.0)
         if probe.shape[2] != len(self.channels):
             raise ValueError(f"answers {probe.shape[2]} channels, not {len(self.channels)}")
 
     def __call__(self, controls: Floats, naturalness: float) -> Floats:
         """(B, T, C) mm -> (B, T, K) weights; naturalness 0 = regressor, 1 = full system."""
-        regressed = self._regressor(controls - self._mean)
+        centred = controls - self._mean
+        regressed = self._regressor(centred)
         if naturalness == 0:
             return regressed
-        return regressed + np.float32(naturalness) * self._autoencoder(regressed)
+        prepared = regressed if self._adapted is None else self._adapted(centred)
+        cleaned = self._autoencoder(prepared)
+        if self._residual:
+            cleaned += prepared
+        return regressed + np.float32(naturalness) * (cleaned - regressed)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
@@ -15,31 +13,16 @@ from safetensors.torch import save
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
-from faceedit_app.networks.files import FORMAT, PREFIX, REMEDY, VERSION, RegionFile, read_region
+from faceedit_app.networks.files import (
+    FORMAT,
+    PREFIX,
+    REMEDY,
+    VERSION,
+    Natural,
+    RegionFile,
+    read_region,
+)
 from faceedit_app.networks.models import RegionNetworks
-
-
-@dataclass(frozen=True)
-class Natural:
-    """Natural motion of a region's channels: a Gaussian over weights and their change per frame.
-
-    Attributes:
-        mean: (2 K,) of the K weights and their K changes from the frame before, at 25 fps.
-        precision: (2 K, 2 K) the inverse of their covariance.
-        limit: the 99.9th percentile of the distances of recorded frames.
-    """
-
-    mean: NDArray[np.float64]
-    precision: NDArray[np.float64]
-    limit: float
-
-    def distance(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How far each frame is from natural motion (Mahalanobis): weights (T, K) -> (T,)."""
-        change = np.diff(weights, axis=0, prepend=weights[:1])
-        away = np.concatenate([weights, change], axis=1) - self.mean
-        square = np.einsum("tk,kl,tl->t", away, self.precision, away)
-        result: NDArray[np.float64] = np.sqrt(np.maximum(square, 0.0))
-        return result
 
 
 @dataclass
@@ -106,6 +89,8 @@ def as_file(model: RegionModel) -> RegionFile:
         high=model.high,
         tensors={name: tensor.numpy() for name, tensor in state},
         notes=model.notes,
+        residual=model.networks.residual,
+        natural=model.natural,
     )
 
 
@@ -116,7 +101,9 @@ def load_model(path: Path | str) -> RegionModel:
         FileError: missing, no model file, damaged, or of another version.
     """
     file = read_region(path)
-    networks = RegionNetworks(len(file.controls), len(file.channels), file.widths)
+    networks = RegionNetworks(
+        len(file.controls), len(file.channels), file.widths, file.residual, file.adapted
+    )
     try:
         networks.load_state_dict({k: torch.from_numpy(v.copy()) for k, v in file.tensors.items()})
     except RuntimeError as error:
@@ -131,13 +118,5 @@ def load_model(path: Path | str) -> RegionModel:
         high=file.high,
         widths=file.widths,
         notes=file.notes,
+        natural=file.natural,
     )
-
-
-def _natural(about: Mapping[str, Any], tensors: Mapping[str, Any], size: int) -> Natural | None:
-    if "natural_limit" not in about:
-        return None
-    mean, precision = tensors["natural_mean"], tensors["natural_precision"]
-    if tuple(mean.shape) != (size,) or tuple(precision.shape) != (size, size):
-        raise ValueError(f"shapes {mean.shape} {precision.shape}")
-    return Natural(mean.double().numpy(), precision.double().numpy(), float(about["natural_limit"]))
