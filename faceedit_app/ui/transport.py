@@ -60,6 +60,7 @@ class Transport(QWidget):
 
     def _falloff_box(self) -> QDoubleSpinBox:
         box = QDoubleSpinBox(decimals=2, singleStep=0.05, suffix=" s")
+        box.setKeyboardTracking(False)  # half-typed numbers are nobody's wish
         box.setAlignment(Qt.AlignmentFlag.AlignCenter)
         box.setRange(*FALLOFF_RANGE)
         box.setValue(self._timeline.falloff)

@@ -1,0 +1,173 @@
+"""The picture of the face: when it is drawn, and how the mouse moves the camera."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from faces import shipped_rig
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+from windows import Bench, FakeRenderer, drag
+
+from faceedit_app import render
+from faceedit_app.core.errors import Unavailable
+from faceedit_app.ui.viewport import IDLE_MS, Viewport
+
+
+@pytest.fixture
+def viewport(bench: Bench) -> Viewport:
+    """A viewport on the screen, drawn smoothly and at rest."""
+    viewport = Viewport()
+    bench.qtbot.addWidget(viewport)
+    viewport.resize(300, 360)
+    with bench.qtbot.waitExposed(viewport):
+        viewport.show()
+    viewport.open(shipped_rig())
+    bench.qtbot.waitUntil(lambda: bool(bench.renderers[0].calls))
+    bench.qtbot.wait(2 * IDLE_MS)
+    bench.renderers[0].calls.clear()
+    return viewport
+
+
+def weights(jaw: float) -> np.ndarray:
+    rig = shipped_rig()
+    out = np.zeros(len(rig.channels), np.float32)
+    out[rig.channel_index["jawOpen"]] = jaw
+    return out
+
+
+def settle(bench: Bench) -> FakeRenderer:
+    """Let what is due be painted, without waiting for the smooth picture."""
+    QApplication.processEvents()
+    return bench.renderers[0]
+
+
+def test_many_changes_cost_one_picture(bench: Bench, viewport: Viewport) -> None:
+    for jaw in np.linspace(0, 1, 20):
+        viewport.show_weights(weights(float(jaw)))
+    assert len(settle(bench).calls) == 1
+
+
+def test_nothing_is_drawn_while_nothing_changes(bench: Bench, viewport: Viewport) -> None:
+    viewport.update()
+    assert len(settle(bench).calls) == 0
+
+
+def test_rough_while_it_changes_and_smooth_when_idle(bench: Bench, viewport: Viewport) -> None:
+    viewport.show_weights(weights(0.5))
+    assert [smooth for *_, smooth in settle(bench).calls] == [False]
+    bench.qtbot.wait(2 * IDLE_MS)
+    assert [smooth for *_, smooth in bench.renderers[0].calls] == [False, True]
+
+
+def test_the_picture_has_the_screens_pixels(bench: Bench, viewport: Viewport) -> None:
+    bench.qtbot.wait(2 * IDLE_MS)
+    viewport.resize(310, 370)
+    settle(bench)
+    bench.qtbot.wait(2 * IDLE_MS)
+    ratio = viewport.devicePixelRatioF()
+    assert bench.renderers[0].calls[-1][0] == (round(310 * ratio), round(370 * ratio))
+
+
+def test_a_hidden_viewport_draws_nothing(bench: Bench, viewport: Viewport) -> None:
+    viewport.hide()
+    settle(bench).calls.clear()
+    viewport.show_weights(weights(0.5))
+    bench.qtbot.wait(2 * IDLE_MS)
+    assert bench.renderers[0].calls == []
+
+
+def test_left_drag_turns_around_the_face(bench: Bench, viewport: Viewport) -> None:
+    home = viewport.camera
+    drag(viewport, QPoint(40, 0), Qt.MouseButton.LeftButton)
+    assert viewport.camera.yaw < home.yaw
+    assert viewport.camera.target == home.target
+    assert len(settle(bench).calls) == 1
+
+
+@pytest.mark.parametrize("button", [Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton])
+def test_other_drags_move_the_view(viewport: Viewport, button: Qt.MouseButton) -> None:
+    home = viewport.camera
+    drag(viewport, QPoint(40, 30), button)
+    assert viewport.camera.yaw == home.yaw
+    # The face follows the pointer: the camera goes the other way.
+    assert viewport.camera.target[0] < home.target[0]
+    assert viewport.camera.target[1] > home.target[1]
+
+
+def test_the_wheel_zooms_and_a_double_click_resets(viewport: Viewport) -> None:
+    home = viewport.camera
+    at = QPointF(viewport.rect().center())
+    wheel = QWheelEvent(
+        at,
+        viewport.mapToGlobal(at),
+        QPoint(),
+        QPoint(0, 120),
+        Qt.MouseButton.NoButton,
+        Qt.KeyboardModifier.NoModifier,
+        Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )
+    QApplication.sendEvent(viewport, wheel)
+    assert viewport.camera.distance < home.distance
+    QTest.mouseDClick(viewport, Qt.MouseButton.LeftButton)
+    assert viewport.camera == home
+
+
+def test_a_chosen_camera_survives_a_resize(viewport: Viewport) -> None:
+    drag(viewport, QPoint(40, 0), Qt.MouseButton.LeftButton)
+    chosen = viewport.camera
+    viewport.resize(500, 300)
+    QApplication.processEvents()
+    assert viewport.camera == chosen
+
+
+def test_a_slow_computer_gets_coarser_pictures_while_things_move(
+    bench: Bench, viewport: Viewport
+) -> None:
+    viewport._adapt(1.0)
+    viewport.show_weights(weights(0.5))
+    rough = settle(bench).calls[-1][0]
+    bench.qtbot.wait(2 * IDLE_MS)
+    smooth = bench.renderers[0].calls[-1][0]
+    assert rough[0] < smooth[0]
+
+
+def test_losing_opengl_while_drawing_is_said(
+    bench: Bench, viewport: Viewport, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise Unavailable("The face cannot be drawn: the context was lost; restart")
+
+    monkeypatch.setattr(bench.renderers[0], "draw", fail)
+    viewport.show_weights(weights(0.5))
+    settle(bench)
+    assert "context was lost" in viewport.message
+    assert not viewport.can_draw
+    viewport.grab()
+
+
+def test_closing_frees_the_renderer(bench: Bench, viewport: Viewport) -> None:
+    viewport.close()
+    assert not bench.renderers[0].open
+
+
+def test_the_real_renderer_shows_a_face(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    from faceedit_app.render.renderer import open_renderer
+
+    monkeypatch.setattr(render, "open_renderer", open_renderer)
+    viewport = Viewport()
+    bench.qtbot.addWidget(viewport)
+    viewport.resize(240, 280)
+    viewport.open(shipped_rig())
+    if not viewport.can_draw:
+        pytest.skip(viewport.message)
+    with bench.qtbot.waitExposed(viewport):
+        viewport.show()
+    image = viewport.grab().toImage()
+    middle, corner = image.pixelColor(120, 140), image.pixelColor(4, 4)
+    assert middle.red() > corner.red() + 40, "skin is lighter than the backdrop"
+    assert middle.red() > middle.blue()
+    viewport.close()
