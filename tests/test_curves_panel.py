@@ -322,7 +322,7 @@ def test_values_at_the_playhead(panel: CurvesPanel) -> None:
 
 def test_lines_that_coincide_are_drawn_once(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
-    tracked, face, asked = plot.listDataItems() or plot.getPlotItem().curves
+    tracked, face, asked = plot.getPlotItem().curves
     assert len(face.xData) > 100
     assert len(tracked.xData) == 0
     assert len(asked.xData) == 0
@@ -341,6 +341,18 @@ def test_without_a_take_it_says_what_to_do(qtbot: QtBot) -> None:
     assert [label.text() for label in labels] == ["Open a take (Ctrl+O) or drop a CSV here"]
     panel.refresh()
     panel.cancel_drag()
+
+
+def test_the_keyboard_sees_where_it_is(panel: CurvesPanel) -> None:
+    panel.activateWindow()
+    panel.plots[2].setFocus(Qt.FocusReason.TabFocusReason)
+    assert panel.focused_control == "left_corner"
+    assert panel.plots[2].shows_focus
+    panel.plots[4].setFocus(Qt.FocusReason.TabFocusReason)
+    assert panel.focused_control == "upper_lip"
+    assert not panel.plots[2].shows_focus
+    panel.plots[5].setFocus(Qt.FocusReason.MouseFocusReason)
+    assert not panel.plots[5].shows_focus
 
 
 def test_names_for_screen_readers(panel: CurvesPanel) -> None:

@@ -46,8 +46,9 @@ class Header(QWidget):
 
     def show_scale(self, scale: Scale) -> None:
         """Number the value axis of the plot beside it."""
-        self._scale = scale
-        self.update()
+        known, self._scale = self._scale, scale
+        if known is None or (known.span, known.height) != (scale.span, scale.height):
+            self.update()
 
     def show_active(self, active: bool) -> None:
         """Light up with the plot that the pointer is on."""

@@ -15,13 +15,14 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
     Qt has a fast path for antialiased lines up to one pixel wide. Any wider, it computes the
     outline with all its joints, which takes 20 times as long for 200 points and 200 times for
     2,000; drawn as single segments instead, the joints show as beads.
+
+    Args:
+        pen: colour, dashes, and the width in pixels of a screen with 96 dots per inch.
     """
 
-    def __init__(self, color: str, width: float) -> None:
-        super().__init__(antialias=True, skipFiniteCheck=True)
-        self._pen = QPen(pg.mkColor(color), 1.0)
-        self._pen.setCosmetic(True)
-        self._width = width
+    def __init__(self, pen: QPen) -> None:
+        super().__init__(skipFiniteCheck=True)
+        self._wanted = pen
         self.wide = True
 
     def paint(
@@ -30,14 +31,23 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
         """Draw it, in its full width unless `wide` is off."""
         if self.xData is None or len(self.xData) < 2:
             return
+        ratio = painter.device().devicePixelRatioF()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
-        painter.setPen(self._pen)
+        painter.setPen(_hairline(self._wanted, ratio))
         path, place = self.getPath(), painter.transform()
-        width = self._width * painter.device().devicePixelRatioF() if self.wide else 1.0
-        for dx, dy in offsets(width):
-            painter.setTransform(place * QTransform.fromTranslate(dx, dy))
+        for dx, dy in offsets(ratio * self._wanted.widthF() if self.wide else 1.0):
+            painter.setTransform(place * QTransform.fromTranslate(dx / ratio, dy / ratio))
             painter.drawPath(path)
         painter.setTransform(place)
+
+
+def _hairline(pen: QPen, ratio: float) -> QPen:
+    """The pen, one dot of the screen wide, with dashes that look as long as on any other."""
+    hair = QPen(pen.color(), 1.0)
+    hair.setCosmetic(True)
+    if pen.dashPattern():
+        hair.setDashPattern([ratio * length for length in pen.dashPattern()])
+    return hair
 
 
 def offsets(width: float) -> list[tuple[float, float]]:

@@ -87,6 +87,7 @@ class CurvesPanel(QWidget):
 
     def _connect(self) -> None:
         for header, plot in zip(self.headers, self.plots, strict=True):
+            plot.focus_changed.connect(lambda p=plot: self._focus_moved(p))
             plot.scale_changed.connect(lambda h=header, p=plot: h.show_scale(p.current_scale))
             header.close_up_asked.connect(lambda p=plot: self._toggle_close_up(p))
         self.timeline.view_changed.connect(self._show_view)
@@ -106,7 +107,7 @@ class CurvesPanel(QWidget):
 
     @property
     def focused_control(self) -> str | None:
-        """Id of the control whose curve was last clicked or hovered."""
+        """Id of the control whose curve was last hovered, clicked or reached by Tab."""
         return self._mouse.focused
 
     def cancel_drag(self) -> None:
@@ -139,6 +140,11 @@ class CurvesPanel(QWidget):
         self._show_state()
 
     # --- keeping in step -------------------------------------------------------------------
+
+    def _focus_moved(self, plot: CurvePlot) -> None:
+        if plot.shows_focus:
+            self._mouse.focused = plot.control.id
+        self._show_state()
 
     def _previewed(self) -> None:
         self.refresh()
@@ -211,7 +217,7 @@ class CurvesPanel(QWidget):
             plot.show_marks(replace(marks, brush=brush, alpha=alpha), handle, face)
             tracked = float(session.tracked[frame, i])
             header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
-            header.show_active(here or plot.hasFocus())
+            header.show_active(here or plot.shows_focus)
         brush = mouse.brush or brush_at(timeline.time, timeline.selection, timeline.falloff)
         self.ruler.show_marks(replace(marks, brush=brush, alpha=style.STRONG))
         self.legend.show_hint(self._hint())
@@ -233,7 +239,7 @@ class CurvesPanel(QWidget):
         mouse = self._mouse
         if mouse.is_dragging:
             seconds = self.timeline.falloff
-            return f"Softness {seconds:.2f} s (wheel) · Shift: fine · Esc: cancel"
+            return f"Falloff {seconds:.2f} s (wheel) · Shift: fine · Esc: cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
         return _IDLE_HINT

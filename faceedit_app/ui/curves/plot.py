@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -79,9 +79,11 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
 
     Signals:
         scale_changed(): its size, visible time or value axis changed.
+        focus_changed(): the keyboard's focus came or went.
     """
 
     scale_changed = Signal()
+    focus_changed = Signal()
 
     def __init__(self, control: Control, mouse: Mouse) -> None:
         super().__init__(background=None)
@@ -90,6 +92,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self.span: Span = (0.0, 1.0)
         self.span_chosen = False  # by the user: nothing else then changes it
         self.close_up = False  # whether its span fits even the smallest movements
+        self.shows_focus = False
         self.lines: Lines | None = None
         self._marks = paint.Marks()
         self._handle: Handle | None = None
@@ -115,10 +118,9 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         item.setMenuEnabled(False)
         item.disableAutoRange()
         item.getViewBox().setDefaultPadding(0.0)
-        line = {"antialias": True, "skipFiniteCheck": True}
-        self._face = WideLine(style.REGION_COLORS[self.control.region], style.FACE_WIDTH)
-        self._tracked = pg.PlotCurveItem(pen=style.tracked_pen(), **line)
-        self._asked = pg.PlotCurveItem(pen=style.asked_pen(), **line)
+        self._face = WideLine(style.face_pen(self.control.region))
+        self._tracked = WideLine(style.tracked_pen())
+        self._asked = WideLine(style.asked_pen())
         for curve in (self._tracked, self._face, self._asked):
             self.addItem(curve)
 
@@ -149,8 +151,14 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
 
     def show_marks(self, marks: paint.Marks, handle: Handle | None, dot: float | None) -> None:
         """Draw bands, playhead and handle; `dot` is the face's value at the playhead."""
-        if (marks, handle, dot) != (self._marks, self._handle, self._dot):
-            self._marks, self._handle, self._dot = marks, handle, dot
+        if (marks, handle, dot) == (self._marks, self._handle, self._dot):
+            return
+        before, self._marks, self._handle, self._dot = self._marks, marks, handle, dot
+        if handle is None and replace(before, playhead=marks.playhead) == marks:
+            for seconds in (before.playhead, marks.playhead):  # all that changes in playback
+                x = round(self.current_scale.x_of(seconds))
+                self.viewport().update(x - 5, 0, 11, self.viewport().height())
+        else:
             self.viewport().update()
 
     def extent(self) -> Span:
@@ -161,7 +169,9 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         return float(min(v.min() for v in lines)), float(max(v.max() for v in lines))
 
     def _apply_scale(self) -> None:
-        self.getViewBox().setRange(xRange=self.view, yRange=self.span, padding=0)
+        box = self.getViewBox()
+        box.setRange(xRange=self.view, yRange=self.span, padding=0)
+        box.updateMatrix()  # left to the paint event, it would ask for a second one
         self.scale_changed.emit()
 
     def _draw_lines(self) -> None:
@@ -172,14 +182,24 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         lines = self.lines
         self._draw(self._face, lines.face, None)
         # Where lines coincide only the face is drawn: a take without edits is one calm line.
-        self._draw(self._tracked, lines.tracked, np.abs(lines.tracked - lines.face) > SAME)
-        self._draw(self._asked, lines.asked, np.abs(lines.asked - lines.tracked) > SAME)
+        self._draw(self._tracked, lines.tracked, self._apart(lines.tracked, lines.face))
+        self._draw(self._asked, lines.asked, self._apart(lines.asked, lines.tracked))
 
-    def _draw(self, curve: pg.PlotCurveItem, values: Values, shown: Mask | None) -> None:
+    def _apart(self, one: Values, other: Values) -> Mask:
+        """(T,) in which frames two lines differ; those out of view are not looked at."""
+        assert self.lines is not None
+        rows = visible_rows(self.lines.times, *self.view)
+        apart = np.zeros(len(one), np.bool_)
+        apart[rows] = np.abs(one[rows] - other[rows]) > SAME
+        return apart
+
+    def _draw(self, curve: WideLine, values: Values, shown: Mask | None) -> None:
         assert self.lines is not None
         columns = round(self.viewport().width() * self.devicePixelRatioF())
         line = visible_polyline(self.lines.times, values, *self.view, columns, shown)
         joined = "all" if line.joined is None else line.joined
+        # Where a line fills its pixel columns anyway, width only costs time.
+        curve.wide = not line.thinned
         curve.setData(line.x, line.y, connect=joined)
 
     # --- painting --------------------------------------------------------------------------
@@ -187,7 +207,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
     def drawBackground(self, painter: QPainter, rect: QRectF) -> None:
         """Paint what lies behind the lines."""
         scale = self.current_scale
-        active = self.hasFocus() or self._handle is not None
+        active = self.shows_focus or self._handle is not None
         painter.fillRect(rect, style.color(style.PLOT_ACTIVE if active else style.PLOT))
         painter.setPen(QPen(style.color(style.GRID), 0))
         for tick in value_ticks(scale.span, scale.height, style.VALUE_SPACING):
@@ -204,6 +224,10 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         scale, color = self.current_scale, style.REGION_COLORS[self.control.region]
         if self.lines is None:
             return
+        if self.shows_focus:
+            painter.setPen(QPen(style.color(style.FOCUS), 0))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawRect(QRectF(0, 0, scale.width - 1, scale.height - 1))
         paint.draw_playhead(painter, scale, self._marks.playhead)
         if self._dot is not None:
             at = QPointF(scale.x_of(self._marks.playhead), scale.y_of(self._dot))
@@ -253,12 +277,17 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         event.ignore()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """The keyboard's focus is shown by the background."""
+        """Who came by keyboard sees where; a click's place needs no mark."""
+        keyboard = (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason)
+        self.shows_focus = event.reason() in keyboard
+        self.focus_changed.emit()
         self.viewport().update()
         event.accept()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """The keyboard went elsewhere."""
+        self.shows_focus = False
+        self.focus_changed.emit()
         self.viewport().update()
         event.accept()
 

@@ -58,11 +58,13 @@ class Polyline:
     Attributes:
         x, y: (N,) seconds and values.
         joined: (N,) whether a line goes from this point to the next; None if all are joined.
+        thinned: whether each pixel column shows its extremes only.
     """
 
     x: Values
     y: Values
     joined: Mask | None = None
+    thinned: bool = False
 
 
 def visible_polyline(
@@ -88,11 +90,12 @@ def visible_polyline(
         return Polyline(times[:0], values[:0])
     index = peaks(values, rows, size)
     if shown is None:
-        return Polyline(times[index], values[index])
+        return Polyline(times[index], values[index], None, size > 1)
     keep = _near(shown, index, size)
     index = index[keep]
     joined = np.append(keep[1:], False)[keep]
-    return Polyline(times[index], values[index], None if joined[:-1].all() else joined)
+    every = bool(joined[:-1].all())
+    return Polyline(times[index], values[index], None if every else joined, size > 1)
 
 
 def _near(shown: Mask, index: Indices, reach: int) -> Mask:

@@ -23,13 +23,14 @@ REGION_COLORS = {"lower": palette.ACCENT, "upper": "#009e73", "eyelids": palette
 TRACKED = "#9aa0aa"
 ASKED = "#f4f5f7"
 PLAYHEAD = "#ffffff"
+FOCUS = palette.ACCENT
 SELECTION = palette.ACCENT
 BAND = "#a9c4de"  # where an edit acts
 GAP = "#d08a6a"  # frames that the recording lost
 TAG = "#14161a"  # behind numbers that stand on the curves
 
 FACE_WIDTH = 1.8  # pixels
-HEADER_WIDTH = 162  # label, value and the value axis' numbers, left of every plot
+HEADER_WIDTH = 168  # label, value and the value axis' numbers, left of every plot
 RULER_HEIGHT = 34
 LEGEND_HEIGHT = 26
 ROW_HEIGHT = 46  # at least
@@ -63,7 +64,7 @@ def tracked_pen() -> QPen:
 
 
 def asked_pen() -> QPen:
-    """What the user asked for: dashed. Width 1 is the one width that Qt dashes quickly."""
+    """What the user asked for: dashed."""
     return _pen(ASKED, 1.0, (4.0, 3.0))
 
 
