@@ -7,6 +7,7 @@ import pytest
 from faces import random_rig, shipped_rig
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.regions import CONTROLS
 from faceedit_app.core.rig import MILLIMETRES, Rig
 
 SOME = ("jawOpen", "mouthClose", "eyeBlinkLeft", "notInArkit")
@@ -20,10 +21,19 @@ def slow_vertices(rig: Rig, weights: np.ndarray) -> np.ndarray:
 
 
 def slow_controls(rig: Rig, weights: np.ndarray) -> np.ndarray:
+    return np.maximum(slow_signed_controls(rig, weights), 0)
+
+
+def slow_signed_controls(rig: Rig, weights: np.ndarray) -> np.ndarray:
     rows = []
     for frame in weights:
         at = slow_vertices(rig, frame)
-        rows.append([MILLIMETRES * np.linalg.norm(at[b] - at[a]) for a, b in rig.control_pairs])
+        row = []
+        for control, (a, b) in zip(CONTROLS, rig.control_pairs, strict=True):
+            length = MILLIMETRES * np.linalg.norm(at[b] - at[a])
+            rest, now = rig.neutral[b, 1] - rig.neutral[a, 1], at[b, 1] - at[a, 1]
+            row.append(-length if control.shuts and rest * now < 0 else length)
+        rows.append(row)
     return np.array(rows)
 
 
@@ -62,14 +72,28 @@ def test_controls_of_a_whole_clip_on_the_shipped_character() -> None:
 def test_jacobian_equals_finite_differences(rig: Rig) -> None:
     weights = 0.2 + 0.5 * random_weights(rig, 3)
     lengths, jacobian = rig.distances.jacobian(weights)
-    np.testing.assert_allclose(lengths, rig.controls(weights), rtol=1e-6)
+    np.testing.assert_allclose(lengths, slow_signed_controls(rig, weights), rtol=1e-4)
+    np.testing.assert_allclose(np.maximum(lengths, 0), rig.controls(weights), rtol=1e-6)
     step = 1e-3
     for k in range(len(rig.channels)):
         more, less = weights.copy(), weights.copy()
         more[:, k] += step
         less[:, k] -= step
-        slope = (slow_controls(rig, more[:1]) - slow_controls(rig, less[:1])) / (2 * step)
+        slope = (slow_signed_controls(rig, more[:1]) - slow_signed_controls(rig, less[:1])) / (
+            2 * step
+        )
         np.testing.assert_allclose(jacobian[:1, :, k], slope, atol=0.02)
+
+
+def test_lids_that_pass_each_other_are_shut() -> None:
+    rig = shipped_rig()
+    weights = np.zeros((2, 52), np.float32)
+    weights[:, ARKIT_CHANNELS.index("eyeBlinkLeft")] = (0.9, 1.0)
+    weights[1, ARKIT_CHANNELS.index("eyeSquintLeft")] = 0.6
+    left = CONTROLS.index(next(c for c in CONTROLS if c.id == "left_eyelid"))
+    assert 0 < rig.controls(weights)[0, left] < 1.5
+    assert rig.controls(weights)[1, left] == 0
+    assert rig.distances.signed(weights)[1, left] < -1
 
 
 def test_jacobian_of_a_closed_distance_is_finite() -> None:

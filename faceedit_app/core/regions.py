@@ -14,12 +14,14 @@ class Control:
         label: the name in the window.
         region: the `Region.id` whose networks answer to it.
         hint: what the control does to the face, for tooltips.
+        shuts: the two vertices can pass each other; from touching on the distance is 0.
     """
 
     id: str
     label: str
     region: str
     hint: str
+    shuts: bool = False
 
 
 CONTROLS: tuple[Control, ...] = (
@@ -64,12 +66,14 @@ CONTROLS: tuple[Control, ...] = (
         "Left eye opening",
         "eyelids",
         "Distance between the lids of the character's left eye. Down closes the eye.",
+        shuts=True,
     ),
     Control(
         "right_eyelid",
         "Right eye opening",
         "eyelids",
         "Distance between the lids of the character's right eye. Down closes the eye.",
+        shuts=True,
     ),
 )
 

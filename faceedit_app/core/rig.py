@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.regions import CONTROLS
 
 Floats = NDArray[np.float32]
 MILLIMETRES = 1000.0
@@ -79,6 +81,7 @@ class Rig:
         return Distances(
             offsets=MILLIMETRES * (self.neutral[b] - self.neutral[a]),
             gradients=MILLIMETRES * (self.deltas[:, b] - self.deltas[:, a]),
+            shuts=np.array([control.shuts for control in CONTROLS]),
         )
 
     @cached_property
@@ -88,7 +91,7 @@ class Rig:
         for i, channel in enumerate(ARKIT_CHANNELS):
             if channel in self.channel_index:
                 gradients[i] = self.distances.gradients[self.channel_index[channel]]
-        return Distances(self.distances.offsets, gradients)
+        return replace(self.distances, gradients=gradients)
 
     def controls(self, weights: Floats) -> Floats:
         """The eight control distances of a clip: weights (T, K) -> (T, 8) float32, mm."""
@@ -107,13 +110,24 @@ class Rig:
 class Distances:
     """Distances between vertex pairs that move linearly with the weights.
 
+    The two lids of an eye can pass each other when a tracker closes them harder than they are
+    apart. A shut eye is shut: such a distance counts as 0, where the bare length of the vector
+    would grow again.
+
     Attributes:
         offsets: (C, 3) float32, mm: the vector from the first to the second vertex, neutral.
         gradients: (K, C, 3) float32, mm: how each weight changes that vector.
+        shuts: (C,) bool: pairs that can pass each other: their heights change places.
     """
 
     offsets: Floats
     gradients: Floats
+    shuts: NDArray[np.bool_]
+
+    def select(self, controls: Sequence[int] | NDArray[np.intp]) -> Distances:
+        """Some of the distances."""
+        rows = np.asarray(controls, np.intp)
+        return Distances(self.offsets[rows], self.gradients[:, rows], self.shuts[rows])
 
     def vectors(self, weights: Floats) -> Floats:
         """Weights (T, K) -> (T, C, 3) float32, mm."""
@@ -121,14 +135,21 @@ class Distances:
         moved: Floats = (weights @ self.gradients.reshape(k, c * 3)).reshape(-1, c, 3)
         return self.offsets + moved
 
+    def signed(self, weights: Floats) -> Floats:
+        """Weights (T, K) -> lengths (T, C) float32, mm; negative where a pair has passed."""
+        return self._signed(self.vectors(weights))
+
     def measure(self, weights: Floats) -> Floats:
-        """Weights (T, K) -> lengths (T, C) float32, mm."""
-        lengths: Floats = np.sqrt(np.sum(self.vectors(weights) ** 2, axis=-1))
-        return lengths
+        """Weights (T, K) -> distances (T, C) float32, mm, 0 or more."""
+        return np.maximum(self.signed(weights), 0.0)
 
     def jacobian(self, weights: Floats) -> tuple[Floats, Floats]:
-        """Lengths (T, C), mm, and their derivative by each weight (T, C, K), mm per unit."""
+        """`signed` (T, C), mm, and its derivative by each weight (T, C, K), mm per unit."""
         vectors = self.vectors(weights)
-        lengths = np.sqrt(np.sum(vectors**2, axis=-1))
-        directions = vectors / np.maximum(lengths, 1e-6)[..., None]
+        lengths = self._signed(vectors)
+        directions = vectors / np.where(np.abs(lengths) > 1e-6, lengths, 1e-6)[..., None]
         return lengths, np.einsum("tcx,kcx->tck", directions, self.gradients)
+
+    def _signed(self, vectors: Floats) -> Floats:
+        lengths: Floats = np.sqrt(np.sum(vectors**2, axis=-1))
+        return np.where(self.shuts & (vectors[..., 1] * self.offsets[:, 1] < 0), -lengths, lengths)

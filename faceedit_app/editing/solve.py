@@ -20,7 +20,7 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
 from faceedit_app.core.resample import GRID_RATE, from_grid, grid_length, to_grid
-from faceedit_app.core.rig import Distances, Rig
+from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.reach import Goal, reach
 from faceedit_app.editing.request import Request, affected, region_influence, request
@@ -287,7 +287,7 @@ class Solver:
         old = weights[np.ix_(where, columns)]
         influence = region_influence(mine, region.controls)[where]
         weights[np.ix_(where, columns)] = reach(
-            Distances(self.distances.offsets[controls], self.distances.gradients[:, controls]),
+            self.distances.select(controls),
             weights[where],
             columns,
             Goal(goals, settings.reach * strength, asked),
