@@ -12,7 +12,7 @@ import pytest
 from faces import random_engine
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QPushButton
+from PySide6.QtWidgets import QApplication, QPushButton, QWidget
 from takes import make_livelink_csv
 from windows import Bench, drag_curve
 
@@ -39,16 +39,16 @@ def trigger(window: MainWindow, command: str) -> None:
     window.actions_[command].trigger()
 
 
-def drop(window: MainWindow, path: Path) -> None:
-    """Drop a file on the window."""
+def drop(target: QWidget, path: Path) -> None:
+    """Drop a file on a widget; what it does not want goes to the widgets around it."""
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path))])
     buttons, keys = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
     enter = QDragEnterEvent(QPoint(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
-    QApplication.sendEvent(window, enter)
+    QApplication.sendEvent(target, enter)
     assert enter.isAccepted()
     event = QDropEvent(QPointF(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
-    QApplication.sendEvent(window, event)
+    QApplication.sendEvent(target, event)
 
 
 def open_path(window: MainWindow) -> Path:
@@ -168,6 +168,28 @@ def test_open_by_drop_with_gaps(bench: Bench) -> None:
     assert open_path(window).name == "gaps.csv"
     assert "2 gaps, 4 frames missing" in window.status.gaps.text()
     assert "2 gaps" in window.status.gaps.toolTip()
+
+
+def test_a_file_may_be_dropped_on_any_part_of_the_window(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    viewports = (window.editor.curves.plots[0].viewport(), window.editor.face.viewport)
+    for number, part in enumerate(viewports):
+        other = make_livelink_csv(bench.folder / f"other{number}.csv")
+        drop(part, other)
+        bench.qtbot.waitUntil(lambda path=other: open_path(window) == path)
+
+
+def test_a_bad_first_file_leaves_a_window_that_works(bench: Bench) -> None:
+    bad = bench.folder / "bad.csv"
+    bad.touch()
+    window = bench.window(start=False)
+    with bench.qtbot.waitSignal(window.settled):
+        window.start(bad)
+    assert len(bench.errors) == 1
+    assert window.start_page.isVisible()
+    drop(window, bench.take)
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
 
 
 def test_open_a_recent_take(bench: Bench) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import Enum, auto
 from pathlib import Path
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 TAKES = "Takes (*.csv);;All files (*)"
@@ -47,6 +48,7 @@ def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
     box = QMessageBox(parent)
     box.setIcon(QMessageBox.Icon.Question)
     box.setWindowTitle("FaceEdit")
+    box.setTextFormat(Qt.TextFormat.PlainText)
     box.setText(f"The edits of {name} are neither exported nor saved.")
     box.setInformativeText("They are lost if you discard them.")
     role = QMessageBox.ButtonRole
@@ -63,7 +65,9 @@ def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
 
 def show_error(parent: QWidget | None, error: Exception | str) -> None:
     """Tell the user what went wrong, in one line."""
-    box = QMessageBox(QMessageBox.Icon.Warning, "FaceEdit", str(error), parent=parent)
+    box = QMessageBox(QMessageBox.Icon.Warning, "FaceEdit", "", parent=parent)
+    box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
+    box.setText(str(error))
     box.exec()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QAbstractScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.curves import CurvesPanel
@@ -49,6 +49,10 @@ class Editor(QWidget):
         column.addWidget(self.strip)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
+        for view in self.curves.findChildren(QAbstractScrollArea):
+            # Graphics views take every drop and do nothing with it; files are the window's.
+            view.setAcceptDrops(False)
+            view.viewport().setAcceptDrops(False)
         self.curves.edited.connect(self._dragged)
         self.curves.committed.connect(document.changed)
         document.changed.connect(self.curves.refresh)

@@ -105,6 +105,17 @@ class FileCommands(QObject):
         if not isinstance(error, FaceEditError):
             raise error
         dialogs.show_error(self._window, error)
+        if self._rig is None:
+            self.load_character(error)
+
+    def load_character(self, told: Exception | None = None) -> None:
+        """Fetch the character without a take; an error that was told is not told again."""
+
+        def failed(error: Exception) -> None:
+            if told is None or str(told) != str(error):
+                dialogs.show_error(self._window, error)
+
+        self._background.run(loading.load_character, self.use_character, failed)
 
     def use_character(self, rig: Rig) -> None:
         """Keep the character for all takes of this window."""

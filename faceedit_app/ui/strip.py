@@ -17,15 +17,16 @@ _LIVE_MS = 40  # a gesture on the slider is answered at most this often
 _KEYS_MS = 500  # key presses closer together than this are one gesture
 
 PRESERVE_TIP = (
-    "Preserve the take: only what your edits reach changes; every other frame stays as recorded"
+    "Preserve the take: only what your edits reach changes,\n"
+    "every other frame stays exactly as recorded."
 )
 RESYNTHESIZE_TIP = (
-    "Resynthesize: the networks make the whole take anew from the eight curves; every frame"
-    " changes a little"
+    "Resynthesize: the networks make the edited regions of the face anew\n"
+    "from the eight curves, over the whole take; every frame changes a little."
 )
 NATURAL_TIP = (
-    "How believable the answer to an edit must be. 0 %: obey the curve to the letter;"
-    " 100 %: stay within what real faces do"
+    "How believable the answer to an edit must be.\n"
+    "0 %: obey the curve to the letter. 100 %: stay within what real faces do."
 )
 
 

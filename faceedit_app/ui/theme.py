@@ -24,6 +24,8 @@ MARGIN = 10  # pixels from a bar's edge to its content
 
 _STYLE = f"""
 QMainWindow, QDialog, QMessageBox {{ background: {BACKGROUND}; }}
+QDialogButtonBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
+QMessageBox QPushButton, QDialogButtonBox QPushButton {{ padding: 5px 16px; }}
 QMenuBar {{ background: {BACKGROUND}; padding: 2px 4px; }}
 QMenuBar::item {{ padding: 4px 9px; border-radius: 4px; background: transparent; }}
 QMenuBar::item:selected {{ background: {RAISED}; }}
@@ -67,6 +69,8 @@ QPushButton#link:hover {{ background: {PANEL}; }}
 QPushButton#primary:focus, QPushButton#secondary:focus, QPushButton#link:focus {{
     border-color: {ACCENT};
 }}
+
+QFileDialog QToolButton {{ padding: 3px; }}
 
 QToolButton#segment_left {{ border-top-right-radius: 0; border-bottom-right-radius: 0; }}
 QToolButton#segment_right {{ border-top-left-radius: 0; border-bottom-left-radius: 0; }}

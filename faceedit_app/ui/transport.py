@@ -65,7 +65,8 @@ class Transport(QWidget):
         box.setRange(*FALLOFF_RANGE)
         box.setValue(self._timeline.falloff)
         box.setToolTip(
-            "Seconds over which an edit fades in and out. Turn the wheel while dragging a curve"
+            "Seconds over which an edit fades in and out.\n"
+            "Turn the wheel while dragging a curve to change it."
         )
         box.valueChanged.connect(self._timeline.set_falloff)
         # Enter hands the keys back to the curves.

@@ -132,7 +132,7 @@ class MainWindow(QMainWindow):
         elif demo:
             self.files.open_demo()
         if not self.files.is_reading:
-            self._background.run(loading.load_character, self.files.use_character, self._failed)
+            self.files.load_character()
         self.build_editor()
 
     def open_demo_now(self) -> None:
