@@ -21,6 +21,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
 from faceedit_app.core.resample import GRID_RATE, from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.companions import follow
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.reach import Goal, reach
 from faceedit_app.editing.request import Request, affected, region_influence, request
@@ -212,8 +213,7 @@ class Solver:
                 return self.tracked[rows][:, _columns(region)].astype(np.float64)
             return np.zeros((rows.stop - rows.start, len(region.channels)))
         tracked = self.grid[window[0] : window[1]]
-        believable = self._believable(asked.curves, self.controls[near], region)
-        change = believable - self.controls[near]
+        change = self._wanted(asked, self.controls[near], region) - self.controls[near]
         edited = tracked + to_grid(self.clip.times[near], change, *window)
         times = self.clip.times[rows]
         if settings.mode is Mode.RESYNTHESIZE:
@@ -221,6 +221,21 @@ class Solver:
             return from_grid(answer[0], window[0], times)
         answers = self.engine.answer(region.id, np.stack([tracked, edited]), settings.naturalness)
         return from_grid(answers[1] - answers[0], window[0], times)
+
+    def _wanted(self, asked: Request, tracked: NDArray[np.float32], region: Region) -> Array:
+        """(N, 8) mm: the curves that a region should show, companions and bounds included."""
+        change = asked.curves - tracked
+        edited = np.any(asked.hold > 0, axis=0, keepdims=True)[0]
+        followed = follow(change, edited, region.controls, self._control_covariance(region))
+        return self._believable(tracked + followed, tracked, region)
+
+    def _control_covariance(self, region: Region) -> Array:
+        """(C, C) mm² how the region's controls vary together, linearised at rest."""
+        rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
+        mine = self.distances.select([CONTROL_INDEX[c] for c in region.controls])
+        slopes = mine.jacobian(rest)[1][0][:, _columns(region)].astype(np.float64)
+        covariance: Array = slopes @ self._covariance(region) @ slopes.T
+        return covariance
 
     def _believable(self, curves: Array, tracked: NDArray[np.float32], region: Region) -> Array:
         """Keep a region's curves within what faces do, or what this face already did."""
@@ -273,7 +288,8 @@ class Solver:
         if not len(where) or not len(have) or settings.reach == 0:
             return
         tracked = self.controls[rows][where]
-        goals = self._believable(mine.curves[where], tracked, region)[:, controls]
+        there = Request(mine.curves[where], mine.hold[where], mine.influence[where])
+        goals = self._wanted(there, tracked, region)[:, controls]
         columns = _columns(region)[have]
         names = [region.channels[i] for i in have]
         coupled = (
