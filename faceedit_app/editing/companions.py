@@ -51,7 +51,7 @@ def follow(
     if not followers:
         return change
     free = np.array([c in followers for c in controls])
-    given = covariance[np.ix_(~free, ~free)] + JITTER * np.eye(np.count_nonzero(~free))
+    given = covariance[np.ix_(~free, ~free)] + JITTER * np.eye(int((~free).sum()))
     gain = np.linalg.solve(given, covariance[np.ix_(~free, free)])
     result = change.copy()
     result[:, columns[free]] += change[:, columns[~free]] @ gain
