@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from PySide6.QtCore import QSignalBlocker, Qt, QTimer
-from PySide6.QtWidgets import QLabel, QSlider, QWidget
+from PySide6.QtWidgets import QLabel, QSizePolicy, QSlider, QWidget
 
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.actions import Actions
@@ -43,6 +43,8 @@ class SettingsStrip(QWidget):
         self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100 %"))
         self.edits = caption("")
+        # In a narrow window it is cut off rather than the window widened.
+        self.edits.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self._stepped = False
         self._live = QTimer(self, singleShot=True, interval=_LIVE_MS)
         self._live.timeout.connect(self._configure)
@@ -63,8 +65,7 @@ class SettingsStrip(QWidget):
         row.addWidget(icon_button(self._actions["reset_range"], text="Reset range"))
         row.addWidget(divider())
         row.addSpacing(GAP // 2)
-        row.addWidget(self.edits)
-        row.addStretch()
+        row.addWidget(self.edits, 1)
         row.addWidget(
             segments(
                 (self._actions["preserve"], "Preserve the take"),
@@ -141,11 +142,11 @@ class SettingsStrip(QWidget):
         self._count()
 
     def _count(self) -> None:
-        session = self._document.session
-        if session is None:
-            self.edits.setText("")
-        elif not session.edits:
-            self.edits.setText("No edits")
-        else:
+        session, text = self._document.session, ""
+        if session is not None and not session.edits:
+            text = "No edits"
+        elif session is not None:
             frames = counted(session.changed_frames(), "frame")
-            self.edits.setText(f"{counted(len(session.edits), 'edit')} · {frames} changed")
+            text = f"{counted(len(session.edits), 'edit')} · {frames} changed"
+        self.edits.setText(text)
+        self.edits.setToolTip(text)

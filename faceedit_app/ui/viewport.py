@@ -16,11 +16,11 @@ from PySide6.QtGui import (
     QResizeEvent,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtWidgets import QLabel, QSizePolicy, QWidget
 
 from faceedit_app import render
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.ui.palette import MUTED, PANEL
+from faceedit_app.ui.palette import PANEL
 
 if TYPE_CHECKING:
     from faceedit_app.core.clip import Floats
@@ -44,8 +44,14 @@ class Viewport(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.message = "Preparing the face…"
         self.draws = 0
+        self._note = QLabel("Preparing the face…", self)
+        self._note.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._note.setWordWrap(True)
+        self._note.setTextFormat(Qt.TextFormat.PlainText)
+        self._note.setObjectName("caption")
+        # The remedy is a command to be copied.
+        self._note.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._rig: Rig | None = None
         self._renderer: FaceRenderer | None = None
         self._weights: Floats | None = None
@@ -71,10 +77,19 @@ class Viewport(QWidget):
         try:
             width, height = self._pixels()
             self._renderer = render.open_renderer(rig, width, height)
-            self.message = ""
+            self._say("")
         except FaceEditError as error:
-            self.message = str(error)
+            self._say(str(error))
         self.reset_camera()
+
+    @property
+    def message(self) -> str:
+        """What is said in place of a face."""
+        return self._note.text()
+
+    def _say(self, message: str) -> None:
+        self._note.setText(message)
+        self._note.setVisible(bool(message))
 
     @property
     def can_draw(self) -> bool:
@@ -123,10 +138,6 @@ class Viewport(QWidget):
             painter.drawImage(QRectF(self.rect()), self._image)
             return
         painter.fillRect(self.rect(), QColor(PANEL))
-        painter.setPen(QColor(MUTED))
-        box = self.rect().adjusted(32, 48, -32, -32)
-        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-        painter.drawText(box, int(flags), self.message)
 
     def _draw(self) -> None:
         if self._renderer is None or self._rig is None:
@@ -141,7 +152,7 @@ class Viewport(QWidget):
             pixels = self._renderer.draw(vertices, self._camera, smooth=self._smooth)
         except FaceEditError as error:
             self.close_renderer()
-            self.message = str(error)
+            self._say(str(error))
             return
         self._image = QImage(
             pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
@@ -174,6 +185,7 @@ class Viewport(QWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the framing until the user has chosen another one."""
+        self._note.setGeometry(self.rect().adjusted(32, 48, -32, -32))
         if self._is_home:
             self.reset_camera()
         self.redraw()

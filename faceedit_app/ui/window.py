@@ -105,7 +105,7 @@ class MainWindow(QMainWindow):
         column.addWidget(self._pages, 1)
         self.setCentralWidget(central)
         self.setStatusBar(self.status)
-        self.setMinimumSize(860, 560)
+        self.setMinimumSize(1000, 600)
         if not self._store.restore_window(self):
             room = self.screen().availableGeometry()
             self.resize(min(_FIRST_SIZE[0], room.width()), min(_FIRST_SIZE[1], room.height()))
