@@ -28,14 +28,12 @@ def ask_open(parent: QWidget, folder: Path) -> Path | None:
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the edited take."""
-    return _chosen(
-        QFileDialog.getSaveFileName(parent, "Export the edited take", str(suggestion), TAKES)
-    )
+    return _save_name(parent, "Export the edited take", suggestion, TAKES)
 
 
 def ask_save_edits(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the list of edits."""
-    return _chosen(QFileDialog.getSaveFileName(parent, "Save edits", str(suggestion), EDITS))
+    return _save_name(parent, "Save edits", suggestion, EDITS)
 
 
 def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
@@ -69,6 +67,15 @@ def show_error(parent: QWidget | None, error: Exception | str) -> None:
     box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
     box.setText(str(error))
     box.exec()
+
+
+def _save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path | None:
+    dialog = QFileDialog(parent, title, str(suggestion.parent), kinds)
+    dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+    # Added before the question whether to replace a file, so that it asks about the right one.
+    dialog.setDefaultSuffix(suggestion.suffix)
+    dialog.selectFile(suggestion.name)
+    return Path(dialog.selectedFiles()[0]) if dialog.exec() else None
 
 
 def _chosen(answer: tuple[str, str]) -> Path | None:

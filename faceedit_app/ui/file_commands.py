@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, QStandardPaths, Signal
+from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QMenu, QWidget
 
 from faceedit_app.core.errors import FaceEditError, FileError
@@ -169,14 +169,10 @@ class FileCommands(QObject):
         return True
 
     def _suggest(self, kind: str, tail: str, ending: str) -> Path:
-        """A file name beside the take, or among the user's documents for the demo."""
+        """A file name beside the take; the demo's folder belongs to the installation."""
         take = self._document.path
-        if take is None:
-            return self._store.folder(kind)
-        folder = take.parent
-        if _is_shipped(take):
-            place = QStandardPaths.StandardLocation.DocumentsLocation
-            folder = Path(QStandardPaths.writableLocation(place))
+        assert take is not None
+        folder = self._store.folder(kind) if _is_shipped(take) else take.parent
         return folder / f"{take.stem}{tail}{ending}"
 
     # --- close -------------------------------------------------------------------------------
