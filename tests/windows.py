@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 from faces import shipped_rig
-from PySide6.QtCore import QPoint, QPointF, QSettings, Qt
+from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, QSettings, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent, QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from takes import make_livelink_csv
 
 from faceedit_app import render
 from faceedit_app.core.errors import FileError, Unavailable
+from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.ui import dialogs, loading
 from faceedit_app.ui.store import Store
 from faceedit_app.ui.theme import apply_theme
@@ -137,10 +139,6 @@ def drag_curve(window: MainWindow, row: int, seconds: float, pixels: int) -> Non
 
 def _move(widget: QWidget, to: QPoint, button: Qt.MouseButton = Qt.MouseButton.LeftButton) -> None:
     """QTest.mouseMove forgets the button that is held."""
-    from PySide6.QtCore import QEvent
-    from PySide6.QtGui import QMouseEvent
-    from PySide6.QtWidgets import QApplication
-
     event = QMouseEvent(
         QEvent.Type.MouseMove,
         QPointF(to),
@@ -158,3 +156,33 @@ def drag(widget: QWidget, by: QPoint, button: Qt.MouseButton) -> None:
     QTest.mousePress(widget, button, pos=start)
     _move(widget, start + by, button)
     QTest.mouseRelease(widget, button, pos=start + by)
+
+
+def add_edit(window: MainWindow, value: float = 6.0) -> None:
+    """An edit as a drag would leave it."""
+    assert window.document.session is not None
+    window.document.session.add(Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, value))
+    window.document.changed.emit()
+
+
+def trigger(window: MainWindow, command: str) -> None:
+    """Choose a command from the menus."""
+    window.actions_[command].trigger()
+
+
+def drop(target: QWidget, path: Path) -> None:
+    """Drop a file on a widget; what it does not want goes to the widgets around it."""
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path))])
+    buttons, keys = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+    enter = QDragEnterEvent(QPoint(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
+    QApplication.sendEvent(target, enter)
+    assert enter.isAccepted()
+    event = QDropEvent(QPointF(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
+    QApplication.sendEvent(target, event)
+
+
+def open_path(window: MainWindow) -> Path:
+    """The take that is open."""
+    assert window.document.path is not None
+    return window.document.path

@@ -38,9 +38,15 @@ class KeyArbiter(QObject):
         super().__init__(window)
         self._window = window
         self._held = False
+        window.installEventFilter(self)
         app = QApplication.instance()
-        assert app is not None
-        app.installEventFilter(self)
+        assert isinstance(app, QApplication)
+        app.focusChanged.connect(self._watch)
+
+    def _watch(self, _old: QWidget | None, now: QWidget | None) -> None:
+        """See the keys of the widget that has the focus; seeing all events would cost time."""
+        if now is not None and now.window() is self._window:
+            now.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """See the class."""

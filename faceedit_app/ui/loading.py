@@ -6,6 +6,7 @@ pyrender are first imported here, in a thread, while the window is already up.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -90,8 +91,9 @@ class Background(QObject):
         """Call `work` in a thread, then `done` or `failed` in the GUI thread."""
 
         def report(future: Future[Result]) -> None:
-            if not self._closed:
-                self._finished.emit(done, failed, future)
+            with contextlib.suppress(RuntimeError):  # the window went away this very moment
+                if not self._closed:
+                    self._finished.emit(done, failed, future)
 
         self._pool.submit(work).add_done_callback(report)
 
