@@ -143,10 +143,16 @@ class Distances:
         """Weights (T, K) -> distances (T, C) float32, mm, 0 or more."""
         return np.maximum(self.signed(weights), 0.0)
 
-    def jacobian(self, weights: Floats) -> tuple[Floats, Floats]:
-        """`signed` (T, C), mm, and its derivative by each weight (T, C, K), mm per unit."""
+    def jacobian(self, weights: Floats, passed: bool = False) -> tuple[Floats, Floats]:
+        """`signed` (T, C), mm, and its derivative by each weight (T, C, K), mm per unit.
+
+        Args:
+            passed: take each pair's heights as if they had changed places.
+        """
         vectors = self.vectors(weights)
         lengths = self._signed(vectors)
+        if passed:
+            vectors = vectors * np.array([1, -1, 1], np.float32)
         directions = vectors / np.where(np.abs(lengths) > 1e-6, lengths, 1e-6)[..., None]
         return lengths, np.einsum("tcx,kcx->tck", directions, self.gradients)
 

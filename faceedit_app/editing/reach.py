@@ -20,11 +20,13 @@ from faceedit_app.core.rig import Distances
 
 Array = NDArray[np.float64]
 
-ITERATIONS = 4
-STEPS = (1.0, 0.7, 0.4, 0.0)
+ITERATIONS = 6
+STEPS = (1.0, 0.7, 0.4, 0.2, 0.1, 0.0)
 # How exactly an asked-for control must be met, and how much the others may give way, in mm.
 ASKED_MM = 0.05
 FREE_MM = 1.5
+# How much a control may lack, in mm, before it is tried from the other side.
+MISSED_MM = 1.0
 # Longest change that still counts as natural, in standard deviations of the prior.
 NATURAL_LENGTH = 4.0
 
@@ -90,18 +92,31 @@ def reach(
     targets = measure(np.zeros_like(start))
     targets += goal.strength * (goal.targets - targets)
     noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
-    change, frozen = np.zeros_like(start), np.zeros(start.shape, bool)
-    for _ in range(ITERATIONS):
-        trial[:, channels] = start + change
-        lengths, jacobian = distances.jacobian(trial)
-        slopes = jacobian[:, :, channels].astype(np.float64)
-        wanted = targets - lengths + np.einsum("nck,nk->nc", slopes, change)
-        aim = _step(slopes, wanted, noise, covariance, change, frozen)
-        aim *= _shortening(aim, covariance, naturalness)
-        allowed = bounded(aim)
-        frozen |= np.abs(allowed - aim) > 1e-9
-        change = _line_search(change, allowed, targets, noise, measure)
-    return start + change
+
+    def search(passed: bool) -> Array:
+        change, frozen = np.zeros_like(start), np.zeros(start.shape, bool)
+        for iteration in range(ITERATIONS):
+            trial[:, channels] = start + change
+            lengths, jacobian = distances.jacobian(trial, passed and iteration == 0)
+            slopes = jacobian[:, :, channels].astype(np.float64)
+            wanted = targets - lengths + np.einsum("nck,nk->nc", slopes, change)
+            aim = _step(slopes, wanted, noise, covariance, change, frozen)
+            aim *= _shortening(aim, covariance, naturalness)
+            allowed = bounded(aim)
+            frozen |= np.abs(allowed - aim) > 1e-9
+            change = _line_search(change, allowed, targets, noise, measure)
+        return change
+
+    def cost(change: Array) -> Array:
+        return np.sum((targets - measure(change)) ** 2 / noise, axis=1)
+
+    change = search(passed=False)
+    # Pressed lips can have passed each other: opening them begins with what seems to close them.
+    if np.any(goal.asked & (targets - measure(change) > MISSED_MM)):
+        other = search(passed=True)
+        change = np.where((cost(other) < cost(change))[:, None], other, change)
+    # Rounding leaves weights such as -1e-17.
+    return np.clip(start + change, floor, np.maximum(start, upper))
 
 
 def _line_search(
