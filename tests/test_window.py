@@ -79,6 +79,7 @@ def test_reset_without_a_selection_acts_around_the_playhead(bench: Bench) -> Non
     assert session is not None
     reset = session.edits[-1]
     assert reset.op is Op.RESET
+    assert reset.falloff == 0.3
     assert (reset.start, reset.end) == pytest.approx((0.9, 1.5), abs=0.02)
 
 

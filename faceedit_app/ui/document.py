@@ -66,10 +66,21 @@ class Document(QObject):
             self.session.redo()
             self.changed.emit()
 
-    def reset(self, start: float, end: float, controls: Sequence[str] = CONTROL_IDS) -> None:
-        """Bring curves back to the take as tracked from `start` to `end` seconds."""
+    def reset(
+        self,
+        start: float,
+        end: float,
+        falloff: float = 0.0,
+        controls: Sequence[str] = CONTROL_IDS,
+    ) -> None:
+        """Bring curves back to the take as tracked from `start` to `end` seconds.
+
+        Like any edit it fades out over `falloff` seconds on either side, so that no curve jumps.
+        """
+        from faceedit_app.editing.edit import Edit, Op
+
         if self.session is not None and controls and self.session.edits:
-            self.session.reset(start, end, controls)
+            self.session.add(Edit(tuple(controls), Op.RESET, start, end, falloff))
             self.changed.emit()
 
     def configure(self, settings: Settings, replace_step: bool = False) -> bool:

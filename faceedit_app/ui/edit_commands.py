@@ -90,7 +90,7 @@ class EditCommands:
     def _reset(self, controls: tuple[str, ...]) -> None:
         self._cancel_drag()
         self._settle()
-        self._document.reset(*self.range_at_hand(), controls)
+        self._document.reset(*self.range_at_hand(), self._timeline.falloff, controls)
 
     def range_at_hand(self) -> tuple[float, float]:
         """The selection, else the playhead with the falloff to either side."""

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
 
-from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.resources import shipped
 
 if TYPE_CHECKING:
@@ -56,8 +55,8 @@ def prepare_renderer() -> None:
     try:
         contexts.choose_backend()  # before OpenGL is imported
         importlib.import_module("faceedit_app.render.studio")
-    except (Unavailable, ImportError):
-        return  # opening the renderer says so, where it can be shown
+    except Exception:  # drivers and PyOpenGL raise all kinds
+        return  # opening the renderer meets it again, and says so where it can be shown
 
 
 def load_engine() -> Engine:

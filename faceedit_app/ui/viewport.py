@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from typing import TYPE_CHECKING
 
@@ -150,9 +151,11 @@ class Viewport(QWidget):
         try:
             self._renderer.resize(width, height)
             pixels = self._renderer.draw(vertices, self._camera, smooth=self._smooth)
-        except FaceEditError as error:
+        except Exception as error:  # drivers and PyOpenGL raise all kinds
+            logging.getLogger("faceedit").warning("drawing failed", exc_info=True)
             self.close_renderer()
-            self._say(str(error))
+            known = isinstance(error, FaceEditError)
+            self._say(str(error) if known else f"The face cannot be drawn: {error}")
             return
         self._image = QImage(
             pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
@@ -195,6 +198,7 @@ class Viewport(QWidget):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Grab the view."""
         self._grabbed = event.position()
+        self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Left turns around the face, middle and right move the view."""
@@ -212,6 +216,7 @@ class Viewport(QWidget):
         """Let go of the view."""
         if not event.buttons():
             self._grabbed = None
+            self.unsetCursor()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Back to the front."""
