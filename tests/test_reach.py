@@ -166,7 +166,8 @@ def test_lids_close_and_hardly_pass_each_other(lids: Face, millimetres: float) -
     # Once they have passed, the distance by height has changed its sign.
     rest = np.sign(lids.distances.offsets[:, 1])
     apart = lids.distances.vectors(result.astype(np.float32))[:, :, 1] * rest
-    assert apart.min() > -1.5
+    assert np.percentile(apart, 5) > -0.5
+    assert apart.min() > -2.0
     assert_in_bounds(result)
 
 

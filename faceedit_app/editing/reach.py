@@ -93,6 +93,10 @@ def reach(
     targets += goal.strength * (goal.targets - targets)
     noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
 
+    def cost(change: Array) -> Array:
+        costs: Array = np.sum((targets - measure(change)) ** 2 / noise, axis=1)
+        return costs
+
     def search(passed: bool) -> Array:
         change, frozen = np.zeros_like(start), np.zeros(start.shape, bool)
         for iteration in range(ITERATIONS):
@@ -104,11 +108,8 @@ def reach(
             aim *= _shortening(aim, covariance, naturalness)
             allowed = bounded(aim)
             frozen |= np.abs(allowed - aim) > 1e-9
-            change = _line_search(change, allowed, targets, noise, measure)
+            change = _line_search(change, allowed, cost)
         return change
-
-    def cost(change: Array) -> Array:
-        return np.sum((targets - measure(change)) ** 2 / noise, axis=1)
 
     change = search(passed=False)
     # Pressed lips can have passed each other: opening them begins with what seems to close them.
@@ -119,26 +120,19 @@ def reach(
     return np.clip(start + change, floor, np.maximum(start, upper))
 
 
-def _line_search(
-    old: Array,
-    new: Array,
-    targets: Array,
-    noise: Array,
-    measure: Callable[[Array], Array],
-) -> Array:
+def _line_search(old: Array, new: Array, cost: Callable[[Array], Array]) -> Array:
     """Of some steps from `old` towards `new`, each frame's best.
 
-    Lengths are not signed: a full step can carry the lids through each other, where the distance
-    grows again.
+    A full step can carry a pair of vertices through each other, where the distance grows again.
     """
     best = old
     least = np.full(len(old), np.inf)
     for step in STEPS:
         change = old + step * (new - old)
-        cost = np.sum((targets - measure(change)) ** 2 / noise, axis=1)
-        better = cost < least
+        costs = cost(change)
+        better = costs < least
         best = np.where(better[:, None], change, best)
-        least = np.where(better, cost, least)
+        least = np.where(better, costs, least)
     return best
 
 
