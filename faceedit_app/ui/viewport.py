@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import time
 from typing import TYPE_CHECKING
@@ -24,6 +25,9 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.palette import PANEL
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from faceedit_app.core.clip import Floats
     from faceedit_app.core.rig import Rig
     from faceedit_app.render import FaceRenderer
@@ -59,6 +63,7 @@ class Viewport(QWidget):
         self._camera = render.Camera()
         self._is_home = True
         self._image: QImage | None = None
+        self._buffer: NDArray[np.uint8] | None = None
         self._stale, self._smooth = True, True
         self._scale = 1.0
         self._grabbed: QPointF | None = None
@@ -122,10 +127,11 @@ class Viewport(QWidget):
 
     def close_renderer(self) -> None:
         """Free the graphics memory."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
-            self._image = None
+        renderer, self._renderer = self._renderer, None
+        self._image = self._buffer = None
+        if renderer is not None:
+            with contextlib.suppress(Exception):  # a context that is lost cannot be freed
+                renderer.close()
 
     # --- drawing -----------------------------------------------------------------------------
 
@@ -157,6 +163,7 @@ class Viewport(QWidget):
             known = isinstance(error, FaceEditError)
             self._say(str(error) if known else f"The face cannot be drawn: {error}")
             return
+        self._buffer = pixels  # the image is a view of it
         self._image = QImage(
             pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
         )
