@@ -12,7 +12,15 @@ from hypothesis import strategies as st
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_IDS
-from faceedit_app.editing.edit import LONGEST_SMOOTH, Edit, Op, read_edits, write_edits
+from faceedit_app.editing.edit import (
+    LONGEST_SMOOTH,
+    STRONGEST,
+    WITH_POINTS,
+    Edit,
+    Op,
+    read_edits,
+    write_edits,
+)
 
 GOOD: dict[str, Any] = {
     "control": "mouth_opening",
@@ -43,6 +51,9 @@ def complaint(path: Path) -> str:
     return text
 
 
+points = st.dictionaries(st.floats(-100, 1e5), st.floats(0, 100), min_size=1, max_size=5)
+
+
 @st.composite
 def edits(draw: st.DrawFn) -> Edit:
     start = draw(st.floats(-100, 1e5))
@@ -55,6 +66,12 @@ def edits(draw: st.DrawFn) -> Edit:
         end=start + draw(st.floats(0, 1000)),
         falloff=draw(st.floats(0, 10)),
         value=draw(values.get(op, st.floats(-100, 100))),
+        falloff_out=draw(st.none() | st.floats(0, 10)),
+        strength=draw(st.floats(0, STRONGEST)),
+        enabled=draw(st.booleans()),
+        name=draw(st.text(max_size=5)),
+        about=draw(st.none() | st.floats(0, 50)) if op is Op.SCALE else None,
+        points=tuple(sorted(draw(points).items())) if op in WITH_POINTS else (),
     )
 
 

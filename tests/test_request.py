@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from faceedit_app.core.regions import CONTROL_INDEX
-from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.edit import WITH_POINTS, Edit, Op
 from faceedit_app.editing.request import SPILL, Request, affected, region_influence, request
 
 RATE = 50.0
@@ -24,7 +24,8 @@ def ask(*edits: Edit, tracked: np.ndarray = TRACKED) -> Request:
 def mouth(
     op: Op, value: float = 0.0, falloff: float = 0.5, start: float = 3, end: float = 4
 ) -> Edit:
-    return Edit(("mouth_opening",), op, start, end, falloff, value)
+    points = ((start, value), (end, value + 1)) if op in WITH_POINTS else ()
+    return Edit(("mouth_opening",), op, start, end, falloff, value, points=points)
 
 
 HELD = (TIMES >= 3) & (TIMES <= 4)

@@ -35,6 +35,11 @@ class Request:
     influence: Array
 
 
+def active(edits: Sequence[Edit]) -> tuple[Edit, ...]:
+    """The edits that change something, as their `effect`."""
+    return tuple(effect for edit in edits if (effect := edit.effect) is not None)
+
+
 def affected(edit: Edit) -> tuple[float, float]:
     """First and last second at which an edit can change the face."""
     first, last = edit.reach
@@ -54,23 +59,24 @@ def request(
     """
     curves = tracked.astype(np.float64, copy=True)
     hold, influence = np.zeros_like(curves), np.zeros_like(curves)
-    for edit in edits:
+    for edit in active(edits):
         first, last = affected(edit)
-        rows = slice(*np.searchsorted(times, (first - 1e-9, last + 1e-9)))
+        rows = slice(*map(int, np.searchsorted(times, (first - 1e-9, last + 1e-9))))
         if rows.start == rows.stop:
             continue
         mask, spread = edit.mask(times[rows]), _spread(edit, times[rows])
+        share = mask * _share(edit)
         for control in edit.controls:
             column = CONTROL_INDEX[control]
-            wanted = _wanted(edit, curves[:, column], tracked[:, column], medians[column], rate)
+            wanted = _wanted(edit, rows, times, curves, tracked, medians, rate, column)
             now = curves[rows, column]
             # A distance cannot be negative: 0 is touching.
             curves[rows, column] = np.where(
-                mask > 0, np.maximum(now + mask * (wanted[rows] - now), 0.0), now
+                mask > 0, np.maximum(now + share * (wanted - now), 0.0), now
             )
             if edit.op is Op.RESET:
-                hold[rows, column] *= 1 - mask
-                influence[rows, column] *= 1 - mask
+                hold[rows, column] *= 1 - share
+                influence[rows, column] *= 1 - share
             else:
                 hold[rows, column] = np.maximum(hold[rows, column], mask)
                 influence[rows, column] = np.maximum(influence[rows, column], spread)
@@ -82,23 +88,62 @@ def _spread(edit: Edit, times: Array) -> Array:
     return Edit(edit.controls, Op.OFFSET, first, last, SPILL).mask(times)
 
 
-def _wanted(edit: Edit, curve: Array, tracked: Array, median: float, rate: float) -> Array:
-    """The whole curve with the edit in full."""
+def _share(edit: Edit) -> float:
+    """How much of the way to `_wanted` the edit goes in its hold."""
+    # Beyond the smoothed or the tracked curve lies its mirror image, which nobody wants.
+    return min(edit.strength, 1.0) if edit.op in (Op.SMOOTH, Op.RESET) else edit.strength
+
+
+def smoothing(edit: Edit) -> float:
+    """Standard deviation in seconds of a `smooth`: above full strength it grows; 0 for others."""
+    return edit.value * max(edit.strength, 1.0) if edit.op is Op.SMOOTH else 0.0
+
+
+def _wanted(
+    edit: Edit,
+    rows: slice,
+    times: Array,
+    curves: Array,
+    tracked: Array,
+    medians: Array,
+    rate: float,
+    column: int,
+) -> Array:
+    """One curve with the edit in full, on `rows`."""
+    curve = curves[rows, column]
     match edit.op:
         case Op.OFFSET:
             return curve + edit.value
         case Op.SET:
             return np.full_like(curve, edit.value)
         case Op.SCALE:
-            return median + edit.value * (curve - median)
+            middle = medians[column] if edit.about is None else edit.about
+            scaled: Array = middle + edit.value * (curve - middle)
+            return scaled
         case Op.SMOOTH:
-            frames = edit.value * rate
-            if frames < 0.01:  # narrower than any frame
-                return curve
-            smooth: Array = gaussian_filter1d(curve, frames, mode="nearest")
-            return smooth
+            return _smooth(curves[:, column], rows, smoothing(edit) * rate)
         case Op.RESET:
-            return tracked
+            return tracked[rows, column]
+        case Op.DRAW:
+            return _drawn(edit, times[rows])
+        case Op.ADD:
+            return curve + _drawn(edit, times[rows])
+
+
+def _smooth(curve: Array, rows: slice, frames: float) -> Array:
+    """Zero-phase Gaussian of `frames` standard deviation on `rows`, from what surrounds them."""
+    if frames < 0.01:  # narrower than any frame
+        return curve[rows]
+    around = int(4 * frames + 0.5) + 1  # where scipy's kernel ends
+    first, last = max(rows.start - around, 0), min(rows.stop + around, len(curve))
+    smooth: Array = gaussian_filter1d(curve[first:last], frames, mode="nearest")
+    return smooth[rows.start - first : rows.stop - first]
+
+
+def _drawn(edit: Edit, times: Array) -> Array:
+    seconds, millimetres = np.array(edit.points).T
+    drawn: Array = np.interp(times, seconds, millimetres)
+    return drawn
 
 
 def region_influence(request: Request, controls: Sequence[str]) -> Array:

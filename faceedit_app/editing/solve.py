@@ -22,9 +22,16 @@ from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
 from faceedit_app.core.resample import GRID_RATE, from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.companions import follow
-from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.edit import Edit
 from faceedit_app.editing.reach import Goal, reach
-from faceedit_app.editing.request import Request, affected, region_influence, request
+from faceedit_app.editing.request import (
+    Request,
+    active,
+    affected,
+    region_influence,
+    request,
+    smoothing,
+)
 
 if TYPE_CHECKING:  # torch comes with it, and the window is there before torch
     from faceedit_app.networks.engine import Engine
@@ -113,6 +120,7 @@ class Solver:
 
     def islands(self, edits: Sequence[Edit], settings: Settings) -> list[Island]:
         """Group edits into islands, in order of time."""
+        edits = active(edits)
         if not edits:
             return []
         if settings.mode is Mode.RESYNTHESIZE:
@@ -322,7 +330,7 @@ class Solver:
 
 def _sight(edits: Sequence[Edit]) -> float:
     """Seconds beyond their own reach that edits read the take: a Gaussian ends at four sigma."""
-    return 4.0 * max((edit.value for edit in edits if edit.op is Op.SMOOTH), default=0.0)
+    return 4.0 * max(map(smoothing, edits), default=0.0)
 
 
 def _columns(region: Region) -> NDArray[np.intp]:
