@@ -113,6 +113,25 @@ def test_naturalness_is_one_undo_step_per_gesture(bench: Bench) -> None:
     assert len(session.edits) == 1
 
 
+def test_a_slow_answer_waits_for_the_end_of_the_gesture(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    session, editor = window.document.session, window.editor
+    assert session is not None
+    assert editor is not None
+    editor.strip._cost = 1.0
+    slider = editor.strip.natural
+    slider.setSliderDown(True)
+    slider.setSliderPosition(30)
+    bench.qtbot.wait(80)
+    assert session.settings.naturalness == 1.0
+    assert editor.strip.percent.text() == "30 %"
+    slider.setSliderDown(False)
+    assert session.settings.naturalness == pytest.approx(0.3)
+    trigger(window, "undo")
+    assert session.settings.naturalness == 1.0
+
+
 def test_mode_is_chosen_by_its_two_buttons(bench: Bench) -> None:
     window = bench.editing()
     trigger(window, "resynthesize")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 from PySide6.QtCore import QSignalBlocker, Qt, QTimer
@@ -14,6 +15,7 @@ from faceedit_app.ui.theme import GAP
 from faceedit_app.ui.widgets import bar_row, caption, divider, icon_button, segments
 
 _LIVE_MS = 40  # a gesture on the slider is answered at most this often
+_LIVE_COST = 0.1  # seconds; when an answer takes longer, it waits for the end of the gesture
 _KEYS_MS = 500  # key presses closer together than this are one gesture
 
 PRESERVE_TIP = (
@@ -45,7 +47,7 @@ class SettingsStrip(QWidget):
         self.edits = caption("")
         # In a narrow window it is cut off rather than the window widened.
         self.edits.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self._stepped = False
+        self._stepped, self._pending, self._cost = False, False, 0.0
         self._live = QTimer(self, singleShot=True, interval=_LIVE_MS)
         self._live.timeout.connect(self._configure)
         self._gesture = QTimer(self, singleShot=True, interval=_KEYS_MS)
@@ -95,7 +97,9 @@ class SettingsStrip(QWidget):
 
     def _moved(self, value: int) -> None:
         self.percent.setText(f"{value} %")
-        if not self._live.isActive():
+        self._pending = True
+        affordable = self._cost < _LIVE_COST or not self.natural.isSliderDown()
+        if affordable and not self._live.isActive():
             self._live.start()
         if not self.natural.isSliderDown():
             self._gesture.start()
@@ -105,16 +109,18 @@ class SettingsStrip(QWidget):
 
     def settle(self) -> None:
         """Bring a gesture on the slider to its end now."""
-        if self._live.isActive():
-            self._live.stop()
+        self._live.stop()
+        if self._pending:
             self._configure()
         self._end_gesture()
 
     def _configure(self) -> None:
-        session = self._document.session
+        session, began = self._document.session, time.perf_counter()
+        self._pending = False
         if session is not None:
             settings = replace(session.settings, naturalness=self.natural.value() / 100)
             self._stepped = self._document.configure(settings, replace_step=self._stepped)
+        self._cost = time.perf_counter() - began
 
     def _end_gesture(self) -> None:
         self._gesture.stop()
@@ -135,7 +141,7 @@ class SettingsStrip(QWidget):
         self._actions["preserve"].setChecked(not resynthesizes)
         self._actions["resynthesize"].setChecked(resynthesizes)
         naturalness = 100 if session is None else round(session.settings.naturalness * 100)
-        if not (self._live.isActive() or self.natural.isSliderDown()):
+        if not (self._pending or self.natural.isSliderDown()):
             with QSignalBlocker(self.natural):
                 self.natural.setValue(naturalness)
             self.percent.setText(f"{naturalness} %")
