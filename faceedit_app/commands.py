@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import click
 import typer
-from rich.console import Console
-from rich.progress import Progress
 
 from faceedit_app import __version__
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import shipped
+from faceedit_app.learning_commands import evaluate, experiment, statistics, synthesize, train
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -141,61 +140,8 @@ def _size(text: str) -> tuple[int, int]:
     return width, height
 
 
-@app.command()
-def train(
-    more: Annotated[
-        Optional[list[Path]],  # noqa: UP045
-        typer.Argument(metavar="[DIR]...", help="More folders of takes."),
-    ] = None,
-    data: Annotated[
-        Optional[list[Path]],  # noqa: UP045
-        typer.Option("--data", help="A folder of takes; may be given several times."),
-    ] = None,
-    exclude: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option(help="File names to leave out, such as 'grid__*'."),
-    ] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of models.")] = Path(
-        "models"
-    ),
-    epochs: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option(min=1, help="Passes over the data for each network."),
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Same seed, same data: same networks.")] = 1,
-) -> None:
-    """Train the networks of all regions and write them with a model card."""
-    from faceedit_app.training.run import train_models
-
-    folders = [*(data or []), *(more or [])]
-    if not folders:
-        raise FaceEditError("train needs takes to learn from: --data DIR")
-    with Progress(console=Console(stderr=True)) as progress:
-        for path in train_models(folders, output, exclude or [], epochs, seed, progress):
-            print(path)
-
-
-@app.command()
-def synthesize(
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the takes.")],
-    minutes: Annotated[float, typer.Option(min=0.05, help="Of performance in all.")] = 10.0,
-    seed: Annotated[int, typer.Option(help="Same seed: same takes.")] = 1,
-) -> None:
-    """Write synthetic performances, spoken and acted, to train on."""
-    from faceedit_app.training.synthesis import write_performances
-
-    for path in write_performances(output, minutes, seed):
-        print(path)
-
-
-@app.command()
-def statistics(
-    takes: Annotated[list[Path], typer.Argument(help="Folders of takes, compared by source.")],
-) -> None:
-    """Compare takes: blinks, closures and jaw peaks, spectrum, how channels move together."""
-    from faceedit_app.training.run import statistics_of
-
-    print(statistics_of(takes))
+for _command in (train, evaluate, experiment, synthesize, statistics):
+    app.command()(_command)
 
 
 def _rig() -> Rig:

@@ -16,13 +16,13 @@ from faceedit_app.core.regions import CONTROL_INDEX, Region
 from faceedit_app.core.resample import GRID_RATE, grid_length, to_grid
 from faceedit_app.core.rig import Distances
 from faceedit_app.formats.opening import open_take
+from faceedit_app.training.settings import FitSettings
 
 Floats = NDArray[np.float32]
 
 # A channel that never moves by this much in any take of a source was not captured.
 ALIVE = 1e-3
 _MIRROR = np.array([ARKIT_INDEX[mirrored_channel(c)] for c in ARKIT_CHANNELS])
-_LEFT = np.array([c.endswith("Left") for c in ARKIT_CHANNELS])
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,14 @@ class Performance:
         source: takes of one source share their set of captured channels.
         weights: (T, 52) float32 at 25 fps, ARKit order.
         captured: (52,) bool, the channels that the source's tracker produces.
+        path: the file it came from.
     """
 
     name: str
     source: str
     weights: Floats
     captured: NDArray[np.bool_]
+    path: Path | None = None
 
     @property
     def seconds(self) -> float:
@@ -65,19 +67,35 @@ def load_performances(
         FileError: a folder is missing or holds no take, or a take cannot be read.
     """
     loaded = []
-    for folder in map(Path, folders):
-        paths = sorted(folder.rglob("*.csv")) if folder.is_dir() else [folder]
-        paths = [p for p in paths if not any(fnmatch(p.name, pattern) for pattern in exclude)]
-        if not paths:
-            raise FileError(folder, "holds no take (*.csv)", "name a folder of takes")
-        for path in paths:
+    for folder in folders:
+        for path in take_paths(folder, exclude):
             on_file(path)
             clip = open_take(path).clip
             weights = to_grid(clip.times, clip.arkit_weights(), 0, grid_length(clip.times))
-            source = path.stem.split("__")[0] if "__" in path.stem else path.parent.name
             present = np.isin(ARKIT_CHANNELS, clip.channels)
-            loaded.append(Performance(path.name, source, weights.astype(np.float32), present))
+            loaded.append(
+                Performance(path.name, source_of(path), weights.astype(np.float32), present, path)
+            )
     return _mark_captured(loaded)
+
+
+def take_paths(folder: Path | str, exclude: Sequence[str] = ()) -> list[Path]:
+    """Every CSV below a folder, in order of name; of a file, the file.
+
+    Raises:
+        FileError: there is none.
+    """
+    folder = Path(folder)
+    paths = sorted(folder.rglob("*.csv")) if folder.is_dir() else [folder]
+    paths = [p for p in paths if not any(fnmatch(p.name, pattern) for pattern in exclude)]
+    if not paths:
+        raise FileError(folder, "holds no take (*.csv)", "name a folder of takes")
+    return paths
+
+
+def source_of(path: Path) -> str:
+    """`SOURCE` of a take named `SOURCE__NAME.csv`, else the name of its folder."""
+    return path.stem.split("__")[0] if "__" in path.stem else path.resolve().parent.name
 
 
 def _mark_captured(performances: list[Performance]) -> list[Performance]:
@@ -118,74 +136,56 @@ class Windows:
         )
 
 
-@dataclass(frozen=True)
-class Augmentation:
-    """What is added to the recorded windows. Every weight vector has exact controls on the rig,
-    so an altered performance is as good an example as a recorded one.
+def stretches(
+    performances: Sequence[Performance], settings: FitSettings
+) -> tuple[list[Performance], list[Performance]]:
+    """Split takes into stretches to learn from and blocks that are held out.
 
-    Attributes:
-        mirror: add each window with left and right swapped.
-        split_sides: share of additional windows whose right half comes from another take, for
-            winks and one-sided smiles, which almost never occur in takes.
-        gain: share of additional windows played stronger or weaker.
-        gain_range: smallest and largest factor.
+    Takes are cut into blocks of two windows; a share of the blocks, drawn by the seed, is held
+    out. What lies between is handed out in stretches of up to six windows, so that no frame is in
+    both.
     """
+    size = 2 * settings.window
+    blocks = [
+        (take, first, min(first + size, len(take.weights)))
+        for take in performances
+        for first in range(0, len(take.weights), size)
+    ]
+    order = np.random.default_rng(settings.seed).permutation(len(blocks))
+    whole = [i for i in order if blocks[i][2] - blocks[i][1] >= settings.window]
+    held = set(whole[: max(1, round(settings.held_out * len(blocks)))])
+    train: list[Performance] = []
+    open_run: tuple[Performance, int, int] | None = None
+    for i, (take, first, last) in enumerate(blocks):
+        joins = open_run is not None and open_run[0] is take and open_run[2] == first
+        if open_run is not None and (not joins or i in held or first - open_run[1] >= 3 * size):
+            train.append(_part(*open_run))
+            open_run = None
+        if i not in held:
+            open_run = (take, open_run[1] if open_run else first, last)
+    if open_run is not None:
+        train.append(_part(*open_run))
+    return train, [_part(*blocks[i]) for i in sorted(held)]
 
-    mirror: bool = True
-    split_sides: float = 0.25
-    gain: float = 0.25
-    gain_range: tuple[float, float] = (0.4, 1.6)
+
+def _part(take: Performance, first: int, last: int) -> Performance:
+    return replace(take, weights=take.weights[first:last])
 
 
 def cut_windows(
-    performances: Sequence[Performance], frames: int, overlap: float
-) -> tuple[Floats, NDArray[np.bool_], NDArray[np.intp]]:
-    """Cut takes into windows.
-
-    Returns:
-        Weights (N, frames, 52), captured (N, 52), and block (N,): windows of one block overlap,
-        windows of different blocks do not share a frame, so that whole blocks can be held out.
-    """
-    step = max(1, round(frames * (1 - overlap)))
-    windows, captured, blocks = [], [], []
-    block = 0
-    for take in performances:
-        for first in range(0, len(take.weights) - frames + 1, 2 * frames):
-            part = take.weights[first : first + 2 * frames]
-            for start in range(0, len(part) - frames + 1, step):
-                windows.append(part[start : start + frames])
-                captured.append(take.captured)
-                blocks.append(block)
-            block += 1
-    if not windows:
-        raise FileError(
-            "training data", f"no take is as long as a window of {frames} frames", "add takes"
-        )
-    return np.stack(windows), np.stack(captured), np.array(blocks)
-
-
-def augment(
-    weights: Floats,
-    captured: NDArray[np.bool_],
-    how: Augmentation,
-    random: np.random.Generator,
+    performances: Iterable[Performance], frames: int, overlap: float
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Add altered windows: (N, W, 52), (N, 52) -> more of both."""
-    if how.mirror:
-        weights = np.concatenate([weights, mirrored(weights)])
-        captured = np.concatenate([captured, captured[:, _MIRROR]])
-    n = len(weights)
-    extra_w, extra_c = [weights], [captured]
-    if count := int(n * how.split_sides):
-        left, right = random.integers(n, size=count), random.integers(n, size=count)
-        extra_w.append(np.where(_LEFT, weights[left], weights[right]))
-        extra_c.append(np.where(_LEFT, captured[left], captured[right]))
-    if count := int(n * how.gain):
-        which = random.integers(n, size=count)
-        gain = random.uniform(*how.gain_range, size=(count, 1, 1)).astype(np.float32)
-        extra_w.append(np.clip(weights[which] * gain, 0.0, 1.0))
-        extra_c.append(captured[which])
-    return np.concatenate(extra_w), np.concatenate(extra_c)
+    """All windows of some takes: weights (N, frames, 52) and captured channels (N, 52)."""
+    step = max(1, round(frames * (1 - overlap)))
+    windows = [
+        (take.weights[first : first + frames], take.captured)
+        for take in performances
+        for first in range(0, len(take.weights) - frames + 1, step)
+    ]
+    if not windows:
+        nothing = np.zeros((0, frames, len(ARKIT_CHANNELS)), np.float32)
+        return nothing, np.zeros((0, len(ARKIT_CHANNELS)), bool)
+    return np.stack([w for w, _ in windows]), np.stack([c for _, c in windows])
 
 
 def region_windows(
@@ -200,7 +200,7 @@ def region_windows(
     rows = captured[:, columns].any(axis=1)
     weights, captured = weights[rows], captured[rows]
     controls = [CONTROL_INDEX[c] for c in region.controls]
-    mine = Distances(distances.offsets[controls], distances.gradients[:, controls])
+    mine = distances.select(controls)
     others = weights.copy()
     others[:, :, columns] = 0.0
     shape = (*weights.shape[:2], len(controls))

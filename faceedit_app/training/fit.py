@@ -7,53 +7,26 @@ reads every take below the folders and writes one file per region and a model ca
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX, Region
-from faceedit_app.core.resample import GRID_RATE
+from faceedit_app.core.regions import Region
 from faceedit_app.core.rig import Distances
-from faceedit_app.networks.models import DEFAULT_WIDTHS, RegionNetworks
+from faceedit_app.networks.models import RegionNetworks
 from faceedit_app.networks.store import RegionModel
-from faceedit_app.training.data import (
-    Augmentation,
-    Performance,
-    Windows,
-    augment,
-    cut_windows,
-    region_windows,
-)
+from faceedit_app.training.data import Performance
+from faceedit_app.training.examples import Examples
+from faceedit_app.training.loop import Checkpoint, History, learn
+from faceedit_app.training.losses import Batch, Losses, salt_and_pepper, wild_bursts
+from faceedit_app.training.settings import FitSettings, as_json
 
-
-@dataclass(frozen=True)
-class FitSettings:
-    """Every number of the training. Those of the paper are marked (P)."""
-
-    window: int = 64  # frames at 25 fps (P)
-    overlap: float = 0.75  # of neighbouring windows (P)
-    held_out: float = 0.05  # share of blocks kept for validation (P)
-    batch: int = 128  # windows (P)
-    learning_rate: float = 1e-3  # Adam (P)
-    decay: float = 0.95  # of the learning rate (P) ...
-    patience: int = 5  # ... after so many epochs without improvement (P)
-    epochs_regressor: int = 40
-    epochs_autoencoder: int = 30
-    l2: float = 1e-5  # weight of the sum of squared parameters
-    distance_loss: float = 1.0  # weight of the distance loss against the MSE (P) ...
-    distance_unit_mm: float = 10.0  # ... with distances in this unit
-    noise: float = 0.2  # share of control values set to salt or pepper (P) ...
-    noisy_windows: float = 0.5  # ... in this share of the windows
-    widths: tuple[int, ...] = DEFAULT_WIDTHS
-    augmentation: Augmentation = field(default_factory=Augmentation)
-    range_percentiles: tuple[float, float] = (0.05, 99.95)  # of each control, for `low`, `high`
-    seed: int = 1
+REGRESSOR, AUTOENCODER = 1, 2
 
 
 @dataclass(frozen=True)
@@ -76,255 +49,139 @@ class Fitted:
         model: ready to be saved.
         mse: held-out mean squared weight error of `regressor` and `system`.
         control_mm: held-out median absolute control error, likewise.
-        windows: numbers of training and held-out windows.
+        windows: numbers of training (an epoch) and held-out windows.
+        histories: losses by stage.
+        stopped: the user stopped the training; the best so far is kept.
     """
 
     model: RegionModel
     mse: dict[str, float]
     control_mm: dict[str, float]
     windows: tuple[int, int]
-
-
-@dataclass(frozen=True)
-class Batch:
-    """Windows as tensors; see `Windows`."""
-
-    controls: Tensor
-    weights: Tensor
-    captured: Tensor
-    still: Tensor
-
-    @classmethod
-    def of(cls, windows: Windows, rows: NDArray[np.intp]) -> Batch:
-        """Some of the windows."""
-        part = windows[rows]
-        return cls(*map(torch.from_numpy, (part.controls, part.weights, part.captured, part.still)))
-
-
-class Losses:
-    """The terms of the two losses of one region.
-
-    Args:
-        gradients: (K, C, 3) mm: how the region's channels move its controls.
-        settings: weights of the terms.
-    """
-
-    def __init__(self, gradients: NDArray[np.float32], settings: FitSettings) -> None:
-        self.gradients = torch.from_numpy(gradients)
-        self.settings = settings
-
-    def mse(self, answer: Tensor, batch: Batch) -> Tensor:
-        """Mean squared weight error over the captured channels."""
-        mask = batch.captured[:, :, None].float()
-        error = ((answer - batch.weights) ** 2 * mask).sum()
-        return error / (mask.sum() * answer.shape[2])
-
-    def control_error(self, answer: Tensor, batch: Batch) -> Tensor:
-        """(N, C, W) mm: the controls of the answer, through the rig, minus those of the take."""
-        vectors = batch.still + torch.einsum("nkt,kcx->ncxt", answer, self.gradients)
-        return torch.sqrt((vectors**2).sum(2) + 1e-6) - batch.controls
-
-    def regressor(self, answer: Tensor, batch: Batch) -> Tensor:
-        """The loss of the regressor (its L2 term is the optimiser's weight decay)."""
-        return self.mse(answer, batch)
-
-    def system(self, answer: Tensor, batch: Batch) -> Tensor:
-        """The loss of the full system: MSE + distances."""
-        distance = self.control_error(answer, batch) / self.settings.distance_unit_mm
-        return self.mse(answer, batch) + self.settings.distance_loss * (distance**2).mean()
-
-
-def salt_and_pepper(
-    controls: Tensor, low: Tensor, high: Tensor, settings: FitSettings, random: torch.Generator
-) -> Tensor:
-    """Set a share of the control values (N, C, W) to the ends of their range, as wild edits do."""
-    noisy = torch.rand(len(controls), 1, 1, generator=random) < settings.noisy_windows
-    hit = torch.rand(controls.shape, generator=random) < settings.noise
-    salt = torch.rand(controls.shape, generator=random) < 0.5
-    extremes = torch.where(salt, high[:, None], low[:, None])
-    return torch.where(noisy & hit, extremes, controls)
-
-
-def _epoch(
-    forward: Callable[[Batch], Tensor],
-    loss_of: Callable[[Tensor, Batch], Tensor],
-    windows: Windows,
-    order: NDArray[np.intp],
-    batch: int,
-    optimiser: torch.optim.Optimizer | None,
-) -> float:
-    """One pass; with an optimiser it learns. Returns the mean loss."""
-    total = 0.0
-    for first in range(0, len(order), batch):
-        rows = order[first : first + batch]
-        examples = Batch.of(windows, rows)
-        with torch.set_grad_enabled(optimiser is not None):
-            loss = loss_of(forward(examples), examples)
-        if optimiser is not None:
-            optimiser.zero_grad()
-            loss.backward()  # type: ignore[no-untyped-call]
-            optimiser.step()
-        total += float(loss.detach()) * len(rows)
-    return total / len(order)
-
-
-def _learn(
-    network: nn.Module,
-    forward: Callable[[Batch, bool], Tensor],
-    loss_of: Callable[[Tensor, Batch], Tensor],
-    train: Windows,
-    validation: Windows,
-    epochs: int,
-    settings: FitSettings,
-    report: Callable[[int, float, float], None],
-) -> None:
-    """Adam with a decaying rate; leaves the network at the epoch of the lowest validation loss."""
-    random = np.random.default_rng(settings.seed)
-    optimiser = torch.optim.Adam(
-        network.parameters(), settings.learning_rate, weight_decay=settings.l2
-    )
-    schedule = torch.optim.lr_scheduler.ReduceLROnPlateau(
-        optimiser, factor=settings.decay, patience=settings.patience
-    )
-    best, kept = np.inf, {k: v.clone() for k, v in network.state_dict().items()}
-    everything = np.arange(len(validation))
-    for number in range(1, epochs + 1):
-        network.train()
-        order = random.permutation(len(train))
-        loss = _epoch(lambda b: forward(b, True), loss_of, train, order, settings.batch, optimiser)
-        network.eval()
-        held = _epoch(
-            lambda b: forward(b, False), loss_of, validation, everything, settings.batch, None
-        )
-        schedule.step(held)
-        report(number, loss, held)
-        if held < best:
-            best, kept = held, {k: v.clone() for k, v in network.state_dict().items()}
-    network.load_state_dict(kept)
-    network.eval()
+    histories: dict[str, History]
+    stopped: bool = False
 
 
 def fit_region(
     region: Region,
-    performances: list[Performance],
+    performances: Sequence[Performance],
     distances: Distances,
     settings: FitSettings,
     report: Callable[[Epoch], None] = lambda epoch: None,
+    start: RegionModel | None = None,
+    checkpoints: Path | None = None,
 ) -> Fitted:
     """Train a region's regressor, then its autoencoder behind the frozen regressor.
 
     Args:
         distances: the eight controls as a function of the 52 weights in ARKit order.
         report: called after each epoch.
+        start: go on from these networks, with their input mean and within their ranges.
+        checkpoints: folder to keep the state in, and to go on from.
     """
     torch.manual_seed(settings.seed)
-    train, validation = _examples(region, performances, distances, settings)
-    networks = RegionNetworks(len(region.controls), len(region.channels), settings.widths)
-    networks.mean.copy_(torch.from_numpy(train.controls.mean((0, 2))))
-    low, high = np.percentile(
-        train.controls.transpose(0, 2, 1).reshape(-1, len(region.controls)),
-        settings.range_percentiles,
-        axis=0,
-    )
-    losses = Losses(_gradients(region, distances), settings)
+    examples = Examples(region, performances, distances, settings)
+    losses = Losses(examples.gradients, settings)
+    networks = _networks(region, examples, settings, start)
+    low, high = examples.bounds
+    covariance = examples.covariance
+    if start is not None:
+        low, high = np.minimum(low, start.low), np.maximum(high, start.high)
+        covariance = 0.5 * (covariance + start.covariance)
+    mark = fingerprint(performances, settings, start)
+    histories: dict[str, History] = {}
 
-    def report_as(stage: str, of: int) -> Callable[[int, float, float], None]:
-        return lambda n, loss, held: report(Epoch(region.id, stage, n, of, loss, held))
+    def stage(name: str, number: int, of: int, network: nn.Module) -> None:
+        histories[name] = learn(
+            network,
+            _forward(networks, settings, (low, high), number == AUTOENCODER),
+            losses.system if number == AUTOENCODER else losses.regressor,
+            lambda epoch: examples.epoch(1000 * number + epoch),
+            examples.validation,
+            of,
+            settings,
+            number,
+            Checkpoint(checkpoints / f"{region.id}.{name}.safetensors", mark)
+            if checkpoints
+            else None,
+            lambda n, loss, held: report(Epoch(region.id, name, n, of, loss, held)),
+        )
 
-    _learn(
-        networks.regressor,
-        lambda batch, _: networks.regress(batch.controls),
-        losses.regressor,
-        train,
-        validation,
-        settings.epochs_regressor,
-        settings,
-        report_as("regressor", settings.epochs_regressor),
-    )
+    stage("regressor", REGRESSOR, settings.epochs_regressor, networks.regressor)
     networks.regressor.requires_grad_(False)
-    random = torch.Generator().manual_seed(settings.seed)
-    ends = [torch.from_numpy(x.astype(np.float32)) for x in (low, high)]
-
-    def system(batch: Batch, learning: bool) -> Tensor:
-        controls = batch.controls
-        if learning:
-            controls = salt_and_pepper(controls, ends[0], ends[1], settings, random)
-        return networks.clean(networks.regress(controls))
-
-    _learn(
-        networks.autoencoder,
-        system,
-        losses.system,
-        train,
-        validation,
-        settings.epochs_autoencoder,
-        settings,
-        report_as("autoencoder", settings.epochs_autoencoder),
-    )
+    if not histories["regressor"].stopped:
+        learned = nn.ModuleList([networks.autoencoder])
+        if networks.adapted is not None:  # its statistics follow the noise, its weights do not
+            networks.adapted.load_state_dict(networks.regressor.state_dict())
+            networks.adapted.requires_grad_(False)
+            learned.append(networks.adapted)
+        stage("autoencoder", AUTOENCODER, settings.epochs_autoencoder, learned)
     model = RegionModel(
         region=region.id,
         controls=region.controls,
         channels=region.channels,
         networks=networks.eval(),
-        covariance=_covariance(train),
+        covariance=covariance,
         low=low.astype(np.float64),
         high=high.astype(np.float64),
-        widths=settings.widths,
+        widths=start.widths if start else settings.widths,
+        notes=json.dumps(as_json(settings)),
+        natural=examples.natural,
     )
-    return _judge(model, losses, train, validation)
+    return _judge(model, losses, examples, histories)
 
 
-def _examples(
-    region: Region,
-    performances: list[Performance],
-    distances: Distances,
+def fingerprint(
+    performances: Sequence[Performance], settings: FitSettings, start: RegionModel | None = None
+) -> str:
+    """A text that is the same for the same takes, settings and beginning."""
+    takes = [[p.name, len(p.weights), float(np.float64(p.weights).sum())] for p in performances]
+    first = None if start is None else sum(float(p.sum()) for p in start.networks.parameters())
+    return json.dumps([as_json(settings), takes, first])
+
+
+def _networks(
+    region: Region, examples: Examples, settings: FitSettings, start: RegionModel | None
+) -> RegionNetworks:
+    if start is not None:
+        return start.networks
+    networks = RegionNetworks(
+        len(region.controls),
+        len(region.channels),
+        settings.widths,
+        settings.residual,
+        settings.adapt_statistics,
+    )
+    networks.mean.copy_(torch.from_numpy(examples.mean))
+    return networks
+
+
+def _forward(
+    networks: RegionNetworks,
     settings: FitSettings,
-) -> tuple[Windows, Windows]:
-    """Training windows, altered copies included, and held-out windows as recorded."""
-    weights, captured, blocks = cut_windows(performances, settings.window, settings.overlap)
-    random = np.random.default_rng(settings.seed)
-    chosen = random.permutation(blocks.max() + 1)
-    count = max(1, round(settings.held_out * len(chosen)))
-    while not np.isin(chosen[:count], blocks).any():  # short ends of takes hold no window
-        count += 1
-    held = np.isin(blocks, chosen[:count])
-    more = augment(weights[~held], captured[~held], settings.augmentation, random)
-    train = region_windows(region, *more, distances)
-    validation = region_windows(region, weights[held], captured[held], distances)
-    if not len(train) or not len(validation):
-        raise FileError(
-            "training data",
-            f"is too little for the {region.label.lower()}: {len(train)} windows to learn from "
-            f"and {len(validation)} to hold out",
-            f"add takes of more than {4 * settings.window / GRID_RATE:.0f} seconds",
-        )
-    return train, validation
+    bounds: Sequence[np.ndarray[tuple[int], np.dtype[np.float64]]],
+    system: bool,
+) -> Callable[[Batch, torch.Generator | None], Tensor]:
+    """What a stage computes; the full system sees noise while it learns."""
+    low, high = (torch.from_numpy(np.asarray(x, np.float32)) for x in bounds)
+
+    def forward(batch: Batch, random: torch.Generator | None) -> Tensor:
+        controls = batch.controls
+        if not system:
+            return networks.regress(controls)
+        if random is not None:
+            controls = salt_and_pepper(controls, low, high, settings, random)
+            if settings.wild_windows:
+                controls = wild_bursts(controls, low, high, settings, random)
+        return networks.clean(networks.prepare(controls))
+
+    return forward
 
 
-def _gradients(region: Region, distances: Distances) -> NDArray[np.float32]:
-    rows = [ARKIT_INDEX[c] for c in region.channels]
-    columns = [CONTROL_INDEX[c] for c in region.controls]
-    return np.ascontiguousarray(distances.gradients[np.ix_(rows, columns)])
-
-
-def _covariance(windows: Windows) -> NDArray[np.float64]:
-    """(K, K) over the captured values of each pair of channels."""
-    weights = windows.weights.astype(np.float64)
-    seen = windows.captured.astype(np.float64)[:, :, None]
-    count = weights.shape[2]
-    mean = (weights * seen).sum((0, 2)) / np.maximum(seen.sum((0, 2)) * count, 1)
-    centred = (weights - mean[:, None]) * seen
-    pairs = np.einsum("nk,nl->kl", seen[:, :, 0], seen[:, :, 0]) * count
-    joint = np.einsum("nkt,nlt->kl", centred, centred) / np.maximum(pairs, 1)
-    # Pairs were seen on different windows, which can leave slightly negative directions.
-    values, vectors = np.linalg.eigh(joint)
-    floor = 1e-3 * values.max()
-    result: NDArray[np.float64] = (vectors * np.maximum(values, floor)) @ vectors.T
-    return result
-
-
-def _judge(model: RegionModel, losses: Losses, train: Windows, held: Windows) -> Fitted:
-    batch = Batch.of(held, np.arange(len(held)))
+def _judge(
+    model: RegionModel, losses: Losses, examples: Examples, histories: dict[str, History]
+) -> Fitted:
+    batch = Batch.of(examples.validation, np.arange(len(examples.validation)))
     with torch.inference_mode():
         answers = {
             "regressor": model.networks(batch.controls, 0.0),
@@ -334,5 +191,7 @@ def _judge(model: RegionModel, losses: Losses, train: Windows, held: Windows) ->
             model,
             {k: float(losses.mse(v, batch)) for k, v in answers.items()},
             {k: float(losses.control_error(v, batch).abs().median()) for k, v in answers.items()},
-            (len(train), len(held)),
+            examples.count,
+            histories,
+            any(history.stopped for history in histories.values()),
         )

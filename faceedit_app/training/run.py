@@ -3,159 +3,206 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
-import os
-from collections import defaultdict
-from collections.abc import Iterator, Sequence
+import json
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import torch
 from rich.progress import Progress
 
-from faceedit_app import __version__
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Distances
 from faceedit_app.formats.glb import read_rig
-from faceedit_app.formats.opening import open_take
-from faceedit_app.networks.store import save_model
+from faceedit_app.networks.store import RegionModel, load_model, save_model
+from faceedit_app.training.card import model_card
+from faceedit_app.training.charts import Line, chart
 from faceedit_app.training.data import Performance, load_performances
-from faceedit_app.training.fit import Epoch, FitSettings, Fitted, fit_region
-from faceedit_app.training.statistics import Take, measure, table
+from faceedit_app.training.fit import Epoch, Fitted, fit_region
+from faceedit_app.training.holden import FOLDER, fit_holden, save_holden
+from faceedit_app.training.loop import History
+from faceedit_app.training.settings import RECIPES, FitSettings
 
 CARD = "README.md"
-LICENCES = "licences.md"
+LOSSES = "losses.svg"
+CHECKPOINTS = "checkpoint"
 LOG_EVERY = 5  # epochs, where no progress bar can be drawn
 
+# So that the same data and seed give the same networks on one core or many. It is also as fast:
+# on networks this small, threads wait for each other.
+THREADS = 1
 
-def train_models(
-    folders: Sequence[Path],
-    output: Path,
-    exclude: Sequence[str],
-    epochs: int | None,
-    seed: int,
-    progress: Progress,
-) -> Iterator[Path]:
+# Fine-tuning: fewer epochs, smaller steps.
+FINETUNE_EPOCHS = 15
+FINETUNE_RATE = 0.2  # of the recipe's
+
+Report = Callable[[Epoch], None]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to train.
+
+    Attributes:
+        folders: folders of takes, or takes.
+        output: folder for the models.
+        exclude: file name patterns to leave out.
+        recipe: key of `RECIPES`.
+        epochs: passes over the data for each network; the recipe's if None.
+        seed: same seed, same data: same networks.
+        finetune: start from these models.
+        baseline: train the baseline of the evaluation as well.
+        fresh: do not go on from an interrupted training in `output`.
+    """
+
+    folders: tuple[Path, ...]
+    output: Path
+    exclude: tuple[str, ...] = ()
+    recipe: str = "faceedit"
+    epochs: int | None = None
+    seed: int = 1
+    finetune: Path | None = None
+    baseline: bool = True
+    fresh: bool = False
+
+    @property
+    def settings(self) -> FitSettings:
+        """The recipe with what the plan changes.
+
+        Raises:
+            FaceEditError: there is no such recipe.
+        """
+        if self.recipe not in RECIPES:
+            raise FaceEditError(f"--recipe {self.recipe}: must be {' or '.join(RECIPES)}")
+        settings = dataclasses.replace(RECIPES[self.recipe], seed=self.seed)
+        if self.finetune is not None:
+            settings = dataclasses.replace(
+                settings,
+                learning_rate=FINETUNE_RATE * settings.learning_rate,
+                epochs_regressor=FINETUNE_EPOCHS,
+                epochs_autoencoder=FINETUNE_EPOCHS,
+            )
+        if self.epochs is not None:
+            settings = dataclasses.replace(
+                settings, epochs_regressor=self.epochs, epochs_autoencoder=self.epochs
+            )
+        return settings
+
+
+def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
     """Train the networks of each region; yields each file as it is written.
+
+    The state of each epoch is kept in the folder `checkpoint` of the output until all is done:
+    the same command goes on from there. Ctrl+C writes the best networks so far of the region
+    that is being trained.
 
     Raises:
         FileError: a folder holds no take, or the output cannot be written.
+        KeyboardInterrupt: the user stopped the training; what was written is usable.
     """
-    torch.set_num_threads(os.cpu_count() or 1)
-    settings = FitSettings(seed=seed)
-    if epochs is not None:
-        settings = dataclasses.replace(settings, epochs_regressor=epochs, epochs_autoencoder=epochs)
+    torch.set_num_threads(THREADS)
+    settings = plan.settings
+    begin = _beginnings(plan.finetune)
+    checkpoints = plan.output / CHECKPOINTS
     try:
-        output.mkdir(parents=True, exist_ok=True)
+        if plan.fresh:
+            shutil.rmtree(checkpoints, ignore_errors=True)
+        checkpoints.mkdir(parents=True, exist_ok=True)
+        if plan.baseline:
+            (plan.output / FOLDER).mkdir(exist_ok=True)
     except OSError as error:
-        raise FileError(output, "cannot be made", "choose another folder") from error
-    performances = load_performances(folders, exclude)
+        raise FileError(plan.output, "cannot be made", "choose another folder") from error
+    performances = load_performances(plan.folders, plan.exclude)
     distances = read_rig(shipped("assets/character.glb")).arkit_distances
     fitted = []
     for region in REGIONS:
-        total = settings.epochs_regressor + settings.epochs_autoencoder
-        bar = progress.add_task(region.label, total=total)
-
-        def report(epoch: Epoch, bar: object = bar, label: str = region.label) -> None:
-            text = f"{label}: {epoch.stage}, held-out loss {epoch.validation:.5f}"
-            progress.update(bar, advance=1, description=text)  # type: ignore[arg-type]
-            if not progress.console.is_terminal and epoch.number % LOG_EVERY == 0:
-                progress.console.print(f"{text}, epoch {epoch.number} of {epoch.of}")
-
-        result = fit_region(region, performances, distances, settings, report)
-        path = output / f"{region.id}.safetensors"
+        report = _reporter(progress, region.label, _epochs(settings, plan.baseline))
+        start = begin.get(region.id)
+        result = fit_region(region, performances, distances, settings, report, start, checkpoints)
+        path = plan.output / f"{region.id}.safetensors"
         save_model(path, result.model)
         fitted.append(result)
         yield path
-    card = output / CARD
-    write_atomically(card, model_card(fitted, performances, settings, output).encode())
+        if plan.baseline and not result.stopped:
+            yield _baseline(
+                region.id, performances, distances, settings, report, plan.output, result
+            )
+        if result.stopped:
+            raise KeyboardInterrupt
+    chart_file = plan.output / LOSSES
+    write_atomically(chart_file, losses_chart(fitted).encode())
+    yield chart_file
+    card = plan.output / CARD
+    write_atomically(card, model_card(fitted, performances, settings, plan.output).encode())
     yield card
+    shutil.rmtree(checkpoints, ignore_errors=True)
 
 
-def model_card(
-    fitted: Sequence[Fitted],
+def _baseline(
+    region: str,
     performances: Sequence[Performance],
+    distances: Distances,
     settings: FitSettings,
-    folder: Path,
-) -> str:
-    """What the models were made of and what they measure, in Markdown."""
-    seconds: dict[str, float] = defaultdict(float)
-    for take in performances:
-        seconds[take.source] += take.seconds
-    sources = "\n".join(f"| `{name}` | {length:.0f} |" for name, length in seconds.items())
-    figures = "\n".join(
-        f"| {result.model.region} | {len(result.model.controls)} → {len(result.model.channels)} | "
-        f"{result.windows[0]} / {result.windows[1]} | "
-        + " | ".join(
-            f"{result.mse[k]:.4f}, {result.control_mm[k]:.2f}" for k in ("regressor", "system")
-        )
-        + " |"
+    report: Report,
+    output: Path,
+    result: Fitted,
+) -> Path:
+    one = next(r for r in REGIONS if r.id == region)
+    checkpoints = output / CHECKPOINTS
+    model, histories = fit_holden(one, performances, distances, settings, report, checkpoints)
+    result.histories.update(histories)
+    result.stopped = any(history.stopped for history in histories.values())
+    path = output / FOLDER / f"{region}.safetensors"
+    save_holden(path, model)
+    return path
+
+
+def _beginnings(folder: Path | None) -> dict[str, RegionModel]:
+    if folder is None:
+        return {}
+    return {r.id: load_model(folder / f"{r.id}.safetensors") for r in REGIONS}
+
+
+def _epochs(settings: FitSettings, baseline: bool) -> int:
+    once = settings.epochs_regressor + settings.epochs_autoencoder
+    return once * (2 if baseline else 1)
+
+
+def _reporter(progress: Progress, label: str, total: int) -> Report:
+    bar = progress.add_task(label, total=total)
+
+    def report(epoch: Epoch) -> None:
+        text = f"{label}: {epoch.stage}, held-out loss {epoch.validation:.5f}"
+        progress.update(bar, advance=1, description=text)
+        if not progress.console.is_terminal and epoch.number % LOG_EVERY == 0:
+            progress.console.print(f"{text}, epoch {epoch.number} of {epoch.of}")
+
+    return report
+
+
+def losses_chart(fitted: Sequence[Fitted]) -> str:
+    """Held-out loss of each network over the epochs, as SVG."""
+
+    def line(region: str, stage: str, history: History) -> Line:
+        return Line(f"{region} {stage}", range(1, len(history.held) + 1), history.held)
+
+    lines = [
+        line(result.model.region, stage, history)
         for result in fitted
-    )
-    hashes = "\n".join(
-        f"    {hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}"
-        for path in sorted(folder.glob("*.safetensors"))
-    )
-    numbers = "\n".join(
-        f"- {name}: {value}" for name, value in dataclasses.asdict(settings).items()
-    )
-    return f"""# The networks
-
-Written by `faceedit train` of FaceEdit {__version__}. For each face region a regressor (controls to
-blendshape weights) and a stacked denoising autoencoder, after Berson, Soladié, Barrielle and
-Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019); the autoencoder is
-residual. One safetensors file a region; nothing in it is ever executed.
-
-They are meant for editing tracked facial animation on ARKit channels, at 25 frames per second
-inside. They are not meant for recognising people or feelings, and have seen few people.
-
-## Data
-
-| source | seconds |
-|---|---|
-{sources}
-
-Each window is mirrored; part of the windows is added again with the two sides of the face taken
-from different takes, or played stronger or weaker. Channels that a source does not capture are
-left out of the loss. Who made the sources and their licences: [{LICENCES}]({LICENCES}).
-
-## Held-out figures
-
-Mean squared weight error, and median absolute error of the controls in mm, on blocks of the same
-takes that were not trained on. This flatters: the people are the same.
-
-| region | controls → channels | windows (trained / held out) | regressor | full system |
-|---|---|---|---|---|
-{figures}
-
-## Settings
-
-{numbers}
-
-## Files (SHA-256)
-
-{hashes}
-"""
+        for stage, history in result.histories.items()
+        if not stage.startswith("holden")
+    ]
+    return chart("Held-out loss", "epoch", "loss", lines, log_y=True)
 
 
-def statistics_of(folders: Sequence[Path]) -> str:
-    """A table of the figures of `statistics.measure`, one column for each source.
-
-    Raises:
-        FileError: a folder holds no take, or no take of a second.
-    """
-    takes: dict[str, list[Take]] = defaultdict(list)
-    for folder in folders:
-        paths = sorted(folder.rglob("*.csv")) if folder.is_dir() else [folder]
-        if not paths:
-            raise FileError(folder, "holds no take (*.csv)", "name a folder of takes")
-        for path in paths:
-            clip = open_take(path).clip
-            source = path.stem.split("__")[0] if "__" in path.stem else path.parent.name
-            takes[source].append((clip.times, clip.arkit_weights().astype(np.float32)))
+def read_settings(model: RegionModel) -> dict[str, object]:
+    """The settings that a model was trained with; empty where its file does not say."""
     try:
-        return table({name: measure(some) for name, some in takes.items()})
-    except ValueError as error:
-        raise FileError(folders[0], str(error), "name longer takes") from error
+        found = json.loads(model.notes)
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}

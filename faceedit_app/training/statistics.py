@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import MODELLED_CHANNELS
+from faceedit_app.core.regions import MODELLED_CHANNELS, REGIONS
 
 Doubles = NDArray[np.float64]
 Take = tuple[NDArray[np.float64], NDArray[np.float32]]
@@ -45,6 +45,7 @@ PAIRS: tuple[tuple[str, str], ...] = (
     ("eyeBlinkLeft", "eyeWideLeft"),
     ("eyeBlinkLeft", "eyeLookDownLeft"),
 )
+MOUTH_CHANNELS: tuple[str, ...] = REGIONS[0].channels
 STD_CHANNELS: tuple[str, ...] = tuple(c for c in MODELLED_CHANNELS if not c.endswith("Right"))
 
 
@@ -128,6 +129,31 @@ def measure(takes: Iterable[Take]) -> Figures:
         std={c: float(centred[:, ARKIT_INDEX[c]].std()) for c in STD_CHANNELS},
         correlations={pair: _correlation(centred, pair) for pair in PAIRS},
     )
+
+
+def spectrum(
+    takes: Iterable[Take], channels: Sequence[str] = MOUTH_CHANNELS, segment: float = 4.0
+) -> tuple[Doubles, Doubles]:
+    """How fast some channels move: Welch's spectrum over segments of some seconds.
+
+    Returns:
+        Frequencies (F,) in Hz above 0, and the share of the variance per Hz (F,).
+    """
+    frames = int(segment * RATE)
+    columns = [ARKIT_INDEX[c] for c in channels]
+    total = np.zeros(frames // 2 + 1)
+    window = np.hanning(frames)[:, None]
+    for take in takes:
+        if len(take[0]) < 3:
+            continue
+        weights = _resampled(take, RATE)[:, columns]
+        for first in range(0, len(weights) - frames + 1, frames // 2):
+            part = weights[first : first + frames]
+            moved = (part - part.mean(axis=0)) * window
+            total += (np.abs(np.fft.rfft(moved, axis=0)) ** 2).sum(axis=1)
+    frequency: Doubles = np.fft.rfftfreq(frames, 1.0 / RATE)[1:].astype(np.float64)
+    power: Doubles = total[1:] / max(float(total[1:].sum() * frequency[0]), 1e-12)
+    return frequency, power
 
 
 def table(figures: Mapping[str, Figures]) -> str:

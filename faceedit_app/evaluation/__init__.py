@@ -1,0 +1,1 @@
+"""Measuring the networks and the edits: metrics, benchmark, the paper's experiments."""

@@ -1,0 +1,146 @@
+"""Figures that say how good an answer is. Small functions over arrays, time first.
+
+Throughout, `answer` and `truth` are weights (T, K) at 25 frames a second, and `captured` (K,)
+bool says which channels the truth knows about.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.regions import CONTROL_INDEX, MODELLED_CHANNELS, Region
+from faceedit_app.core.resample import GRID_RATE
+from faceedit_app.core.rig import MILLIMETRES, Rig
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+HIGH_HZ = 4.0
+"""What moves faster than this is what over-smoothing takes away first."""
+
+# Which vertices belong to the lips and lids: those near their control points.
+NEAR_LIPS_MM = 12.0
+NEAR_LIDS_MM = 10.0
+MOVED_MM = 2.0  # the brows: vertices that a brow channel moves by so much
+_LIPS = ("mouth_opening", "mouth_width", "left_corner")
+_AT_LIMIT = 1e-4
+
+
+def squared_errors(answer: Array, truth: Array, captured: Mask) -> Array:
+    """(n,) squared weight errors of the captured channels; their mean is the MSE."""
+    return ((answer - truth)[:, captured] ** 2).ravel()
+
+
+def high_energy(weights: Array, captured: Mask, above: float = HIGH_HZ) -> float:
+    """Energy of the captured channels above some Hz (Hann window over the whole take)."""
+    if len(weights) < 8 or not captured.any():
+        return 0.0
+    x = weights[:, captured] - weights[:, captured].mean(axis=0)
+    power = np.abs(np.fft.rfft(x * np.hanning(len(x))[:, None], axis=0)) ** 2
+    return float(power[np.fft.rfftfreq(len(x), 1.0 / GRID_RATE) > above].sum())
+
+
+def jerk(weights: Array, captured: Mask) -> float:
+    """Sum of the absolute third differences of the captured channels."""
+    if len(weights) < 4:
+        return 0.0
+    return float(np.abs(np.diff(weights[:, captured], n=3, axis=0)).sum())
+
+
+@dataclass(frozen=True)
+class Closures:
+    """How well closures are kept, by threshold of detection.
+
+    A frame is a closure where the distance is below the threshold; both rates count frames.
+
+    Attributes:
+        thresholds: mm.
+        tpr: share of the actual closures that are closures in the answer; NaN without any.
+        fpr: closures in the answer that are none in truth, by the number of actual ones.
+        actual: number of actual closures.
+    """
+
+    thresholds: tuple[float, ...]
+    tpr: tuple[float, ...]
+    fpr: tuple[float, ...]
+    actual: tuple[int, ...]
+
+    def fpr_at(self, wanted: float) -> tuple[float, float]:
+        """The smallest threshold at which the TPR is at least `wanted`, and the FPR there.
+
+        NaN, NaN if there is none.
+        """
+        for threshold, tpr, fpr in zip(self.thresholds, self.tpr, self.fpr, strict=True):
+            if tpr >= wanted:
+                return threshold, fpr
+        return float("nan"), float("nan")
+
+
+def closures(answer: Array, truth: Array, thresholds: Sequence[float]) -> Closures:
+    """Closures kept, lost and made up: distances (T,) mm of the answer and of the truth."""
+    tpr, fpr, actual = [], [], []
+    for threshold in thresholds:
+        is_closed, says_closed = truth < threshold, answer < threshold
+        count = int(is_closed.sum())
+        actual.append(count)
+        tpr.append(float((is_closed & says_closed).sum() / count) if count else float("nan"))
+        fpr.append(float((~is_closed & says_closed).sum() / count) if count else float("nan"))
+    return Closures(tuple(map(float, thresholds)), tuple(tpr), tuple(fpr), tuple(actual))
+
+
+def region_vertices(rig: Rig, region: Region) -> NDArray[np.intp]:
+    """Indices of the lip, lid or brow vertices that a region's error is measured on."""
+    if region.id == "upper":
+        rows = [rig.channel_index[c] for c in region.channels if c in rig.channel_index]
+        moved = np.linalg.norm(rig.deltas[rows], axis=2).max(axis=0) * MILLIMETRES
+        return np.flatnonzero(moved > MOVED_MM)
+    lips = region.id == "lower"
+    controls = _LIPS if lips else region.controls
+    points = rig.neutral[rig.control_pairs[[CONTROL_INDEX[c] for c in controls]].ravel()]
+    away = np.linalg.norm(rig.neutral[:, None] - points[None], axis=2).min(axis=1) * MILLIMETRES
+    rows = [rig.channel_index[c] for c in MODELLED_CHANNELS if c in rig.channel_index]
+    moves = np.linalg.norm(rig.deltas[rows], axis=2).max(axis=0) > 0
+    return np.flatnonzero((away < (NEAR_LIPS_MM if lips else NEAR_LIDS_MM)) & moves)
+
+
+def vertex_errors(rig: Rig, region: Region, answer: Array, truth: Array) -> Array:
+    """(T,) mm: mean distance of the region's vertices between two sets of its weights.
+
+    Blendshapes add up, so the rest of the face makes no difference.
+    """
+    rows = [i for i, c in enumerate(region.channels) if c in rig.channel_index]
+    columns = [rig.channel_index[region.channels[i]] for i in rows]
+    deltas = rig.deltas[columns][:, region_vertices(rig, region)].astype(np.float64)
+    flat = deltas.reshape(len(columns), -1)
+    moved = ((answer - truth)[:, rows] @ flat).reshape(len(answer), -1, 3)
+    errors: Array = np.linalg.norm(moved, axis=2).mean(axis=1) * MILLIMETRES
+    return errors
+
+
+def boundary_jump(before: Array, after: Array, frames: Iterable[int]) -> float:
+    """Largest jump of velocity that an edit adds at some frames, in weight per frame.
+
+    Args:
+        before, after: (T, K) weights.
+        frames: where the edit begins and ends; those without neighbours are left out.
+    """
+    change = after - before
+    jumps = [
+        float(np.abs(change[f - 1] - 2 * change[f] + change[f + 1]).max())
+        for f in frames
+        if 0 < f < len(change) - 1
+    ]
+    return max(jumps, default=0.0)
+
+
+def clipped_share(before: Array, after: Array) -> float:
+    """Share of the changed weights (T, K) that an edit drove to 0 or 1."""
+    changed = np.abs(after - before) > _AT_LIMIT
+    if not changed.any():
+        return 0.0
+    limit = (np.abs(after) < _AT_LIMIT) | (np.abs(after - 1.0) < _AT_LIMIT)
+    return float((limit & changed).sum() / changed.sum())
