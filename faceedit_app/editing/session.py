@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,6 +37,8 @@ class EditSession:
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
     read them, do not keep or change them.
 
+    `on_finished`, where it is set, hears of every finished gesture, undo and redo (the journal).
+
     Args:
         take: the open take.
         rig: the character.
@@ -50,7 +52,8 @@ class EditSession:
         self._saved = self._state
         self._undo: list[EditState] = []
         self._redo: list[EditState] = []
-        self._floating: Edit | None = None
+        self._floating: tuple[Edit, ...] | None = None
+        self.on_finished: Callable[[EditState], None] | None = None
         self._shown: dict[tuple[object, ...], Island] = {}
         self._patches: dict[tuple[object, ...], Patch] = {}
         self.tracked = self._solver.controls
@@ -90,20 +93,43 @@ class EditSession:
         """Whether the present edits are the ones last exported or saved."""
         return self._state == self._saved
 
-    def preview(self, edit: Edit | None) -> None:
-        """Show the take with one more edit that floats: a drag in progress."""
-        self._floating = edit
-        self._refresh()
+    @property
+    def state(self) -> EditState:
+        """What has been done, without what floats."""
+        return self._state
+
+    @property
+    def is_floating(self) -> bool:
+        """Whether a gesture is in progress: what is shown is not yet kept."""
+        return self._floating is not None
+
+    def preview(self, *edits: Edit | None) -> None:
+        """Show the take with more edits that float: a drag in progress. None is no edit."""
+        more = tuple(edit for edit in edits if edit is not None)
+        self._float(self._state.edits + more if more else None)
+
+    def preview_list(self, edits: Sequence[Edit]) -> None:
+        """Show the take with another list of edits: one of them is being changed."""
+        self._float(tuple(edits))
+
+    def preview_replace(self, index: int, edit: Edit) -> None:
+        """Show the take with another edit in place of one of the list."""
+        self.preview_list(self._with(index, edit))
 
     def commit(self) -> None:
-        """Keep the floating edit as one undo step."""
+        """Keep what floats as one undo step."""
         if self._floating is not None:
-            edit, self._floating = self._floating, None
-            self.add(edit)
+            edits, self._floating = self._floating, None
+            if not self._change(replace(self._state, edits=edits)):
+                self._refresh()
 
     def cancel(self) -> None:
-        """Drop the floating edit."""
-        self.preview(None)
+        """Drop what floats."""
+        self._float(None)
+
+    def _float(self, edits: tuple[Edit, ...] | None) -> None:
+        self._floating = edits
+        self._refresh()
 
     def add(self, *edits: Edit) -> None:
         """Add edits as one undo step."""
@@ -113,30 +139,79 @@ class EditSession:
         """Bring controls back to the take as tracked from `start` to `end` seconds."""
         self.add(Edit(tuple(controls), Op.RESET, start, end, 0.0))
 
+    def replace_edit(self, index: int, edit: Edit) -> None:
+        """Put another edit in the place of one, as one undo step."""
+        self._change(replace(self._state, edits=self._with(index, edit)))
+
+    def set_enabled(self, index: int, enabled: bool) -> None:
+        """Switch an edit on or off, as one undo step."""
+        self.replace_edit(index, replace(self.edits[index], enabled=enabled))
+
+    def set_strength(self, index: int, strength: float) -> None:
+        """Make an edit weaker or stronger (0..1.5), as one undo step."""
+        self.replace_edit(index, replace(self.edits[index], strength=strength))
+
+    def rename(self, index: int, name: str) -> None:
+        """Call an edit something else, as one undo step; "" is its description again."""
+        self.replace_edit(index, replace(self.edits[index], name=name.strip()))
+
+    def remove(self, *indices: int) -> None:
+        """Take edits out of the list, as one undo step."""
+        gone = {range(len(self.edits))[index] for index in indices}
+        kept = tuple(edit for i, edit in enumerate(self.edits) if i not in gone)
+        self._change(replace(self._state, edits=kept))
+
+    def move(self, index: int, to: int) -> None:
+        """Bring an edit to another place in the list, as one undo step.
+
+        Args:
+            index: where it is.
+            to: where it is afterwards; beyond an end of the list is that end.
+        """
+        edits = list(self.edits)
+        edit = edits.pop(index)
+        edits.insert(max(to, 0), edit)
+        self._change(replace(self._state, edits=tuple(edits)))
+
     def configure(self, settings: Settings) -> None:
         """Answer all edits by other settings, as one undo step."""
-        if settings != self._state.settings:
-            self._change(replace(self._state, settings=settings))
+        self._change(replace(self._state, settings=settings))
+
+    def restore(self, state: EditState) -> None:
+        """Go to a state that was kept in a file, as one undo step."""
+        self._change(state)
 
     def undo(self) -> None:
         """Take the last step back."""
         if self._undo:
             self._redo.append(self._state)
-            self._state = self._undo.pop()
-            self._refresh()
+            self._arrive(self._undo.pop())
 
     def redo(self) -> None:
         """Take the step again that was undone last."""
         if self._redo:
             self._undo.append(self._state)
-            self._state = self._redo.pop()
-            self._refresh()
+            self._arrive(self._redo.pop())
 
-    def _change(self, state: EditState) -> None:
+    def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
+        edits = list(self.edits)
+        edits[index] = edit
+        return tuple(edits)
+
+    def _change(self, state: EditState) -> bool:
+        """Go to a new state, as one undo step; a step to where one is would be no step."""
+        if state == self._state:
+            return False
         self._undo.append(self._state)
         self._redo.clear()
-        self._state = state
+        self._arrive(state)
+        return True
+
+    def _arrive(self, state: EditState) -> None:
+        self._state, self._floating = state, None
         self._refresh()
+        if self.on_finished is not None:
+            self.on_finished(state)
 
     def use_engine(self, engine: Engine) -> None:
         """Answer by these networks from now on (they load after the window is up)."""
@@ -160,8 +235,8 @@ class EditSession:
         )
 
     def _refresh(self) -> None:
-        floating = () if self._floating is None else (self._floating,)
-        self._show(self._solver.islands(self._state.edits + floating, self._state.settings))
+        edits = self._state.edits if self._floating is None else self._floating
+        self._show(self._solver.islands(edits, self._state.settings))
 
     def _show(self, islands: list[Island]) -> None:
         """Make the live arrays show these islands and the tracked take between them."""
@@ -193,12 +268,16 @@ class EditSession:
             FileError: it cannot be written; an existing file is then untouched.
         """
         write_take(path, self.take, self.clip_weights())
+        self.mark_saved()
+
+    def mark_saved(self) -> None:
+        """What has been done up to now is in a file."""
         self._saved = self._state
 
     def save_edits(self, path: Path | str) -> None:
         """Save the edits for `faceedit apply` or for another day."""
         write_edits(path, self.edits)
-        self._saved = self._state
+        self.mark_saved()
 
     def load_edits(self, path: Path | str) -> None:
         """Add the edits of a file, as one undo step.
