@@ -137,8 +137,8 @@ class Edit:
         """How much of the edit applies at `times` (T,): 1 in the hold, cosine falloff, 0."""
         before, after = self.start - times, times - self.end
         if self.fade_out == self.falloff:
-            return _fade(np.maximum(before, after), self.falloff)
-        return _fade(before, self.falloff) * _fade(after, self.fade_out)
+            return fade(np.maximum(before, after), self.falloff)
+        return fade(before, self.falloff) * fade(after, self.fade_out)
 
     def shifted(self, seconds: float) -> Edit:
         """The same edit earlier or later, its points with it."""
@@ -159,7 +159,7 @@ class Edit:
         return replace(self, controls=tuple(MIRRORED_CONTROL[c] for c in self.controls))
 
 
-def _fade(outside: NDArray[np.float64], falloff: float) -> NDArray[np.float64]:
+def fade(outside: NDArray[np.float64], falloff: float) -> NDArray[np.float64]:
     """Seconds outside the hold (0 or less: inside) -> how much applies."""
     # Half a nanosecond of slack keeps a frame that stands on the edge on the inside.
     if falloff < 1e-9:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from faceedit_app.core.regions import CONTROL_INDEX
-from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.edit import Edit, Op, fade
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ def request(
 
 def _spread(edit: Edit, times: Array) -> Array:
     first, last = edit.reach
-    return Edit(edit.controls, Op.OFFSET, first, last, SPILL).mask(times)
+    return fade(np.maximum(first - times, times - last), SPILL)
 
 
 def _share(edit: Edit) -> float:
