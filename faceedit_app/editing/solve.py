@@ -125,29 +125,37 @@ class Solver:
             return []
         if settings.mode is Mode.RESYNTHESIZE:
             return [Island(slice(0, len(self.clip)), settings, tuple(edits))]
-        spans = sorted(affected(edit) for edit in edits)
-        runs = [list(spans[0])]
-        for first, last in spans[1:]:
-            if first <= runs[-1][1] + 2 * SLACK:
+        spans = np.array([affected(edit) for edit in edits])
+        runs: list[list[float]] = []
+        for first, last in spans[np.argsort(spans[:, 0], kind="stable")].tolist():
+            if runs and first <= runs[-1][1] + 2 * SLACK:
                 runs[-1][1] = max(runs[-1][1], last)
             else:
                 runs.append([first, last])
+        sights = np.array([_sight([edit]) for edit in edits])
         islands = []
         for first, last in runs:
             ends = np.searchsorted(self.clip.times, (first - SLACK, last + SLACK))
             rows = slice(int(ends[0]), int(ends[1]))
             if rows.start < rows.stop:
-                islands.append(Island(rows, settings, self._near(edits, first, last)))
+                near = self._near(spans, sights, first, last)
+                islands.append(Island(rows, settings, tuple(edits[i] for i in near)))
         return islands
 
-    def _near(self, edits: Sequence[Edit], first: float, last: float) -> tuple[Edit, ...]:
-        """The edits that the networks can see from a run of seconds, in the user's order."""
-        margin = (self._context + 4) / GRID_RATE + _sight(edits)
-        return tuple(
-            edit
-            for edit in edits
-            if affected(edit)[0] <= last + margin and affected(edit)[1] >= first - margin
-        )
+    def _near(self, spans: Array, sights: Array, first: float, last: float) -> list[int]:
+        """Which edits the networks can see from a run of seconds, in the user's order.
+
+        Args:
+            spans: (E, 2) seconds within which each edit can change the face.
+            sights: (E,) seconds beyond its span that each edit reads the curves.
+        """
+        margin = (self._context + 4) / GRID_RATE
+        first, last = first - margin, last + margin
+        seen = (spans[:, 0] <= last) & (spans[:, 1] >= first)
+        sight = float(sights[seen].max())
+        if sight > 0:
+            seen = (spans[:, 0] <= last + sight) & (spans[:, 1] >= first - sight)
+        return np.flatnonzero(seen).tolist()
 
     @property
     def _context(self) -> int:
