@@ -12,6 +12,7 @@ from rich.progress import Progress
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.extras import require
 from faceedit_app.core.resources import shipped
 
 # typer reads the annotations at run time, where `X | None` is not yet understood by all versions.
@@ -61,6 +62,7 @@ def train(
 
     Ctrl+C keeps the best so far; the same command goes on from there.
     """
+    require("torch", extra="training")
     from faceedit_app.training.run import Plan, train_models
 
     folders = [*(data or []), *(more or [])]
@@ -104,6 +106,7 @@ def evaluate(
     exclude: ExcludeOption = None,
 ) -> None:
     """Measure the networks on takes: errors, closures, smoothness, and a benchmark of edits."""
+    require("torch", extra="training")
     from faceedit_app.evaluation.evaluate import evaluate_takes
     from faceedit_app.evaluation.report import summary_lines, write_report
     from faceedit_app.training.data import load_performances
@@ -141,6 +144,7 @@ def experiment(
     ] = 14,
 ) -> None:
     """Repeat the paper's experiments and ours; each writes its part of the report."""
+    require("torch", extra="training")
     from faceedit_app.evaluation.experiments import Setting, run_experiment
 
     with Progress(console=Console(stderr=True)) as progress:
@@ -162,6 +166,7 @@ def synthesize(
     seed: Annotated[int, typer.Option(min=0, help="Same seed: same takes.")] = 1,
 ) -> None:
     """Write synthetic performances, spoken and acted, to train on."""
+    require("faceedit_app.training", extra="training")  # not in the installed application
     from faceedit_app.training.synthesis import write_performances
 
     with Progress(console=Console(stderr=True), transient=True) as progress:
@@ -181,6 +186,7 @@ def statistics(
     exclude: ExcludeOption = None,
 ) -> None:
     """Compare takes: blinks, closures and jaw peaks, spectrum, how channels move together."""
+    require("torch", extra="training")
     from faceedit_app.training.sources import by_source
     from faceedit_app.training.statistics import measure, table
 
