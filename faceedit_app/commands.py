@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Optional
 
-import click
 import typer
 
 from faceedit_app import __version__
@@ -41,10 +40,10 @@ def run_command(given: list[str]) -> int:
     """Run one command; returns its exit code, 2 after a one-line complaint about its usage."""
     try:
         return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
-    except click.ClickException as error:
+    except typer.TyperException as error:
         print(f"faceedit: {error.format_message()}", file=sys.stderr)
         return USAGE_ERROR
-    except click.Abort:
+    except typer.Abort:
         return 130
 
 

@@ -1,0 +1,326 @@
+"""The command line: what it prints and writes, and one line for everything that is wrong."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from faces import random_model
+from takes import make_livelink_csv
+
+from faceedit_app.cli import main
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.regions import REGIONS
+from faceedit_app.formats.opening import open_take
+from faceedit_app.networks.store import save_model
+from faceedit_app.ui import display
+
+EDIT: dict[str, Any] = {
+    "control": "mouth_opening",
+    "op": "offset",
+    "start": 0.8,
+    "end": 1.2,
+    "falloff": 0.2,
+    "value": 6.0,
+}
+
+
+@pytest.fixture(scope="module")
+def models(tmp_path_factory: pytest.TempPathFactory) -> str:
+    folder = tmp_path_factory.mktemp("models")
+    for region in REGIONS:
+        save_model(folder / f"{region.id}.safetensors", random_model(region, 2))
+    return str(folder)
+
+
+@pytest.fixture
+def take(tmp_path: Path) -> Path:
+    return make_livelink_csv(tmp_path / "take.csv", dropped=[30, 31])
+
+
+def edits_file(folder: Path, *entries: dict[str, Any]) -> Path:
+    path = folder / "edits.json"
+    path.write_text(json.dumps({"version": 1, "edits": entries}), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def complaint(capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Runs a command that must fail, and gives its one line."""
+
+    def run(*arguments: object) -> str:
+        capfd.readouterr()
+        assert main([str(argument) for argument in arguments]) == 2
+        out, err = capfd.readouterr()
+        assert out == ""
+        assert err.endswith("\n")
+        assert len(err.splitlines()) == 1, err
+        assert err.startswith("faceedit: ")
+        return err
+
+    return run
+
+
+# --- what works --------------------------------------------------------------------------------
+
+
+def test_info_names_what_matters(take: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", str(take)]) == 0
+    text = capfd.readouterr().out
+    for part in (str(take), "118", "60", "Live Link Face CSV", "52 of ARKit's 52", "2 frames"):
+        assert part in text
+
+
+def test_info_as_json(take: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", str(take), "--json"]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    assert (facts["frames"], facts["rate"], facts["format"]) == (118, 60.0, "Live Link Face CSV")
+    assert facts["duration_s"] == pytest.approx(2.0)
+    assert len(facts["channels"]) == 52
+    assert [gap["missing"] for gap in facts["gaps"]] == [2]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"op": "offset", "value": 5.0},
+        {"op": "set", "value": 12.0},
+        {"op": "scale", "value": 2.5},
+        {"op": "smooth", "value": 0.2},
+    ],
+    ids=lambda change: change["op"],
+)
+@pytest.mark.parametrize("mode", ["preserve", "resynthesize"])
+@pytest.mark.parametrize("naturalness", ["0", "1"])
+def test_apply_changes_the_edited_channels(
+    take: Path, models: str, change: dict[str, Any], mode: str, naturalness: str
+) -> None:
+    edits, out = edits_file(take.parent, EDIT | change), take.parent / "out.csv"
+    given = ["apply", str(take), str(edits), "-o", str(out), "--models", models]
+    assert main([*given, "--mode", mode, "--naturalness", naturalness]) == 0
+    before, after = open_take(take).clip, open_take(out).clip
+    changed = before.weights != after.weights
+    assert changed.any()
+    assert after.weights.min() >= 0
+    assert after.weights.max() <= 1
+    assert not changed[:, before.channels.index("eyeBlinkLeft")].any()
+    assert changed.any(axis=1).all() == (mode == "resynthesize")
+    if mode == "preserve":
+        assert not changed[before.times < 0.3].any()
+        assert not changed[before.times > 1.7].any()
+
+
+def test_apply_of_a_reset_alone_changes_nothing(take: Path, models: str) -> None:
+    edits = edits_file(take.parent, EDIT | {"op": "reset"})
+    out = take.parent / "out.csv"
+    assert main(["apply", str(take), str(edits), "-o", str(out), "--models", models]) == 0
+    assert out.read_bytes() == take.read_bytes()
+
+
+def test_apply_without_edits_gives_the_same_bytes(take: Path, models: str) -> None:
+    edits, out = edits_file(take.parent), take.parent / "out.csv"
+    assert main(["apply", str(take), str(edits), "-o", str(out), "--models", models]) == 0
+    assert out.read_bytes() == take.read_bytes()
+
+
+def test_apply_over_the_take_itself_is_safe(take: Path, models: str) -> None:
+    edits = edits_file(take.parent, EDIT)
+    other = take.parent / "other.csv"
+    assert main(["apply", str(take), str(edits), "-o", str(other), "--models", models]) == 0
+    assert main(["apply", str(take), str(edits), "-o", str(take), "--models", models]) == 0
+    assert take.read_bytes() == other.read_bytes()
+
+
+def test_render_draws_the_frame_at_a_time(take: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    out = take.parent / "face.png"
+    code = main(["render", str(take), "-o", str(out), "--time", "1.0", "--size", "160x120"])
+    err = capfd.readouterr().err
+    if code == 2 and "OpenGL" in err:
+        assert len(err.splitlines()) == 1
+        pytest.skip(err)
+    from PIL import Image
+
+    assert code == 0
+    with Image.open(out) as picture:
+        assert picture.size == (160, 120)
+        assert np.asarray(picture).std() > 5
+
+
+def test_version_and_help_end_well(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert "FaceEdit" in capfd.readouterr().out
+    for command in ("info", "apply", "render", "train"):
+        assert main([command, "--help"]) == 0
+        assert "Usage" in capfd.readouterr().out
+
+
+# --- what is wrong -----------------------------------------------------------------------------
+
+HEADER = b"Timecode,BlendshapeCount,JawOpen,EyeBlinkLeft\n"
+ROW = b"01:02:03:04.000,2,0.1,0.2\n"
+BAD_TAKES: dict[str, bytes] = {
+    "empty": b"",
+    "header only": HEADER,
+    "truncated last row": HEADER + ROW + b"01:02:03:05.000,2,0.1\n",
+    "a cell that is no number": HEADER + ROW + b"01:02:03:05.000,2,0.1,abc\n",
+    "a picture": b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + bytes(range(256)),
+    "no known channel": b"Timecode,BlendshapeCount,a,b\n" + ROW,
+    "not a number": HEADER + ROW + b"01:02:03:05.000,2,0.1,nan\n",
+}
+
+
+@pytest.mark.parametrize("name", BAD_TAKES)
+def test_bad_take_is_told_in_one_line_and_nothing_is_written(
+    name: str, tmp_path: Path, models: str, complaint: Callable[..., str]
+) -> None:
+    bad, out = tmp_path / "bad.csv", tmp_path / "out"
+    bad.write_bytes(BAD_TAKES[name])
+    edits = edits_file(tmp_path, EDIT)
+    for command in (
+        ("info", bad),
+        ("apply", bad, edits, "-o", out, "--models", models),
+        ("render", bad, "-o", out, "--time", 0),
+    ):
+        text = complaint(*command)
+        assert str(bad) in text
+        assert "; " in text, "no remedy"
+    assert not out.exists()
+
+
+def test_folder_or_missing_file_as_take_is_told(
+    tmp_path: Path, complaint: Callable[..., str]
+) -> None:
+    assert str(tmp_path) in complaint("info", tmp_path)
+    assert "none.csv" in complaint("info", tmp_path / "none.csv")
+
+
+def test_bad_edit_is_told_with_file_and_number(
+    take: Path, models: str, complaint: Callable[..., str]
+) -> None:
+    edits, out = edits_file(take.parent, EDIT, EDIT | {"op": "shake"}), take.parent / "out.csv"
+    text = complaint("apply", take, edits, "-o", out, "--models", models)
+    assert f"{edits}: edit 2" in text
+    assert not out.exists()
+
+
+def test_missing_models_are_told(take: Path, complaint: Callable[..., str]) -> None:
+    out = take.parent / "out.csv"
+    edits = edits_file(take.parent, EDIT)
+    text = complaint("apply", take, edits, "-o", out, "--models", take.parent)
+    assert "lower.safetensors" in text
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        ("--mode", "guess"),
+        ("--naturalness", "1.5"),
+        ("--naturalness", "-0.1"),
+        ("--naturalness", "nan"),
+        ("--naturalness", "much"),
+        ("--strength", "2"),
+    ],
+    ids=" ".join,
+)
+def test_bad_option_of_apply_is_told(
+    take: Path, models: str, option: tuple[str, str], complaint: Callable[..., str]
+) -> None:
+    out = take.parent / "out.csv"
+    edits = edits_file(take.parent, EDIT)
+    assert option[0] in complaint("apply", take, edits, "-o", out, "--models", models, *option)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        ("--time", "99"),
+        ("--time", "-1"),
+        ("--time", "nan"),
+        ("--size", "big"),
+        ("--size", "8x8"),
+        ("--size", "99999x100"),
+    ],
+    ids=" ".join,
+)
+def test_bad_option_of_render_is_told(
+    take: Path, option: tuple[str, str], complaint: Callable[..., str]
+) -> None:
+    out = take.parent / "face.png"
+    assert option[0] in complaint("render", take, "-o", out, *option)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    "given",
+    [("fly",), ("--fast",), ("info",), ("info", "a", "b"), ("apply", "a"), ("train",)],
+    ids=" ".join,
+)
+def test_wrong_usage_is_told_in_one_line(
+    given: tuple[str, ...], complaint: Callable[..., str]
+) -> None:
+    complaint(*given)
+
+
+def test_output_that_cannot_be_written_is_told(
+    take: Path, models: str, complaint: Callable[..., str]
+) -> None:
+    edits = edits_file(take.parent, EDIT)
+    for out in (take.parent / "none" / "out.csv", take.parent):
+        text = complaint("apply", take, edits, "-o", out, "--models", models)
+        assert f"{out}: cannot be written" in text
+    assert sorted(p.name for p in take.parent.iterdir()) == ["edits.json", "take.csv"]
+
+
+def test_output_that_is_a_device_is_left_alone(
+    take: Path, models: str, complaint: Callable[..., str]
+) -> None:
+    device = Path("/dev/null")
+    if not device.is_char_device():
+        pytest.skip("this system has no /dev/null")
+    edits = edits_file(take.parent, EDIT)
+    assert "cannot be written" in complaint("apply", take, edits, "-o", device, "--models", models)
+    assert device.is_char_device()
+
+
+def test_window_without_a_display_is_told(
+    take: Path, monkeypatch: pytest.MonkeyPatch, complaint: Callable[..., str]
+) -> None:
+    monkeypatch.setattr(display, "has_display", lambda: False)
+    for given in ((), (take,), (take.parent / "none.csv",)):
+        assert "no display" in complaint(*given)
+
+
+def test_display_is_what_the_desktop_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.platform", "linux")
+    for name in ("QT_QPA_PLATFORM", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert not display.has_display()
+    for name in ("nonsense", ":99999", "localhost:x", ":"):
+        monkeypatch.setenv("DISPLAY", name)
+        assert not display.has_display()
+    # Qt told to use a desktop that is not there would end the process.
+    monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
+    assert not display.has_display()
+    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
+    assert display.has_display()
+    monkeypatch.delenv("QT_QPA_PLATFORM")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-7")
+    assert not display.has_display()
+    (tmp_path / "wayland-7").touch()
+    assert display.has_display()
+
+
+def test_applied_edit_opens_the_mouth(take: Path, models: str) -> None:
+    edits, out = edits_file(take.parent, EDIT), take.parent / "out.csv"
+    assert main(["apply", str(take), str(edits), "-o", str(out), "--models", models]) == 0
+    before, after = (open_take(path).clip.arkit_weights() for path in (take, out))
+    held = slice(50, 70)
+    jaw = ARKIT_INDEX["jawOpen"]
+    assert after[held, jaw].mean() > before[held, jaw].mean() + 0.05
