@@ -1,0 +1,110 @@
+"""What keeps the code as it is meant to be: layers, start-up, style, types, size of files."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import re
+import subprocess
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+MOST_LINES = 450
+
+
+def run(*command: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *command], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+
+
+def needs(module: str) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(
+        importlib.util.find_spec(module) is None, reason=f"{module} is not installed"
+    )
+
+
+@needs("importlinter")
+def test_nothing_imports_upwards() -> None:
+    code = "import sys; from importlinter.cli import lint_imports; sys.exit(lint_imports())"
+    done = run("-c", code)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "KEPT" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("module", "heavy"),
+    [
+        ("faceedit_app.cli", ("numpy", "typer", "click", "rich", "torch", "scipy", "PySide6")),
+        ("faceedit_app.ui.app", ("typer", "click", "rich", "torch", "scipy", "pyrender", "OpenGL")),
+        ("faceedit_app.editing.session", ("torch", "typer", "PySide6", "pyrender")),
+    ],
+)
+def test_heavy_libraries_stay_out_of_the_way_to_the_window(
+    module: str, heavy: tuple[str, ...]
+) -> None:
+    code = f"import sys, {module}; print([m for m in {heavy!r} if m in sys.modules])"
+    done = run("-W", "error", "-c", code)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == "[]"
+
+
+@needs("ruff")
+def test_code_is_clean() -> None:
+    done = run("-m", "ruff", "check", ".")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@needs("ruff")
+def test_code_is_formatted() -> None:
+    done = run("-m", "ruff", "format", "--check", ".")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@needs("mypy")
+@pytest.mark.timeout(300)
+def test_types_hold() -> None:
+    done = run("-m", "mypy")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def _imported() -> dict[str, str]:
+    """Top-level modules that the application imports, and a file that does."""
+    found = {}
+    for path in (ROOT / "faceedit_app").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                names = [node.module]
+            found |= {name.partition(".")[0]: str(path) for name in names}
+    return found
+
+
+def test_every_library_that_is_imported_is_declared() -> None:
+    """A library that only a tool for developers brings along is missing for the users."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"].items()
+    wanted = [
+        *project["dependencies"],
+        *(w for name, some in extras if name != "dev" for w in some),
+    ]
+    declared = {re.split(r"[\s<>=!~\[;]", w)[0].lower().replace("_", "-") for w in wanted}
+    providers = packages_distributions()
+    for module, path in sorted(_imported().items()):
+        if module in sys.stdlib_module_names or module == "faceedit_app":
+            continue
+        names = {name.lower().replace("_", "-") for name in providers.get(module, [module])}
+        assert names & declared, f"{path} imports {module} of {names}"
+
+
+def test_no_file_of_the_application_is_long() -> None:
+    files = sorted((ROOT / "faceedit_app").rglob("*.py"))
+    assert len(files) > 40
+    lengths = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files}
+    long = {str(path): count for path, count in lengths.items() if count > MOST_LINES}
+    assert not long
