@@ -7,6 +7,7 @@ reads every take below the folders and writes one file per region and a model ca
 
 from __future__ import annotations
 
+import copy
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -136,7 +137,11 @@ def fingerprint(
 ) -> str:
     """A text that is the same for the same takes, settings and beginning."""
     takes = [[p.name, len(p.weights), float(np.float64(p.weights).sum())] for p in performances]
-    first = None if start is None else sum(float(p.sum()) for p in start.networks.parameters())
+    first = (
+        None
+        if start is None
+        else sum(float(p.detach().double().sum()) for p in start.networks.parameters())
+    )
     return json.dumps([as_json(settings), takes, first])
 
 
@@ -144,7 +149,7 @@ def _networks(
     region: Region, examples: Examples, settings: FitSettings, start: RegionModel | None
 ) -> RegionNetworks:
     if start is not None:
-        return start.networks
+        return copy.deepcopy(start.networks).requires_grad_(True)
     networks = RegionNetworks(
         len(region.controls),
         len(region.channels),

@@ -54,8 +54,8 @@ class FitSettings:
     final_rate: float | None = 0.02  # its share at the end of a cosine; None: decay as in (P) ...
     decay: float = 0.95  # ... by this factor (P) ...
     patience: int = 5  # ... after so many epochs in a row without improvement (P)
-    epochs_regressor: int = 60
-    epochs_autoencoder: int = 40
+    epochs_regressor: int = 50
+    epochs_autoencoder: int = 30
     l2: float = 1.0  # weight of the mean squared parameter (P)
     distance_loss: float = 1.0  # weight of the distance loss against the MSE (P) ...
     distance_loss_regressor: float = 0.5  # ... and with the regressor, 0 in the paper
