@@ -15,6 +15,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 MOST_LINES = 450
+FOR_DEVELOPERS = ("dev", "packaging")
 
 
 def run(*command: str) -> subprocess.CompletedProcess[str]:
@@ -88,11 +89,9 @@ def _imported() -> dict[str, str]:
 def test_every_library_that_is_imported_is_declared() -> None:
     """A library that only a tool for developers brings along is missing for the users."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = project["optional-dependencies"].items()
-    wanted = [
-        *project["dependencies"],
-        *(w for name, some in extras if name != "dev" for w in some),
-    ]
+    extras = project["optional-dependencies"]
+    wanted = list(project["dependencies"])
+    wanted += [w for name, some in extras.items() if name not in FOR_DEVELOPERS for w in some]
     declared = {re.split(r"[\s<>=!~\[;]", w)[0].lower().replace("_", "-") for w in wanted}
     providers = packages_distributions()
     for module, path in sorted(_imported().items()):
