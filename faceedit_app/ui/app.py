@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from pathlib import Path
@@ -42,6 +43,10 @@ def run(take: Path | None, demo: bool = False) -> int:
     _quit_on_interrupt(app)
     window = MainWindow(Store())
     window.after_first_paint(lambda: window.start(take, demo))
+    if folder := os.environ.get("FACEEDIT_SMOKE"):  # a test of an installed FaceEdit
+        from faceedit_app.ui import smoke
+
+        smoke.play(window, Path(folder))
     window.show()
     return app.exec()
 
