@@ -108,6 +108,7 @@ def turn(
 @pytest.mark.parametrize("pause", [0, 20])
 @pytest.mark.parametrize("index", [0, 2, 6])
 def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, pause: int) -> None:
+    panel.tooling.link(False)
     plot, session = panel.plots[index], session_of(panel)
     per_pixel = plot.current_scale.mm_per_pixel
     committed: list[int] = []

@@ -9,9 +9,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu
 
+from faceedit_app.core.regions import CONTROLS
 from faceedit_app.ui.icons import icon
 
-MENUS = ("File", "Edit", "View", "Playback", "Help")
+MENUS = ("File", "Edit", "Tools", "View", "Playback", "Help")
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Command:
         checkable: whether it is a state that is switched on and off.
         needs_take: whether it is greyed out while no take is open.
         starts_group: whether a line separates it from the command above.
+        submenu: the menu inside the menu that it stands in, if any.
     """
 
     id: str
@@ -39,6 +41,7 @@ class Command:
     checkable: bool = False
     needs_take: bool = True
     starts_group: bool = False
+    submenu: str = ""
 
 
 # fmt: off
@@ -71,6 +74,36 @@ COMMANDS: tuple[Command, ...] = (
     Command("resynthesize", "Edit", "Re&synthesize",
             tip="Answer the whole take anew by the networks", checkable=True),
 
+    Command("tool_move", "Tools", "&Move", ("M",),
+            "Drag a curve up or down: it moves there, softly to either side", "tool_move",
+            checkable=True),
+    Command("tool_draw", "Tools", "&Draw", ("D",),
+            "Draw the curve freehand; Ctrl draws at 0: lips or lids touching", "tool_draw",
+            checkable=True),
+    Command("tool_smooth", "Tools", "&Smooth", ("S",),
+            "Paint over shaking to calm it: as strong as the slider beside it says",
+            "tool_smooth", checkable=True),
+    Command("tool_scale", "Tools", "S&cale", ("X",),
+            "Drag up for larger movements, down for smaller ones", "tool_scale",
+            checkable=True),
+    Command("tool_flatten", "Tools", "&Flatten", ("H",),
+            "Paint to hold the curve where it was pressed", "tool_flatten", checkable=True),
+    Command("tool_restore", "Tools", "&Back to tracked", ("R",),
+            "Paint over edits to erase them: the face goes back to the recording",
+            "tool_restore", checkable=True),
+    Command("link", "Tools", "&Left = right", ("U",),
+            "Edit both sides of the face together; hold Alt for one side only", "link",
+            checkable=True, starts_group=True),
+    Command("raise", "Tools", "&Raise the curve", ("Ctrl+Up",),
+            "Raise the curve that has the focus by 0.5 mm, at the playhead or in the selection",
+            starts_group=True),
+    Command("lower", "Tools", "L&ower the curve", ("Ctrl+Down",),
+            "Lower the curve that has the focus by 0.5 mm"),
+    Command("raise_fine", "Tools", "Raise a little", ("Ctrl+Shift+Up",),
+            "Raise the curve that has the focus by 0.05 mm"),
+    Command("lower_fine", "Tools", "Lower a little", ("Ctrl+Shift+Down",),
+            "Lower the curve that has the focus by 0.05 mm"),
+
     Command("reset_camera", "View", "&Reset camera", ("0",), "Look at the face from the front",
             "camera", needs_take=False),
     Command("fit", "View", "&Zoom to fit", ("F",), "Show the whole take, or the selection", "fit"),
@@ -81,6 +114,11 @@ COMMANDS: tuple[Command, ...] = (
     Command("show_tracked", "View", "Show &tracked face", ("T",),
             "Show the face as tracked instead of as edited; hold B for a glance",
             checkable=True),
+    *(
+        Command(f"curve_{number}", "View", f"&{number} {control.label}", (str(number),),
+                f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")
+        for number, control in enumerate(CONTROLS, start=1)
+    ),
 
     Command("play", "Playback", "&Play / pause", ("Space",), "Play or pause", "play"),
     Command("loop", "Playback", "&Loop", ("L",), "Repeat the selection, or the whole take",
@@ -106,7 +144,11 @@ COMMANDS: tuple[Command, ...] = (
 GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Curves", "Drag a curve up or down", "Edit it, with the falloff to either side"),
     ("Curves", "Shift while dragging", "Ten times finer"),
-    ("Curves", "Wheel while dragging", "Change the falloff"),
+    ("Curves", "Ctrl while dragging", "Snap: to the tracked curve, to 0 (touching), to frames"),
+    ("Curves", "Alt and drag", "Edit this side of the face only"),
+    ("Curves", "Wheel while dragging", "Change the falloff; with Alt on this side of it only"),
+    ("Curves", "Drag an edge of the selection", "Change the range or its falloffs"),
+    ("Curves", "Ctrl and click a name", "Choose several curves, to edit them together"),
     ("Curves", "Esc or right button while dragging", "Drop the edit"),
     ("Curves", "Click", "Move the playhead"),
     ("Curves", "Wheel", "Zoom the time; with Shift pan, with Ctrl zoom the millimetres"),
@@ -114,6 +156,8 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Time ruler", "Drag", "Move the playhead"),
     ("Time ruler", "Shift and drag", "Select a range of time"),
     ("Time ruler", "Double click", "Drop the selection"),
+    ("Selection bar", "Drag", "Select a range of time, move it, or change it by its handles"),
+    ("Selection bar", "Wheel", "Change both falloffs"),
     ("Face", "Drag", "Turn around the face"),
     ("Face", "Middle or right drag", "Move the view"),
     ("Face", "Wheel", "Zoom"),
@@ -136,10 +180,15 @@ class Actions:
         self._actions: dict[str, QAction] = {}
         self.recent_menu = QMenu("Open &recent", window)
         menus = {name: window.menuBar().addMenu(f"&{name}") for name in MENUS}
+        inner: dict[str, QMenu] = {}
         for command in COMMANDS:
             menu = menus[command.menu]
             if command.starts_group:
                 menu.addSeparator()
+            if command.submenu:
+                if command.submenu not in inner:
+                    inner[command.submenu] = menu.addMenu(command.submenu)
+                menu = inner[command.submenu]
             if command.id == "recent":
                 action = menu.addMenu(self.recent_menu)
             else:

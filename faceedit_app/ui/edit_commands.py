@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from faceedit_app.core.regions import CONTROL_IDS
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from faceedit_app.ui.curves import CurvesPanel
 
 ZOOM = 0.7
+NUDGE, FINE_NUDGE = 0.5, 0.05  # mm
 
 
 class EditCommands:
@@ -34,7 +36,13 @@ class EditCommands:
         settle: Callable[[], None],
     ) -> None:
         self._document, self._timeline, self._playback = document, timeline, playback
-        self._panel, self._settle = panel, settle
+        self._panel, self._settle_strip = panel, settle
+
+    def _settle(self) -> None:
+        panel = self._panel()
+        if panel is not None:
+            panel.settle()
+        self._settle_strip()
 
     def handlers(self) -> dict[str, Callable[[], None]]:
         """What to do for each of these `Command.id`s."""
@@ -61,7 +69,23 @@ class EditCommands:
             "end": lambda: line.go_to_frame(line.frames - 1),
             "mark_start": self.mark_start,
             "mark_end": self.mark_end,
+            "raise": lambda: self._nudge(NUDGE),
+            "lower": lambda: self._nudge(-NUDGE),
+            "raise_fine": lambda: self._nudge(FINE_NUDGE),
+            "lower_fine": lambda: self._nudge(-FINE_NUDGE),
+            **{f"curve_{i + 1}": partial(self._focus, i) for i in range(len(CONTROL_IDS))},
         }
+
+    def _nudge(self, millimetres: float) -> None:
+        panel = self._panel()
+        if panel is not None:
+            self._settle_strip()
+            panel.nudge(millimetres)
+
+    def _focus(self, index: int) -> None:
+        panel = self._panel()
+        if panel is not None:
+            panel.focus_curve(index)
 
     # --- edits -------------------------------------------------------------------------------
 

@@ -12,6 +12,8 @@ from faceedit_app.ui.face import FacePane
 from faceedit_app.ui.playback import Playback
 from faceedit_app.ui.strip import SettingsStrip
 from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.toolbar import ToolBar
+from faceedit_app.ui.tooling import Tooling
 from faceedit_app.ui.transport import Transport
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
@@ -21,12 +23,18 @@ class Editor(QWidget):
     """Puts the parts together and lets each hear of the others' changes."""
 
     def __init__(
-        self, actions: Actions, document: Document, timeline: Timeline, playback: Playback
+        self,
+        actions: Actions,
+        document: Document,
+        timeline: Timeline,
+        playback: Playback,
+        tooling: Tooling,
     ) -> None:
         super().__init__()
         self._document, self._timeline, self._playback = document, timeline, playback
         self.strip = SettingsStrip(actions, document)
-        self.curves = CurvesPanel(timeline)
+        self.tools = ToolBar(actions, tooling)
+        self.curves = CurvesPanel(timeline, tooling)
         self.face = FacePane(
             document,
             timeline,
@@ -47,6 +55,7 @@ class Editor(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.strip)
+        column.addWidget(self.tools)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
         for view in self.curves.findChildren(QAbstractScrollArea):

@@ -38,6 +38,7 @@ QMenu::icon {{ padding-left: 6px; }}
 QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {BORDER}; padding: 4px 6px; }}
 
 QWidget#bar {{ background: {PANEL}; }}
+QWidget#tools {{ background: {PANEL}; border-top: 1px solid {BACKGROUND}; }}
 QWidget#transport {{ background: {PANEL}; border-top: 1px solid {BACKGROUND}; }}
 QStatusBar {{ background: {BACKGROUND}; color: {MUTED}; }}
 QStatusBar::item {{ border: none; }}
@@ -58,6 +59,9 @@ QToolButton:focus, QPushButton:focus {{ border-color: {ACCENT}; }}
 QToolButton#icon {{ background: transparent; padding: 5px; }}
 QToolButton#icon:hover {{ background: {HOVER}; }}
 QToolButton#icon:checked {{ background: {ACCENT_DEEP}; }}
+QToolButton#tool {{ background: transparent; padding: 4px 7px; }}
+QToolButton#tool:hover {{ background: {HOVER}; }}
+QToolButton#tool:checked {{ background: {ACCENT_DEEP}; }}
 QToolButton#play {{ padding: 5px 12px; }}
 QPushButton#primary {{ background: {ACCENT_DEEP}; padding: 8px 18px; }}
 QPushButton#primary:hover {{ background: #2d6d94; }}
@@ -79,6 +83,7 @@ QDoubleSpinBox, QComboBox {{
     background: {BACKGROUND}; border: 1px solid {BORDER}; border-radius: 4px;
     padding: 2px 6px; min-height: 20px; selection-background-color: {ACCENT_DEEP};
 }}
+QDoubleSpinBox#small {{ padding: 0 2px; min-height: 19px; }}
 QDoubleSpinBox:focus, QComboBox:focus {{ border-color: {ACCENT}; }}
 QDoubleSpinBox::up-button, QDoubleSpinBox::down-button {{ width: 0; border: none; }}
 QComboBox::drop-down {{ border: none; width: 16px; }}

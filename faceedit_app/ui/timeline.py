@@ -18,7 +18,8 @@ class Timeline(QObject):
         playhead_moved(int): the frame on screen.
         view_changed(): the visible range `view`.
         selection_changed(): the time selection `selection`, or None.
-        falloff_changed(float): seconds on either side of an edit.
+        falloff_changed(float): seconds over which an edit fades in (`falloff`) or out
+            (`falloff_out`).
     """
 
     playhead_moved = Signal(int)
@@ -32,7 +33,7 @@ class Timeline(QObject):
         self.frame = 0
         self.view = (0.0, 1.0)
         self.selection: tuple[float, float] | None = None
-        self.falloff = DEFAULT_FALLOFF
+        self.falloff = self.falloff_out = DEFAULT_FALLOFF
 
     @property
     def duration(self) -> float:
@@ -113,8 +114,13 @@ class Timeline(QObject):
             self.selection_changed.emit()
 
     def set_falloff(self, seconds: float) -> None:
-        """Choose how softly edits fade in and out."""
-        seconds = min(max(seconds, FALLOFF_RANGE[0]), FALLOFF_RANGE[1])
-        if seconds != self.falloff:
-            self.falloff = seconds
-            self.falloff_changed.emit(seconds)
+        """Choose how softly edits fade in and out alike."""
+        self.set_falloffs(seconds, seconds)
+
+    def set_falloffs(self, fade_in: float, fade_out: float) -> None:
+        """Choose how softly edits fade in, and how softly out."""
+        low, high = FALLOFF_RANGE
+        fades = min(max(fade_in, low), high), min(max(fade_out, low), high)
+        if fades != (self.falloff, self.falloff_out):
+            self.falloff, self.falloff_out = fades
+            self.falloff_changed.emit(self.falloff)

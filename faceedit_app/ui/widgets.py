@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QAction, QColor, QKeyEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QToolButton, QWidget
 
-from faceedit_app.ui.icons import GRID
+from faceedit_app.ui.drawings import GRID
 from faceedit_app.ui.palette import FAINT, TEXT
 from faceedit_app.ui.theme import GAP, MARGIN
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,7 @@ from faceedit_app.ui.start_page import StartPage
 from faceedit_app.ui.status import StatusLine
 from faceedit_app.ui.store import Store
 from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.tooling import Tool, Tooling
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -62,6 +64,7 @@ class MainWindow(QMainWindow):
         self.document = Document(self)
         self.timeline = Timeline(self)
         self.playback = Playback(self.timeline, parent=self)
+        self.tooling = Tooling(self)
         self._background = loading.Background(self)
         self.files = FileCommands(self, self.document, store, self._background)
         self.edits = EditCommands(
@@ -84,6 +87,8 @@ class MainWindow(QMainWindow):
             "save_edits": lambda: _ignore(files.ask_save_edits()),
             "load_edits": files.ask_load_edits,
             "quit": lambda: _ignore(self.close()),
+            **{f"tool_{tool}": partial(self.tooling.choose, tool) for tool in Tool},
+            "link": lambda: self.tooling.link(not self.tooling.linked),
             "reset_camera": self._reset_camera,
             "show_edited": lambda: self._show_tracked(False),
             "show_tracked": lambda: self._show_tracked(None),
@@ -166,7 +171,9 @@ class MainWindow(QMainWindow):
         if self.editor is None:
             from faceedit_app.ui.editor import Editor
 
-            self.editor = Editor(self.actions_, self.document, self.timeline, self.playback)
+            self.editor = Editor(
+                self.actions_, self.document, self.timeline, self.playback, self.tooling
+            )
             self._pages.addWidget(self.editor)
             self._store.restore_panes(self.editor.panes)
         return self.editor

@@ -6,14 +6,17 @@ end what came of it. Widgets translate events into these calls and do as they ar
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.ui.curves.axes import Scale, Span
 
 CLICK_SLOP = 3.0  # pixels that a hand moves while it only means to click
 FINE = 0.1  # Shift makes the hand ten times as steady
+MAGNET = 9.0  # pixels from which a value snaps
 ZOOM_STEP = 0.85  # per notch of the wheel
 PAN_STEP = 0.1  # of the view, per notch
 FALLOFF_STEP = 1.2  # per notch
@@ -22,23 +25,50 @@ LEAST_FALLOFF = 0.02  # seconds; below, a falloff is 0
 
 @dataclass(frozen=True)
 class Brush:
-    """Where an edit acts: in full from `start` to `end` seconds, fading over `falloff`."""
+    """Where an edit acts: in full from `start` to `end` seconds, fading before and after.
+
+    Attributes:
+        falloff: seconds of fading in.
+        falloff_out: seconds of fading out; as long as fading in if it is None.
+    """
 
     start: float
     end: float
     falloff: float
+    falloff_out: float | None = None
+
+    @property
+    def fade_out(self) -> float:
+        """Seconds of fading out."""
+        return self.falloff if self.falloff_out is None else self.falloff_out
 
     @property
     def reach(self) -> Span:
         """First and last second that the edit changes."""
-        return self.start - self.falloff, self.end + self.falloff
+        return self.start - self.falloff, self.end + self.fade_out
+
+    def edit(
+        self,
+        controls: tuple[str, ...],
+        op: Op,
+        value: float = 0.0,
+        points: tuple[tuple[float, float], ...] = (),
+    ) -> Edit:
+        """The edit that acts here."""
+        fade_out = None if self.falloff_out == self.falloff else self.falloff_out
+        span = self.start, self.end, self.falloff
+        return Edit(controls, op, *span, value, falloff_out=fade_out, points=points)
 
 
-def brush_at(seconds: float, selection: Span | None, falloff: float) -> Brush:
+def brush_at(
+    seconds: float, selection: Span | None, falloff: float, falloff_out: float | None = None
+) -> Brush:
     """What a press at a frame's time would edit: the selection it lies in, else that frame."""
-    if selection is not None and selection[0] <= seconds <= selection[1]:
-        return Brush(*selection, falloff)
-    return Brush(seconds, seconds, falloff)
+    if selection is not None:
+        brush = Brush(*selection, falloff, falloff_out)
+        if brush.reach[0] <= seconds <= brush.reach[1]:
+            return brush
+    return Brush(seconds, seconds, falloff, falloff_out)
 
 
 @dataclass(frozen=True)
@@ -52,8 +82,11 @@ class CurveDrag:
         press: pixels of the press.
         at: pixels of the pointer now.
         mm_per_pixel: fixed at the press: the axis does not change under the hand.
-        value: millimetres moved so far.
+        others: ids of the curves that move along.
+        magnets: millimetres of moving at which it snaps: back on the tracked curve, touching.
+        value: millimetres moved so far, by the hand.
         moving: whether it has become an edit.
+        snapping: whether the magnets attract.
     """
 
     control: str
@@ -62,36 +95,76 @@ class CurveDrag:
     press: tuple[float, float]
     at: tuple[float, float]
     mm_per_pixel: float
+    others: tuple[str, ...] = ()
+    magnets: tuple[float, ...] = ()
     value: float = 0.0
     moving: bool = False
+    snapping: bool = False
 
-    def moved(self, x: float, y: float, fine: bool) -> CurveDrag:
+    def moved(self, x: float, y: float, fine: bool, snap: bool = False) -> CurveDrag:
         """The pointer went to a pixel. Fine counts from here on only, so nothing jumps."""
         step = (self.at[1] - y) * self.mm_per_pixel * (FINE if fine else 1.0)
         moving = self.moving or abs(y - self.press[1]) > CLICK_SLOP
-        return replace(self, at=(x, y), value=self.value + step, moving=moving)
+        value = self.value + step
+        return replace(self, at=(x, y), value=value, moving=moving, snapping=snap)
+
+    @property
+    def amount(self) -> float:
+        """Millimetres that the edit moves the curves: snapped, where that is wanted."""
+        if self.snapping and self.magnets:
+            nearest = min(self.magnets, key=lambda magnet: abs(magnet - self.value))
+            if abs(nearest - self.value) <= MAGNET * self.mm_per_pixel:
+                return nearest
+        return self.value
 
     @property
     def is_click(self) -> bool:
         """Whether a release now is a click."""
         return not self.moving and abs(self.at[0] - self.press[0]) <= CLICK_SLOP
 
-    def brush(self, falloff: float) -> Brush:
-        """Where the edit acts."""
-        return Brush(*self.hold, falloff)
+    @property
+    def controls(self) -> tuple[str, ...]:
+        """Ids of all curves that move, in the order of the plots."""
+        return tuple(c for c in CONTROL_IDS if c == self.control or c in self.others)
 
-    def edit(self, falloff: float) -> Edit | None:
+    def brush(self, falloff: float, falloff_out: float | None = None) -> Brush:
+        """Where the edit acts."""
+        return Brush(*self.hold, falloff, falloff_out)
+
+    def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
         """The edit as it stands, or None while there is nothing to do."""
-        if not self.moving or self.value == 0.0:
+        if not self.moving or self.amount == 0.0:
             return None
-        return Edit((self.control,), Op.OFFSET, *self.hold, falloff, self.value)
+        return self.brush(falloff, falloff_out).edit(self.controls, Op.OFFSET, self.amount)
+
+    @property
+    def words(self) -> str:
+        """How far it is."""
+        return f"{self.amount:+.1f} mm"
 
 
 def press_curve(
-    control: str, x: float, y: float, scale: Scale, time: float, brush: Brush
+    control: str,
+    x: float,
+    y: float,
+    scale: Scale,
+    time: float,
+    brush: Brush,
+    others: tuple[str, ...] = (),
+    magnets: tuple[float, ...] = (),
 ) -> CurveDrag:
     """Begin a drag: `time` is that of the frame under the pixel, `brush` what would be edited."""
-    return CurveDrag(control, time, (brush.start, brush.end), (x, y), (x, y), scale.mm_per_pixel)
+    hold, at = (brush.start, brush.end), (x, y)
+    return CurveDrag(control, time, hold, at, at, scale.mm_per_pixel, others, magnets)
+
+
+def moved_together(control: str, chosen: Iterable[str], linked: bool) -> tuple[str, ...]:
+    """The curves that a gesture on one edits: all chosen ones if it is one of them, and, where
+    left and right are linked, their mirrors; in the order of the plots."""
+    mine = set(chosen) if control in chosen else {control}
+    if linked:
+        mine |= {MIRRORED_CONTROL[name] for name in mine}
+    return tuple(name for name in CONTROL_IDS if name in mine)
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,11 @@ class Header(QWidget):
 
     Signals:
         close_up_asked(): double click: show small movements large, or no longer.
+        picked(bool): a click: this curve has the focus; True: it is added to the chosen ones.
     """
 
     close_up_asked = Signal()
+    picked = Signal(bool)
 
     def __init__(self, control: Control, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -31,10 +33,13 @@ class Header(QWidget):
         self.value = ""
         self.note = ""
         self._scale: Scale | None = None
-        self._active = False
+        self._active = self._chosen = False
         self.setFixedWidth(style.HEADER_WIDTH)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
-        self.setToolTip(f"{control.hint}\nDouble click: enlarge small movements.")
+        self.setToolTip(
+            f"{control.hint}\nDouble click: enlarge small movements.\n"
+            "Ctrl+click: choose several curves, to edit them together."
+        )
         self.setAccessibleName(control.label)
 
     def show_value(self, value: str, note: str = "") -> None:
@@ -56,6 +61,17 @@ class Header(QWidget):
             self._active = active
             self.update()
 
+    def show_chosen(self, chosen: bool) -> None:
+        """Whether it is one of several curves that are edited together."""
+        if chosen != self._chosen:
+            self._chosen = chosen
+            self.update()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take the focus; with Ctrl join the curves that are edited together."""
+        self.picked.emit(bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier))
+        event.accept()
+
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Show small movements large."""
         self.close_up_asked.emit()
@@ -67,7 +83,10 @@ class Header(QWidget):
         ground = style.PLOT_ACTIVE if self._active else style.PLOT
         painter.fillRect(self.rect(), style.color(ground))
         region = style.color(style.REGION_COLORS[self.control.region])
-        painter.fillRect(QRectF(0, 0, _BAR, self.height()), region)
+        if self._chosen:
+            tint = style.color(style.REGION_COLORS[self.control.region], 46)
+            painter.fillRect(self.rect(), tint)
+        painter.fillRect(QRectF(0, 0, 2 * _BAR if self._chosen else _BAR, self.height()), region)
         self._paint_text(painter)
         self._paint_axis(painter)
 

@@ -22,14 +22,14 @@ class Marks:
 
     Attributes:
         playhead: the frame on screen.
-        selection: the selected range, if any.
+        selection: the selected range with its falloffs, if any.
         gaps: from the last frame before to the first after each gap.
         brush: where an edit would act or acts, if it is to be shown.
         alpha: how strongly the brush is drawn, 0..255.
     """
 
     playhead: float = 0.0
-    selection: Span | None = None
+    selection: Brush | None = None
     gaps: tuple[Span, ...] = ()
     brush: Brush | None = None
     alpha: int = style.HOVER
@@ -40,12 +40,12 @@ def draw_brush(painter: QPainter, scale: Scale, brush: Brush, alpha: int) -> Non
     first, last = (scale.x_of(t) for t in brush.reach)
     first, last = first - 0.5, last + 0.5
     rect = QRectF(first, 0.0, last - first, scale.height)
-    if brush.falloff <= 0:
+    if brush.falloff <= 0 and brush.fade_out <= 0:
         painter.fillRect(rect, style.color(style.BAND, alpha))
         return
     fade = QLinearGradient(first, 0, last, 0)
     # The edit's own mask, so that the picture cannot tell another story than the result.
-    mask = Edit(("mouth_opening",), Op.OFFSET, brush.start, brush.end, brush.falloff)
+    mask = brush.edit(("mouth_opening",), Op.OFFSET)
     for stop, strength in _stops(brush, mask):
         fade.setColorAt(stop, style.color(style.BAND, round(alpha * (0.12 + 0.88 * strength))))
     painter.fillRect(rect, QBrush(fade))
@@ -58,19 +58,27 @@ def _stops(brush: Brush, mask: Edit) -> list[tuple[float, float]]:
     """(position 0..1, strength 0..1) along the reach of a brush."""
     first, last = brush.reach
     ramp = np.linspace(0.0, 1.0, 7)
-    times = np.concatenate([first + ramp * brush.falloff, brush.end + ramp * brush.falloff])
+    times = np.concatenate([first + ramp * brush.falloff, brush.end + ramp * brush.fade_out])
     places = (times - first) / (last - first)
     return [(float(p), float(s)) for p, s in zip(places, mask.mask(times), strict=True)]
 
 
-def draw_selection(painter: QPainter, scale: Scale, selection: Span) -> None:
-    """The selected range, with edges that can be seen on any curve."""
-    first, last = (scale.x_of(t) for t in selection)
-    rect = QRectF(first, 0.0, max(last - first, 1.0), scale.height)
-    painter.fillRect(rect, style.color(style.SELECTION, 30))
-    painter.setPen(QPen(style.color(style.SELECTION, 190), 0))
-    for x in (first, last):
-        painter.drawLine(QPointF(x, 0), QPointF(x, scale.height))
+def draw_selection(painter: QPainter, scale: Scale, band: Brush) -> None:
+    """The selected range, with edges that can be seen on any curve, and its falloffs."""
+    first, last = (scale.x_of(t) for t in (band.start, band.end))
+    painter.fillRect(
+        QRectF(first, 0.0, max(last - first, 1.0), scale.height), style.color(style.SELECTION, 34)
+    )
+    for inner, outer in ((first, scale.x_of(band.reach[0])), (last, scale.x_of(band.reach[1]))):
+        fade = QLinearGradient(inner, 0, outer, 0)
+        fade.setColorAt(0.0, style.color(style.SELECTION, 26))
+        fade.setColorAt(1.0, style.color(style.SELECTION, 6))
+        rect = QRectF(min(inner, outer), 0.0, abs(outer - inner), scale.height)
+        painter.fillRect(rect, QBrush(fade))
+        painter.setPen(QPen(style.color(style.SELECTION, 190), 0))
+        painter.drawLine(QPointF(inner, 0), QPointF(inner, scale.height))
+        painter.setPen(QPen(style.color(style.SELECTION, 90), 0, Qt.PenStyle.DashLine))
+        painter.drawLine(QPointF(outer, 0), QPointF(outer, scale.height))
 
 
 def draw_gaps(painter: QPainter, scale: Scale, gaps: tuple[Span, ...], alpha: int = 150) -> None:

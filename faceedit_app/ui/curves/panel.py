@@ -8,18 +8,22 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QStackedWidget, QVBoxLayout, QWidget
 
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, CONTROLS
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import LEAST_SHARE, SMALLEST_SPAN, fitted_span, grown_span
+from faceedit_app.ui.curves.band import BandMouse
 from faceedit_app.ui.curves.gestures import brush_at
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
 from faceedit_app.ui.curves.paint import Marks
 from faceedit_app.ui.curves.plot import CurvePlot, Handle, Lines
+from faceedit_app.ui.curves.range_bar import RangeBar
+from faceedit_app.ui.curves.range_fields import RangeFields
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.tooling import Tooling
 
 _APART = 0.05  # mm between two lines from which on the header mentions it
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
@@ -40,14 +44,19 @@ class CurvesPanel(QWidget):
     edited = Signal()
     committed = Signal()
 
-    def __init__(self, timeline: Timeline, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, timeline: Timeline, tooling: Tooling | None = None, parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
         self.timeline = timeline
+        self.tooling = tooling or Tooling(self)
         self.session: EditSession | None = None
         self._gaps: tuple[tuple[float, float], ...] = ()
         self._width = 0.0  # seconds in view
-        self._mouse = Interaction(timeline, self)
+        self._band = BandMouse(timeline, self)
+        self._mouse = Interaction(timeline, self.tooling, self._band, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
+        self.range_bar, self.fields = RangeBar(timeline, self._band), RangeFields(timeline)
         self.plots = [CurvePlot(control, self._mouse) for control in CONTROLS]
         self.headers = [Header(control) for control in CONTROLS]
         self._pages = QStackedWidget()
@@ -72,8 +81,10 @@ class CurvesPanel(QWidget):
         grid.setHorizontalSpacing(0)
         grid.setVerticalSpacing(style.ROW_GAP)
         grid.addWidget(self.legend, 0, 0, 1, 2)
+        grid.addWidget(self.fields, 1, 0, 2, 1)
         grid.addWidget(self.ruler, 1, 1)
-        for row, (header, plot) in enumerate(zip(self.headers, self.plots, strict=True), start=2):
+        grid.addWidget(self.range_bar, 2, 1)
+        for row, (header, plot) in enumerate(zip(self.headers, self.plots, strict=True), start=3):
             grid.addWidget(header, row, 0)
             grid.addWidget(plot, row, 1)
             grid.setRowStretch(row, 1)
@@ -89,6 +100,7 @@ class CurvesPanel(QWidget):
         for header, plot in zip(self.headers, self.plots, strict=True):
             plot.focus_changed.connect(lambda p=plot: self._focus_moved(p))
             plot.scale_changed.connect(lambda h=header, p=plot: h.show_scale(p.current_scale))
+            header.picked.connect(lambda add, p=plot: self._pick(p, add))
             header.close_up_asked.connect(lambda p=plot: self._toggle_close_up(p))
         self.timeline.view_changed.connect(self._show_view)
         self.timeline.playhead_moved.connect(self._show_state)
@@ -102,13 +114,31 @@ class CurvesPanel(QWidget):
 
     @property
     def is_dragging(self) -> bool:
-        """Whether an edit is being dragged."""
-        return self._mouse.is_dragging
+        """Whether an edit, or an edge of the selection, is being dragged."""
+        return self._mouse.is_dragging or self._band.is_dragging
+
+    @property
+    def chosen_controls(self) -> tuple[str, ...]:
+        """Ids of the curves that are edited together by name; empty for one at a time."""
+        return tuple(c for c in CONTROL_IDS if c in self._mouse.chosen)
 
     @property
     def focused_control(self) -> str | None:
         """Id of the control whose curve was last hovered, clicked or reached by Tab."""
         return self._mouse.focused
+
+    def focus_curve(self, index: int) -> None:
+        """Give the keyboard to one of the eight curves."""
+        self.plots[index].setFocus(Qt.FocusReason.ShortcutFocusReason)
+
+    def nudge(self, millimetres: float) -> None:
+        """Move the curve that has the focus, at the playhead or in the selection there."""
+        index = CONTROL_INDEX.get(self._mouse.focused or "", 0)
+        self._mouse.nudge(self.plots[index], millimetres)
+
+    def settle(self) -> None:
+        """Bring a gesture of the keyboard to its end."""
+        self._mouse.settle()
 
     def cancel_drag(self) -> None:
         """Drop the drag in progress, if any."""
@@ -144,6 +174,15 @@ class CurvesPanel(QWidget):
     def _focus_moved(self, plot: CurvePlot) -> None:
         if plot.shows_focus:
             self._mouse.focused = plot.control.id
+        self._show_state()
+
+    def _pick(self, plot: CurvePlot, add: bool) -> None:
+        """A click on a name gives the focus; with Ctrl curves are chosen, or no longer."""
+        plot.setFocus(Qt.FocusReason.MouseFocusReason)
+        self._mouse.focused = plot.control.id
+        self._mouse.chosen = self._mouse.chosen ^ {plot.control.id} if add else frozenset()
+        for header in self.headers:
+            header.show_chosen(header.control.id in self._mouse.chosen)
         self._show_state()
 
     def _previewed(self) -> None:
@@ -203,14 +242,15 @@ class CurvesPanel(QWidget):
             return
         # A window that changes take tells timeline and panel one after the other.
         frame = min(timeline.frame, len(session.tracked) - 1)
-        marks = Marks(timeline.time, timeline.selection, self._gaps)
+        marks = Marks(timeline.time, self._band.band, self._gaps)
+        edited = mouse.drag.controls if mouse.drag is not None and mouse.drag.moving else ()
         for i, (header, plot) in enumerate(zip(self.headers, self.plots, strict=True)):
             here = plot is mouse.plot
             brush, alpha = None, style.HOVER
             if here or mouse.is_dragging:
                 brush = mouse.brush
             if mouse.is_dragging:
-                alpha = style.STRONG if here else style.WEAK
+                alpha = style.STRONG if plot.control.id in edited else style.WEAK
             face = float(session.achieved[frame, i])
             asked = float(session.asked[frame, i])
             handle = self._handle(session, i) if here else None
@@ -218,7 +258,8 @@ class CurvesPanel(QWidget):
             tracked = float(session.tracked[frame, i])
             header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
             header.show_active(here or plot.shows_focus)
-        brush = mouse.brush or brush_at(timeline.time, timeline.selection, timeline.falloff)
+        fades = timeline.falloff, timeline.falloff_out
+        brush = mouse.brush or brush_at(timeline.time, timeline.selection, *fades)
         self.ruler.show_marks(replace(marks, brush=brush, alpha=style.STRONG))
         self.legend.show_hint(self._hint())
 
@@ -232,14 +273,14 @@ class CurvesPanel(QWidget):
         if drag is None or not drag.moving:
             return Handle(time, asked, held=drag is not None)
         face = float(session.achieved[frame, control])
-        words = f"{drag.value:+.1f} mm", f"asked {asked:.1f} · face {face:.1f}"
+        words = drag.words, f"asked {asked:.1f} · face {face:.1f}"
         return Handle(time, asked, True, words)
 
     def _hint(self) -> str:
         mouse = self._mouse
         if mouse.is_dragging:
             seconds = self.timeline.falloff
-            return f"Falloff {seconds:.2f} s (wheel) · Shift: fine · Esc: cancel"
+            return f"Falloff {seconds:.2f} s (wheel) · Shift fine · Ctrl snap · Esc cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
         return _IDLE_HINT

@@ -278,7 +278,8 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Who came by keyboard sees where; a click's place needs no mark."""
-        keyboard = (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason)
+        reason = Qt.FocusReason
+        keyboard = reason.TabFocusReason, reason.BacktabFocusReason, reason.ShortcutFocusReason
         self.shows_focus = event.reason() in keyboard
         self.focus_changed.emit()
         self.viewport().update()

@@ -18,6 +18,7 @@ TICK = "#5c626b"
 GRID = "#30353c"
 TEXT = palette.TEXT
 MUTED = palette.MUTED
+FAINT = palette.FAINT
 LABEL = "#b4b9c2"  # names of the curves
 REGION_COLORS = {"lower": palette.ACCENT, "upper": "#009e73", "eyelids": palette.ORANGE}
 TRACKED = "#9aa0aa"

@@ -1,0 +1,84 @@
+"""The mouse on the selection's edges, wherever they are drawn."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Qt
+from PySide6.QtGui import QMouseEvent
+
+from faceedit_app.ui.curves.axes import Scale
+from faceedit_app.ui.curves.edges import Edge, EdgeDrag, edge_at, press_edge
+from faceedit_app.ui.curves.gestures import Brush
+from faceedit_app.ui.timeline import Timeline
+
+
+class BandMouse(QObject):
+    """Drags the selection's edges: start and end of the hold, and the falloffs around it."""
+
+    def __init__(self, timeline: Timeline, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._timeline = timeline
+        self._drag: EdgeDrag | None = None
+
+    @property
+    def band(self) -> Brush | None:
+        """The selection with its falloffs."""
+        line = self._timeline
+        if line.selection is None:
+            return None
+        return Brush(*line.selection, line.falloff, line.falloff_out)
+
+    @property
+    def is_dragging(self) -> bool:
+        """Whether an edge is held."""
+        return self._drag is not None
+
+    @property
+    def held(self) -> Edge | None:
+        """The edge that is held."""
+        return self._drag.edge if self._drag is not None else None
+
+    def edge_under(self, scale: Scale, x: float) -> Edge | None:
+        """The edge that a press at a pixel would grab."""
+        band = self.band
+        return edge_at(x, scale, band) if band is not None else None
+
+    def press(self, scale: Scale, event: QMouseEvent) -> bool:
+        """Grab the edge under the pointer, if there is one."""
+        x = event.position().x()
+        edge = self.edge_under(scale, x)
+        if edge is not None:
+            self.grab(edge, scale.time_at(x))
+        return edge is not None
+
+    def grab(self, edge: Edge, seconds: float) -> None:
+        """Hold an edge, or the whole band, at a time."""
+        band = self.band
+        if band is not None:
+            limits = 0.0, self._timeline.snap(self._timeline.duration)
+            self._drag = press_edge(edge, band, seconds, limits)
+
+    def move(self, scale: Scale, event: QMouseEvent) -> None:
+        """Bring the edge along; Shift is fine, Ctrl snaps to frames."""
+        if self._drag is None:
+            return
+        keys = event.modifiers()
+        seconds = scale.time_at(min(max(event.position().x(), 0.0), scale.width))
+        fine = bool(keys & Qt.KeyboardModifier.ShiftModifier)
+        snap = bool(keys & Qt.KeyboardModifier.ControlModifier)
+        frame = self._timeline.snap(seconds) if snap else None
+        self._drag = self._drag.moved(seconds, fine, frame)
+        self._show(self._drag.band)
+
+    def release(self) -> None:
+        """Keep it."""
+        self._drag = None
+
+    def cancel(self) -> None:
+        """Put it back to where it was."""
+        if self._drag is not None:
+            before, self._drag = self._drag.before, None
+            self._show(before)
+
+    def _show(self, band: Brush) -> None:
+        self._timeline.set_falloffs(band.falloff, band.fade_out)
+        self._timeline.select((band.start, band.end))
