@@ -241,8 +241,7 @@ class Solver:
     def _wanted(self, asked: Request, tracked: NDArray[np.float32], region: Region) -> Array:
         """(N, 8) mm: the curves that a region should show, companions and bounds included."""
         change = asked.curves - tracked
-        edited = np.any(asked.hold > 0, axis=0, keepdims=True)[0]
-        followed = follow(change, edited, region.controls, self._control_covariance(region))
+        followed = follow(change, asked.hold, region.controls, self._control_covariance(region))
         return self._believable(tracked + followed, tracked, region)
 
     def _control_covariance(self, region: Region) -> Array:
