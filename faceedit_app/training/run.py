@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import json
+import shlex
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -92,6 +92,21 @@ class Plan:
             )
         return settings
 
+    @property
+    def command(self) -> str:
+        """The command line of this plan, folders by their last name."""
+        words = ["faceedit train"]
+        words += [f"--data {folder.name}" for folder in self.folders]
+        words += [f"--exclude {shlex.quote(pattern)}" for pattern in self.exclude]
+        words += [f"-o {self.output.name}", f"--recipe {self.recipe}", f"--seed {self.seed}"]
+        if self.epochs is not None:
+            words.append(f"--epochs {self.epochs}")
+        if self.finetune is not None:
+            words.append(f"--finetune --models {self.finetune.name}")
+        if not self.baseline:
+            words.append("--no-baseline")
+        return " ".join(words)
+
 
 def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
     """Train the networks of each region; yields each file as it is written.
@@ -137,7 +152,8 @@ def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
     write_atomically(chart_file, losses_chart(fitted).encode())
     yield chart_file
     card = plan.output / CARD
-    write_atomically(card, model_card(fitted, performances, settings, plan.output).encode())
+    text = model_card(fitted, performances, settings, plan.output, plan.command)
+    write_atomically(card, text.encode())
     yield card
     shutil.rmtree(checkpoints, ignore_errors=True)
 
@@ -197,12 +213,3 @@ def losses_chart(fitted: Sequence[Fitted]) -> str:
         if not stage.startswith("holden")
     ]
     return chart("Held-out loss", "epoch", "loss", lines, log_y=True)
-
-
-def read_settings(model: RegionModel) -> dict[str, object]:
-    """The settings that a model was trained with; empty where its file does not say."""
-    try:
-        found = json.loads(model.notes)
-    except ValueError:
-        return {}
-    return found if isinstance(found, dict) else {}

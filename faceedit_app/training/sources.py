@@ -14,14 +14,18 @@ from faceedit_app.training.statistics import Take
 
 
 def by_source(folders: Sequence[Path], exclude: Sequence[str] = ()) -> dict[str, list[Take]]:
-    """Takes below some folders (or single files) by their source.
+    """Takes below some folders (or single files) by their source, each file once.
 
     Raises:
         FileError: a folder is missing or holds no take, or a take cannot be read.
     """
     takes: dict[str, list[Take]] = defaultdict(list)
+    seen: set[Path] = set()
     for folder in folders:
         for path in take_paths(folder, exclude):
+            if path.resolve() in seen:
+                continue
+            seen.add(path.resolve())
             clip = open_take(path).clip
             takes[source_of(path)].append((clip.times, clip.arkit_weights().astype(np.float32)))
     return dict(takes)
