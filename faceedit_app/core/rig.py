@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,7 +138,7 @@ class Distances:
 
     def signed(self, weights: Floats) -> Floats:
         """Weights (T, K) -> lengths (T, C) float32, mm; negative where a pair has passed."""
-        return self._signed(self.vectors(weights))
+        return self.lengths(self.vectors(weights))
 
     def measure(self, weights: Floats) -> Floats:
         """Weights (T, K) -> distances (T, C) float32, mm, 0 or more."""
@@ -149,13 +150,24 @@ class Distances:
         Args:
             passed: take each pair's heights as if they had changed places.
         """
-        vectors = self.vectors(weights)
-        lengths = self._signed(vectors)
-        if passed:
-            vectors = vectors * np.array([1, -1, 1], np.float32)
-        directions = vectors / np.where(np.abs(lengths) > 1e-6, lengths, 1e-6)[..., None]
+        lengths, directions = self.directions(self.vectors(weights), passed)
         return lengths, np.einsum("tcx,kcx->tck", directions, self.gradients)
 
-    def _signed(self, vectors: Floats) -> Floats:
-        lengths: Floats = np.sqrt(np.sum(vectors**2, axis=-1))
-        return np.where(self.shuts & (vectors[..., 1] * self.offsets[:, 1] < 0), -lengths, lengths)
+    def directions(
+        self, vectors: NDArray[Any], passed: bool = False
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """`lengths` (..., C) of `vectors` (..., C, 3), and how each grows with its vector.
+
+        Args:
+            passed: take each pair's heights as if they had changed places.
+        """
+        lengths = self.lengths(vectors)
+        if passed:
+            vectors = vectors * np.array([1, -1, 1], vectors.dtype)
+        return lengths, vectors / np.where(np.abs(lengths) > 1e-6, lengths, 1e-6)[..., None]
+
+    def lengths(self, vectors: NDArray[Any]) -> NDArray[Any]:
+        """Lengths (..., C), mm, of `vectors` (..., C, 3); negative where a pair has passed."""
+        x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
+        lengths = np.sqrt(x * x + y * y + z * z)
+        return np.where(self.shuts & (y * self.offsets[:, 1] < 0), -lengths, lengths)

@@ -10,7 +10,6 @@ set).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +20,9 @@ from faceedit_app.core.rig import Distances
 Array = NDArray[np.float64]
 
 ITERATIONS = 6
-STEPS = (1.0, 0.7, 0.4, 0.2, 0.1, 0.0)
+STEPS = np.array([1.0, 0.7, 0.4, 0.2, 0.1, 0.0])
+# A frame whose weights moved by no more than this is done: it is far below what can be seen.
+SETTLED = 1e-4
 # How exactly an asked-for control must be met, and how much the others may give way, in mm.
 ASKED_MM = 0.05
 FREE_MM = 1.5
@@ -57,7 +58,7 @@ def reach(
     coupled: tuple[int, int] | None = None,
     naturalness: float = 1.0,
 ) -> Array:
-    """Change the weights of one region so that its controls reach the goal.
+    """Change the weights of one region so that its controls reach the goal, each frame by itself.
 
     Args:
         distances: the region's C controls as a function of all 52 weights.
@@ -73,96 +74,140 @@ def reach(
         (N, K) the new weights of `channels`.
     """
     start = weights[:, channels]
-    floor = np.minimum(start, 0.0)
-    trial = weights.astype(np.float32)
-
-    def bounded(change: Array) -> Array:
-        """The nearest allowed change."""
-        inside = np.clip(start + change, floor, upper)
-        if coupled is not None:
-            a, b = coupled
-            slack = np.maximum(start[:, a] - start[:, b], 0.0)
-            inside[:, a] = np.minimum(inside[:, a], inside[:, b] + slack)
-        return inside - start
-
-    def measure(change: Array) -> Array:
-        trial[:, channels] = start + change
-        return distances.measure(trial).astype(np.float64)
-
-    targets = measure(np.zeros_like(start))
+    vectors = distances.vectors(weights)
+    targets = np.maximum(distances.lengths(vectors), 0.0)
     targets += goal.strength * (goal.targets - targets)
     noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
+    frames = _Frames(start, vectors, targets, noise, upper)
+    solver = _Solver(distances, channels, covariance, coupled, naturalness)
+    change, lengths = solver.search(frames, passed=False)
+    # Pressed lips can have passed each other: opening them begins with what seems to close them.
+    missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
+    if len(missed):
+        those = frames.at(missed)
+        other, there = solver.search(those, passed=True)
+        better = those.cost(there) < those.cost(lengths[missed])
+        change[missed[better]] = other[better]
+    # Rounding leaves weights such as -1e-17.
+    return np.clip(start + change, np.minimum(start, 0.0), np.maximum(start, upper))
 
-    def cost(change: Array) -> Array:
-        costs: Array = np.sum((targets - measure(change)) ** 2 / noise, axis=1)
+
+@dataclass(frozen=True)
+class _Frames:
+    """What is given of N frames: `start` and `upper` weights (N, K), `vectors` (N, C, 3) and
+    `targets` (N, C) in mm, `noise` (N, C) in mm²."""
+
+    start: Array
+    vectors: Array
+    targets: Array
+    noise: Array
+    upper: Array
+
+    def at(self, rows: NDArray[np.intp]) -> _Frames:
+        """Some of the frames."""
+        arrays = (self.start, self.vectors, self.targets, self.noise, self.upper)
+        return _Frames(*(array[rows] for array in arrays))
+
+    def bounded(self, change: Array, coupled: tuple[int, int] | None) -> Array:
+        """The nearest allowed change."""
+        inside = np.clip(self.start + change, np.minimum(self.start, 0.0), self.upper)
+        if coupled is not None:
+            a, b = coupled
+            slack = np.maximum(self.start[:, a] - self.start[:, b], 0.0)
+            inside[:, a] = np.minimum(inside[:, a], inside[:, b] + slack)
+        return inside - self.start
+
+    def cost(self, lengths: Array) -> Array:
+        """How far lengths (..., N, C) are from the targets: (..., N)."""
+        costs: Array = ((self.targets - lengths) ** 2 / self.noise).sum(axis=-1)
         return costs
 
-    def search(passed: bool) -> Array:
-        change, frozen = np.zeros_like(start), np.zeros(start.shape, bool)
+
+class _Solver:
+    """Moves the K channels of one region; see `reach` for the arguments."""
+
+    def __init__(
+        self,
+        distances: Distances,
+        channels: NDArray[np.intp],
+        covariance: Array,
+        coupled: tuple[int, int] | None,
+        naturalness: float,
+    ) -> None:
+        self._distances, self._covariance = distances, covariance
+        self._coupled, self._naturalness = coupled, naturalness
+        gradients = distances.gradients[channels].astype(np.float64)  # (K, C, 3)
+        self._moves = gradients.reshape(len(channels), -1)
+        self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
+        self._precision = np.linalg.inv(covariance + 1e-6 * np.eye(len(covariance)))
+
+    def search(self, frames: _Frames, passed: bool) -> tuple[Array, Array]:
+        """The change of the channels (N, K), and the lengths (N, C) that it leads to.
+
+        Args:
+            passed: begin as if each pair of vertices had passed each other.
+        """
+        change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
+        vectors, active = frames.vectors.copy(), np.arange(len(change))
         for iteration in range(ITERATIONS):
-            trial[:, channels] = start + change
-            lengths, jacobian = distances.jacobian(trial, passed and iteration == 0)
-            slopes = jacobian[:, :, channels].astype(np.float64)
-            wanted = targets - lengths + np.einsum("nck,nk->nc", slopes, change)
-            aim = _step(slopes, wanted, noise, covariance, change, frozen)
-            aim *= _shortening(aim, covariance, naturalness)
-            allowed = bounded(aim)
-            frozen |= np.abs(allowed - aim) > 1e-9
-            change = _line_search(change, allowed, cost)
-        return change
+            these, old, held = frames.at(active), change[active], frozen[active]
+            slopes, wanted = self._linear(these, vectors[active], old, passed and iteration == 0)
+            aim = self._step(slopes, wanted, these.noise, old, held)
+            aim *= self._shortening(aim)
+            allowed = these.bounded(aim, self._coupled)
+            stopped = held | (np.abs(allowed - aim) > 1e-9)
+            new, vectors[active] = self._line_search(these, vectors[active], old, allowed)
+            change[active], frozen[active] = new, stopped
+            moving = (np.abs(new - old) > SETTLED) | (stopped != held)
+            active = active[moving.any(axis=1)]
+            if not len(active):
+                break
+        return change, np.maximum(self._distances.lengths(vectors), 0.0)
 
-    change = search(passed=False)
-    # Pressed lips can have passed each other: opening them begins with what seems to close them.
-    if np.any(goal.asked & (targets - measure(change) > MISSED_MM)):
-        other = search(passed=True)
-        change = np.where((cost(other) < cost(change))[:, None], other, change)
-    # Rounding leaves weights such as -1e-17.
-    return np.clip(start + change, floor, np.maximum(start, upper))
+    def _linear(
+        self, frames: _Frames, vectors: Array, change: Array, passed: bool
+    ) -> tuple[Array, Array]:
+        """Slopes J (N, C, K) at `change`, and what J times the whole change should be (N, C)."""
+        lengths, directions = self._distances.directions(vectors, passed)
+        by_control = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
+        slopes = np.ascontiguousarray(by_control.transpose(1, 0, 2))
+        return slopes, frames.targets - lengths + (slopes @ change[:, :, None])[:, :, 0]
 
+    def _step(
+        self, slopes: Array, wanted: Array, noise: Array, change: Array, frozen: NDArray[np.bool_]
+    ) -> Array:
+        """The most probable change with J change = wanted; frozen channels keep theirs."""
+        held = np.where(frozen, change, 0.0)
+        rest = wanted - (slopes @ held[:, :, None])[:, :, 0]
+        free = np.where(frozen[:, None, :], 0.0, slopes)
+        spread = free @ self._covariance  # (N, C, K)
+        system = spread @ free.transpose(0, 2, 1)
+        diagonal = np.arange(system.shape[1])
+        system[:, diagonal, diagonal] += noise
+        solved = np.linalg.solve(system, rest[:, :, None])  # (N, C, 1)
+        moved = (solved.transpose(0, 2, 1) @ spread)[:, 0]
+        return np.where(frozen, held, moved)
 
-def _line_search(old: Array, new: Array, cost: Callable[[Array], Array]) -> Array:
-    """Of some steps from `old` towards `new`, each frame's best.
+    def _shortening(self, change: Array) -> Array | float:
+        """(N, 1) factor that keeps each frame's change within the natural length."""
+        if self._naturalness <= 0:
+            return 1.0
+        length = np.sqrt(((change @ self._precision) * change).sum(axis=1))
+        limit = NATURAL_LENGTH / self._naturalness
+        factor: Array = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
+        return factor
 
-    A full step can carry a pair of vertices through each other, where the distance grows again.
-    """
-    best = old
-    least = np.full(len(old), np.inf)
-    for step in STEPS:
-        change = old + step * (new - old)
-        costs = cost(change)
-        better = costs < least
-        best = np.where(better[:, None], change, best)
-        least = np.where(better, costs, least)
-    return best
+    def _line_search(
+        self, frames: _Frames, vectors: Array, old: Array, new: Array
+    ) -> tuple[Array, Array]:
+        """Of some steps from `old` towards `new`, each frame's best, and the vectors there.
 
-
-def _step(
-    jacobian: Array,
-    wanted: Array,
-    noise: Array,
-    covariance: Array,
-    change: Array,
-    frozen: NDArray[np.bool_],
-) -> Array:
-    """The most probable change with J change = wanted; frozen channels keep theirs."""
-    held = np.where(frozen, change, 0.0)
-    rest = wanted - np.einsum("nck,nk->nc", jacobian, held)
-    free = np.where(frozen[:, None, :], 0.0, jacobian)
-    spread = free @ covariance  # (N, C, K)
-    system = spread @ free.transpose(0, 2, 1)
-    diagonal = np.arange(system.shape[1])
-    system[:, diagonal, diagonal] += noise
-    solved = np.linalg.solve(system, rest[:, :, None])[:, :, 0]
-    moved = np.einsum("nck,nc->nk", spread, solved)
-    return np.where(frozen, held, moved)
-
-
-def _shortening(change: Array, covariance: Array, naturalness: float) -> Array:
-    """(N, 1) factor that keeps each frame's change within the natural length."""
-    if naturalness <= 0:
-        return np.ones((len(change), 1))
-    precision = np.linalg.inv(covariance + 1e-6 * np.eye(len(covariance)))
-    length = np.sqrt(np.einsum("nk,kl,nl->n", change, precision, change))
-    limit = NATURAL_LENGTH / naturalness
-    factor: Array = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
-    return factor
+        A full step can carry a pair of vertices through each other, where the distance grows
+        again. Vectors are linear in the weights, so that those of all steps come from two.
+        """
+        moved = frames.vectors + (new @ self._moves).reshape(vectors.shape)
+        move = moved - vectors
+        trials = vectors + STEPS[:, None, None, None] * move
+        costs = frames.cost(np.maximum(self._distances.lengths(trials), 0.0))
+        step = STEPS[costs.argmin(axis=0)][:, None]
+        return old + step * (new - old), vectors + step[:, :, None] * move
