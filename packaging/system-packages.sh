@@ -1,5 +1,5 @@
 #!/bin/sh
-# The system libraries that Qt and offscreen OpenGL need on Linux, and espeak-ng for synthesis.
+# The system libraries that Qt, offscreen OpenGL and sound need on Linux, and espeak-ng for synthesis.
 # Installs what is missing through apt-get where that is possible; otherwise prints the line to run.
 set -eu
 
@@ -26,6 +26,7 @@ libxcb-xkb1:libxcb-xkb.so.1
 libdbus-1-3:libdbus-1.so.3
 libfontconfig1:libfontconfig.so.1
 libglib2.0-0:libglib-2.0.so.0
+libportaudio2:libportaudio.so.2
 fonts-dejavu-core:@fonts
 espeak-ng:@espeak
 "

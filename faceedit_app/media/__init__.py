@@ -1,0 +1,44 @@
+"""The sound and the film of a take: read, indexed, and sent to the loudspeakers. No Qt.
+
+PyAV (FFmpeg) reads the files and sounddevice (PortAudio) plays; both are imported only when a
+file is opened, so that the start of the application does not wait for them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+SOUND_ENDINGS = (".wav", ".m4a", ".mp3", ".flac", ".aif", ".aiff", ".ogg", ".opus", ".aac")
+FILM_ENDINGS = (".mov", ".mp4", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".mpeg")
+ENDINGS = FILM_ENDINGS + SOUND_ENDINGS
+# What programs add to the name of a take: our own export, and Live Link Face's variants.
+_ADDED = ("_edited", "_cal", "_raw", "_neutral")
+
+
+def is_media(path: Path) -> bool:
+    """Whether a file's name says that it is a sound or a film."""
+    return path.suffix.lower() in ENDINGS
+
+
+def beside(take: Path) -> tuple[Path | None, Path | None]:
+    """The sound and the film that lie beside a take under its name.
+
+    Live Link Face writes `take_iPhone.csv` and `take_iPhone.mov`; an exported `take_edited.csv`
+    finds what belongs to `take.csv`.
+
+    Returns:
+        (sound, film), None for what is not there. A film's own sound counts only where no
+        sound file lies beside it; that is for the caller to try.
+    """
+    stems = [take.stem, *(take.stem.removesuffix(a) for a in _ADDED if take.stem.endswith(a))]
+
+    def find(endings: tuple[str, ...]) -> Path | None:
+        for stem in stems:
+            for ending in endings:
+                for spelled in (ending, ending.upper()):
+                    path = take.with_name(stem + spelled)
+                    if path.is_file():
+                        return path
+        return None
+
+    return find(SOUND_ENDINGS), find(FILM_ENDINGS)

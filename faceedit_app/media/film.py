@@ -1,0 +1,345 @@
+"""A take's film: any picture by its number, quickly, whichever way the playhead goes."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.media.container import check, film_stream, open_container, opened, told
+
+if TYPE_CHECKING:
+    from av import VideoFrame
+    from av.container import InputContainer
+    from av.video.stream import VideoStream
+
+Picture = NDArray[np.uint8]
+Ticks = NDArray[np.int64]
+Times = NDArray[np.float64]
+
+LONGEST_SIDE = 1280  # pixels; larger films are made smaller, they stand beside the face
+_MEMORY = 192 * 2**20  # bytes of pictures that are kept
+_BEHIND = 24  # pictures kept on the way to the wanted one, where the playhead goes back
+# Kinds of file that tell the time of each picture. After a jump into another kind (MPEG), times
+# are guesses, so those are decoded from the beginning whenever the playhead goes back.
+_EXACT = {"mov", "mp4", "matroska", "webm", "avi"}
+_AHEAD = 12  # pictures made ready beyond it, where the playhead goes on
+
+
+@dataclass(frozen=True)
+class _Index:
+    """What is where in a film. Pictures are numbered in the order in which they are shown.
+
+    Attributes:
+        tick: seconds of one tick.
+        stamps: (F,) ticks at which the pictures are shown.
+        keys: (P,) the pictures at which decoding can begin; the first is 0.
+        key_stamps: (P,) ticks to seek to for them; a file is ordered by decoding, not by
+            showing.
+    """
+
+    tick: float
+    stamps: Ticks
+    keys: Ticks
+    key_stamps: Ticks
+
+    def without_jumps(self) -> _Index:
+        """The same, but decoding begins at the first picture only."""
+        return _Index(self.tick, self.stamps, self.keys[:1], self.key_stamps[:1])
+
+
+class Film:
+    """One film. `cached` may be called from any thread, `picture` from one at a time.
+
+    Attributes:
+        path: its file.
+        times: (F,) float64 seconds from the first picture at which pictures are shown; the
+            distances may differ (phones record with a varying rate).
+        rate: pictures per second on average.
+    """
+
+    def __init__(self, path: Path, stopped: Callable[[], bool] | None = None) -> None:
+        """Open a film and note when each picture is shown.
+
+        Args:
+            stopped: asked now and then; True gives up.
+
+        Raises:
+            FileError: it cannot be read or has no pictures.
+            Unavailable: PyAV is not installed.
+            Abandoned: `stopped` said so.
+        """
+        self.path = path
+        with opened(path) as container:
+            self._index = _indexed(path, container, stopped)
+            if not _EXACT & set(container.format.name.split(",")):
+                self._index = self._index.without_jumps()
+        stamps = self._index.stamps
+        self.times: Times = (stamps - stamps[0]) * self._index.tick
+        self.rate = (len(stamps) - 1) / float(self.times[-1]) if len(stamps) > 1 else 25.0
+        self._container: InputContainer | None = None
+        self._frames: Iterator[VideoFrame] | None = None
+        self._next = 0  # the picture that decoding on would give
+        self._cache: OrderedDict[int, Picture] = OrderedDict()
+        self._bytes = 0
+        self._lock = threading.Lock()  # of the cache
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first picture to the end of the last."""
+        return float(self.times[-1]) + 1.0 / self.rate
+
+    def index_at(self, seconds: float) -> int:
+        """Which picture is on the screen at a time: the last one that has begun."""
+        # Takes and films round their times differently: half a millisecond early is in time.
+        at = int(np.searchsorted(self.times, seconds + 5e-4, side="right")) - 1
+        return min(max(at, 0), len(self.times) - 1)
+
+    def frame_at(self, seconds: float) -> Picture:
+        """The picture at a time, see `picture`."""
+        return self.picture(self.index_at(seconds))
+
+    def cached(self, index: int) -> Picture | None:
+        """A picture that need not be decoded."""
+        with self._lock:
+            found = self._cache.get(index)
+            if found is not None:
+                self._cache.move_to_end(index)
+            return found
+
+    def picture(self, index: int, behind: int = 0) -> Picture:
+        """A picture, upright and with square pixels.
+
+        Args:
+            behind: so many pictures before it are kept too, if they are on the way.
+
+        Returns:
+            (H, W, 4) uint8: blue, green, red, 255. Where a film is damaged, the nearest
+            picture before it.
+
+        Raises:
+            FileError: the file vanished or cannot be read any more.
+        """
+        found = self.cached(index)
+        if found is None:
+            with told(self.path):
+                found = self._decode(index, behind)
+        return found
+
+    def close(self) -> None:
+        """Let go of the file."""
+        if self._container is not None:
+            self._container.close()
+        self._container = self._frames = None
+
+    def _decode(self, index: int, behind: int) -> Picture:
+        key = int(np.searchsorted(self._index.keys, index, side="right")) - 1
+        if self._frames is not None and self._index.keys[key] <= self._next <= index:
+            found = self._go_on(index, behind)
+            if found is not None:
+                return found
+        for earlier in (key, key - 1, 0):  # from before, if it lands later than it was sent to
+            if earlier >= 0:
+                self._seek(earlier)
+                found = self._go_on(index, behind)
+                if found is not None:
+                    return found
+        raise FileError(self.path, "cannot be decoded", "convert it to MP4 (H.264) and add that")
+
+    def _go_on(self, index: int, behind: int) -> Picture | None:
+        """Decode up to a picture; None if none comes up to it."""
+        latest: VideoFrame | None = None
+        for frame in self._frames or ():
+            at = self._number(frame)
+            if at > index and latest is None:
+                return None
+            self._next = at + 1
+            if at <= index:
+                latest = frame
+            if index - behind <= at < index or at > index:
+                self._keep(at, frame)
+            if at >= index:
+                break
+        return self._keep(index, latest) if latest is not None else None
+
+    def _seek(self, key: int) -> None:
+        if key == 0:
+            self.close()  # opened anew it begins at the beginning, whatever the kind of file
+        if self._container is None:
+            self._container = open_container(self.path)
+            film_stream(self._container).thread_type = "AUTO"
+        stream = film_stream(self._container)
+        if key > 0:
+            self._container.seek(int(self._index.key_stamps[key]), stream=stream, backward=True)
+        self._frames = _decoded(self._container, stream)
+        self._next = 0
+
+    def _number(self, frame: VideoFrame) -> int:
+        if frame.pts is None:
+            return self._next
+        at = int(np.searchsorted(self._index.stamps, frame.pts, side="right")) - 1
+        return max(at, 0)
+
+    def _keep(self, index: int, frame: VideoFrame) -> Picture:
+        picture = _upright(frame, self._aspect())
+        with self._lock:
+            if index not in self._cache:
+                self._cache[index] = picture
+                self._bytes += picture.nbytes
+            while self._bytes > _MEMORY and len(self._cache) > 2:
+                _, old = self._cache.popitem(last=False)
+                self._bytes -= old.nbytes
+        return picture
+
+    def _aspect(self) -> float:
+        assert self._container is not None
+        return float(film_stream(self._container).sample_aspect_ratio or 1)
+
+
+def _indexed(path: Path, container: InputContainer, stopped: Callable[[], bool] | None) -> _Index:
+    """Find out when each picture is shown, without decoding where the file tells it."""
+    stream = film_stream(container)
+    assert stream.time_base is not None
+    shown: list[int] = []
+    keys: list[tuple[int, int]] = []
+    for packet in container.demux(stream):
+        check(stopped)
+        if packet.size == 0 or packet.is_discard:
+            continue
+        if packet.pts is None:
+            return _decoded_index(path, stopped)
+        shown.append(packet.pts)
+        if packet.is_keyframe:
+            keys.append((packet.pts, packet.pts if packet.dts is None else packet.dts))
+    return _made_index(path, float(stream.time_base), shown, keys)
+
+
+def _decoded_index(path: Path, stopped: Callable[[], bool] | None) -> _Index:
+    """The same for files that tell it for some pictures only (AVI, old MPEG): decode them all."""
+    shown: list[int] = []
+    keys: list[tuple[int, int]] = []
+    with opened(path) as container:
+        stream = film_stream(container)
+        assert stream.time_base is not None
+        stream.thread_type = "AUTO"
+        for frame in _decoded(container, stream):
+            check(stopped)
+            if frame.pts is not None:
+                shown.append(frame.pts)
+                if frame.key_frame:
+                    keys.append((frame.pts, frame.pts if frame.dts is None else frame.dts))
+        return _made_index(path, float(stream.time_base), shown, keys)
+
+
+def _made_index(path: Path, tick: float, shown: list[int], keys: list[tuple[int, int]]) -> _Index:
+    if not shown:
+        raise FileError(path, "has no pictures in it", "choose another file")
+    stamps = np.unique(np.array(shown, np.int64))
+    pairs = np.array(sorted(keys) or [(shown[0], shown[0])], np.int64)
+    numbers = np.searchsorted(stamps, pairs[:, 0])
+    numbers[0] = 0  # pictures that lean on a key which was cut off are shown as it comes
+    return _Index(tick, stamps, numbers, pairs[:, 1])
+
+
+def _decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
+    """Pictures in the order of showing; damaged ones are left out."""
+    from av.error import InvalidDataError
+
+    for packet in container.demux(stream):
+        try:
+            frames = packet.decode()
+        except InvalidDataError:
+            continue
+        yield from frames
+
+
+def _upright(frame: VideoFrame, aspect: float) -> Picture:
+    """A decoded picture as phones mean it to be seen: turned, square pixels, not too large."""
+    wide, high = frame.width * aspect, float(frame.height)
+    scale = min(1.0, LONGEST_SIDE / max(wide, high))
+    size = max(1, round(wide * scale)), max(1, round(high * scale))
+    # With several threads FFmpeg 8 garbles pixels where their shares of a picture meet.
+    scaled = frame.reformat(width=size[0], height=size[1], format="bgra", threads=1)
+    pixels = scaled.to_ndarray()
+    turns = round(frame.rotation / 90) % 4  # a quarter each, against the clock
+    if turns == 0:
+        return np.asarray(pixels, np.uint8)
+    # Whole pixels as one number: four times as quick.
+    turned = np.rot90(np.ascontiguousarray(pixels).view(np.uint32)[:, :, 0], turns)
+    return np.ascontiguousarray(turned)[:, :, None].view(np.uint8)
+
+
+class Projector:
+    """Decodes a film in its own thread: the wanted picture first, then those that come next.
+
+    The last wish counts: while pictures come slower than the playhead moves, some are dropped.
+
+    Args:
+        film: used by nobody else from now on.
+        ready: called in the thread with each wanted picture's number.
+        failed: called in the thread when the film cannot be read any more.
+    """
+
+    def __init__(
+        self,
+        film: Film,
+        ready: Callable[[int], None],
+        failed: Callable[[FaceEditError], None],
+    ) -> None:
+        self._film, self._ready, self._failed = film, ready, failed
+        self._wish = threading.Condition()
+        self._wanted: int | None = None
+        self._closed = False
+        self._thread = threading.Thread(target=self._work, name="film", daemon=True)
+        self._thread.start()
+
+    def want(self, index: int) -> None:
+        """Make a picture next, if it is not there, and then those beyond it."""
+        with self._wish:
+            self._wanted = index
+            self._wish.notify()
+
+    def close(self) -> None:
+        """Stop, and let go of the file."""
+        with self._wish:
+            self._closed = True
+            self._wish.notify()
+        self._thread.join(timeout=2.0)
+
+    def _work(self) -> None:
+        try:
+            before = -1
+            while (index := self._next_wish()) is not None:
+                back = index < before
+                self._film.picture(index, _BEHIND if back else 0)
+                self._ready(index)
+                before = index
+                if not back:
+                    self._run_ahead(index)
+        except FaceEditError as error:
+            self._failed(error)
+        finally:
+            self._film.close()
+
+    def _next_wish(self) -> int | None:
+        with self._wish:
+            self._wish.wait_for(lambda: self._closed or self._wanted is not None)
+            index, self._wanted = self._wanted, None
+            return None if self._closed else index
+
+    def _run_ahead(self, index: int) -> None:
+        for beyond in range(index + 1, min(index + 1 + _AHEAD, len(self._film))):
+            with self._wish:
+                if self._closed or self._wanted is not None:
+                    return
+            self._film.picture(beyond)

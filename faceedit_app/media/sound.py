@@ -1,0 +1,242 @@
+"""A take's sound: all of it in memory, and the peaks that its waveform is drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.errors import FileError
+from faceedit_app.media.container import check, find_film, opened, seconds
+
+if TYPE_CHECKING:
+    from av import AudioFrame, AudioResampler
+    from av.container import InputContainer
+
+Samples = NDArray[np.int16]
+Floats = NDArray[np.float32]
+
+FULL = 32768.0  # of the 16 bits that are kept: a quarter of what float64 would need
+BLOCK = 128  # samples under the finest peak
+STEP = 4  # peaks under the next coarser one
+_LONGEST = 2.0  # hours; more would fill the memory, and no take is as long
+_HOLE = 0.02  # seconds without packets that are filled with silence rather than closed up
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """Lowest and highest sample of blocks, of blocks of blocks, and so on.
+
+    Attributes:
+        levels: (B, 2) int16 each, over `BLOCK`, `BLOCK * STEP`, ... samples.
+    """
+
+    levels: tuple[Samples, ...]
+
+    @classmethod
+    def of(cls, samples: Samples) -> Peaks:
+        """The peaks of (N, C) samples, over all channels."""
+        low, high = samples.min(axis=1), samples.max(axis=1)
+        levels = [_extremes(low, high, BLOCK)]
+        while len(levels[-1]) > STEP:
+            levels.append(_extremes(levels[-1][:, 0], levels[-1][:, 1], STEP))
+        return cls(tuple(levels))
+
+
+def _extremes(low: Samples, high: Samples, size: int) -> Samples:
+    starts = np.arange(0, len(low), size)
+    pair = [np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)]
+    return np.stack(pair, axis=1)
+
+
+@dataclass(frozen=True)
+class Sound:
+    """One sound.
+
+    Attributes:
+        path: the file that it is from.
+        rate: samples per second.
+        samples: (N, C) int16, C is 1 or 2.
+        start: seconds from the file's beginning to the first sample. In a film the beginning
+            is the first picture, so that sound and picture keep their distance.
+        peaks: what its waveform is drawn from.
+    """
+
+    path: Path
+    rate: int
+    samples: Samples
+    start: float
+    peaks: Peaks
+
+    @property
+    def channels(self) -> int:
+        """1 or 2."""
+        return int(self.samples.shape[1])
+
+    @property
+    def end(self) -> float:
+        """Seconds from the file's beginning to the end of the last sample."""
+        return self.start + len(self.samples) / self.rate
+
+    def read(self, first: float, count: int, step: float = 1.0) -> Floats:
+        """(count, C) float32 in -1..1 from sample `first` on, every `step` samples.
+
+        Between samples it interpolates linearly; beyond both ends is silence.
+        """
+        if step == 1.0:
+            start = round(first)
+            return self._rows(start, start + count)
+        at = first + step * np.arange(count)
+        start = int(np.floor(at[0]))
+        rows = self._rows(start, int(np.floor(at[-1])) + 2)
+        left = np.floor(at).astype(np.intp)
+        part = (at - left).astype(np.float32)[:, None]
+        left -= start
+        mixed: Floats = rows[left] * (1 - part) + rows[left + 1] * part
+        return mixed
+
+    def _rows(self, start: int, stop: int) -> Floats:
+        out = np.zeros((stop - start, self.channels), np.float32)
+        first, last = max(start, 0), min(stop, len(self.samples))
+        if first < last:
+            out[first - start : last - start] = self.samples[first:last] / np.float32(FULL)
+        return out
+
+    def columns(self, first: float, last: float, count: int) -> Floats:
+        """The waveform for a row of pixels.
+
+        Args:
+            first, last: seconds from the file's beginning at the left and the right edge.
+            count: pixels.
+
+        Returns:
+            (count, 2) float32 in -1..1, lowest and highest sample under each pixel; NaN where
+            there is no sound.
+        """
+        edges = (np.linspace(first, last, count + 1) - self.start) * self.rate
+        width = float(edges[1] - edges[0])
+        size, level = 1, None
+        for candidate in self.peaks.levels:
+            bigger = BLOCK if level is None else size * STEP
+            if bigger * STEP > width:
+                break  # coarser than a quarter of a pixel would be seen
+            size, level = bigger, candidate
+        total = len(self.samples) if level is None else len(level)
+        begins = np.floor(edges[:-1] / size).astype(np.int64)
+        # A pixel reaches to where the next begins, so that no line breaks between two.
+        ends = np.maximum(np.floor(edges[1:] / size).astype(np.int64) + 1, begins + 1)
+        inside = (ends > 0) & (begins < total)
+        out = np.full((count, 2), np.nan, np.float32)
+        if inside.any():
+            begins, ends = np.clip(begins[inside], 0, None), np.clip(ends[inside], None, total)
+            low, high = self._range(level, int(begins[0]), int(ends[-1]))
+            spans = np.stack([begins, ends], axis=1).ravel() - begins[0]
+            # reduceat takes index pairs; a last end beyond the array is the array's end.
+            low, high = np.append(low, low[-1]), np.append(high, high[-1])
+            out[inside, 0] = np.minimum.reduceat(low, spans)[::2] / FULL
+            out[inside, 1] = np.maximum.reduceat(high, spans)[::2] / FULL
+        return out
+
+    def _range(self, level: Samples | None, first: int, last: int) -> tuple[Samples, Samples]:
+        if level is not None:
+            return level[first:last, 0], level[first:last, 1]
+        rows = self.samples[first:last]
+        return rows.min(axis=1), rows.max(axis=1)
+
+
+def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound | None:
+    """Read the first sound stream of a WAV, MP3, M4A, MOV or whatever else FFmpeg reads.
+
+    Args:
+        stopped: asked now and then; True gives up.
+
+    Returns:
+        None for a film without sound.
+
+    Raises:
+        FileError: it cannot be read, or has neither sound nor film in it.
+        Unavailable: PyAV is not installed.
+        Abandoned: `stopped` said so.
+    """
+    with opened(path) as container:
+        if not container.streams.audio:
+            if find_film(container) is not None:
+                return None
+            raise FileError(path, "has neither sound nor film in it", "choose another file")
+        hours = (container.duration or 0) / 3.6e9
+        if hours > _LONGEST:
+            raise FileError(path, f"is {hours:.1f} hours long", "cut out the part of the take")
+        tape = _Tape(container)
+        origin = tape.roll(container, stopped)
+    if not tape.pieces:
+        raise FileError(path, "has a sound track with nothing in it", "choose another file")
+    samples = np.concatenate(tape.pieces)
+    start = 0.0 if origin is None else tape.start - origin
+    return Sound(path, tape.rate, samples, start, Peaks.of(samples))
+
+
+class _Tape:
+    """Collects the samples of a sound stream.
+
+    Attributes:
+        pieces: (n, C) int16 each, one after the other.
+        rate: samples per second.
+        start: seconds of the first sample on the file's own clock.
+    """
+
+    def __init__(self, container: InputContainer) -> None:
+        self._stream = container.streams.audio[0]
+        self._channels = min(self._stream.codec_context.channels or 1, 2)
+        self._resampler: AudioResampler | None = None
+        self._written = 0
+        self.pieces: list[Samples] = []
+        self.rate = 0
+        self.start = 0.0
+
+    def roll(self, container: InputContainer, stopped: Callable[[], bool] | None) -> float | None:
+        """Decode all; returns when a film's first picture is shown, None without a film."""
+        from av.error import InvalidDataError
+
+        film = find_film(container)
+        first: int | None = None
+        for packet in container.demux([self._stream, film] if film else [self._stream]):
+            check(stopped)
+            if packet.stream is film:
+                if packet.size and not packet.is_discard and packet.pts is not None:
+                    first = packet.pts if first is None else min(first, packet.pts)
+                continue
+            try:
+                frames = packet.decode()
+            except InvalidDataError:
+                continue  # one damaged packet is a hole, not the end
+            for frame in frames:
+                self._add(cast("AudioFrame", frame))
+        if self._resampler is not None:
+            self._write(self._resampler.resample(None))
+        return seconds(first, film.time_base) if film is not None else None
+
+    def _add(self, frame: AudioFrame) -> None:
+        from av import AudioResampler
+
+        at = seconds(frame.pts, frame.time_base)
+        if self._resampler is None:
+            self.rate, self.start = frame.sample_rate, at or 0.0
+            layout = "mono" if self._channels == 1 else "stereo"
+            self._resampler = AudioResampler("s16", layout, self.rate)
+        if at is not None:
+            hole = at - self.start - self._written / self.rate
+            if _HOLE < hole < _LONGEST * 3600:
+                self.pieces.append(np.zeros((round(hole * self.rate), self._channels), np.int16))
+                self._written += len(self.pieces[-1])
+        frame.pts = None  # holes are ours to fill
+        self._write(self._resampler.resample(frame))
+
+    def _write(self, frames: list[AudioFrame]) -> None:
+        for frame in frames:
+            packed = np.asarray(frame.to_ndarray(), np.int16)
+            self.pieces.append(packed.reshape(-1, self._channels))
+            self._written += len(self.pieces[-1])
