@@ -26,7 +26,7 @@ def batch() -> Batch:
 @pytest.fixture(scope="module")
 def losses() -> Losses:
     examples = Examples(LOWER, [performance(30.0)], DISTANCES, tiny())
-    return Losses(examples.gradients, tiny())
+    return Losses(examples.own_distances, tiny())
 
 
 def wrong(batch: Batch) -> torch.Tensor:
@@ -127,3 +127,15 @@ def test_wild_bursts_push_one_control_for_some_frames() -> None:
     assert bool(((values == 0) | (values >= 10)).all())
     untouched = wild_bursts(controls, low, high, tiny(wild_windows=0.0), random)
     assert torch.equal(untouched, controls)
+
+
+def test_lids_that_pass_each_other_count_as_shut() -> None:
+    examples = Examples(REGIONS[2], [performance(30.0)], DISTANCES, tiny())
+    losses = Losses(examples.own_distances, tiny())
+    weights = np.zeros((1, 16, 52), np.float32)
+    shut = [ARKIT_INDEX[c] for c in ("eyeBlinkLeft", "eyeBlinkRight")]
+    weights[:, :, shut] = np.linspace(0, 3, 16)[:, None]
+    captured = np.ones((1, 52), bool)
+    batch = Batch.of(region_windows(REGIONS[2], weights, captured, DISTANCES), np.arange(1))
+    assert batch.controls.min() == 0  # passed
+    assert losses.control_error(batch.weights, batch).abs().max() < 1e-2

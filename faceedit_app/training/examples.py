@@ -108,11 +108,11 @@ class Examples:
         return bounds
 
     @cached_property
-    def gradients(self) -> NDArray[np.float32]:
-        """(K, C, 3) mm: how the region's channels move its controls."""
+    def own_distances(self) -> Distances:
+        """The region's controls as a function of its own channels alone."""
+        mine = self.distances.select([CONTROL_INDEX[c] for c in self.region.controls])
         rows = [ARKIT_INDEX[c] for c in self.region.channels]
-        columns = [CONTROL_INDEX[c] for c in self.region.controls]
-        return np.ascontiguousarray(self.distances.gradients[np.ix_(rows, columns)])
+        return replace(mine, gradients=np.ascontiguousarray(mine.gradients[rows]))
 
     @cached_property
     def covariance(self) -> Doubles:

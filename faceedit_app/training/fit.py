@@ -82,7 +82,7 @@ def fit_region(
     """
     torch.manual_seed(settings.seed)
     examples = Examples(region, performances, distances, settings)
-    losses = Losses(examples.gradients, settings)
+    losses = Losses(examples.own_distances, settings)
     networks = _networks(region, examples, settings, start)
     low, high = examples.bounds
     covariance = examples.covariance

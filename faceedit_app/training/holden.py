@@ -112,7 +112,7 @@ def fit_holden(
     """
     torch.manual_seed(settings.seed)
     examples = Examples(region, performances, distances, settings)
-    losses = Losses(examples.gradients, settings)
+    losses = Losses(examples.own_distances, settings)
     networks = HoldenNetworks(len(region.controls), len(region.channels))
     networks.mean.copy_(torch.from_numpy(examples.mean))
     mark = fingerprint(performances, settings)

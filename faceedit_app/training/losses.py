@@ -9,6 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from faceedit_app.core.rig import Distances
 from faceedit_app.training.data import Windows
 from faceedit_app.training.settings import FitSettings
 
@@ -37,12 +38,14 @@ class Losses:
     """The terms of the losses of one region.
 
     Args:
-        gradients: (K, C, 3) mm: how the region's channels move its controls.
+        distances: the region's controls as a function of its own channels.
         settings: weights of the terms.
     """
 
-    def __init__(self, gradients: NDArray[np.float32], settings: FitSettings) -> None:
-        self.gradients = torch.from_numpy(gradients)
+    def __init__(self, distances: Distances, settings: FitSettings) -> None:
+        self.gradients = torch.from_numpy(distances.gradients)
+        self.shuts = torch.from_numpy(distances.shuts)[:, None]
+        self.heights = torch.from_numpy(distances.offsets[:, 1].copy())[:, None]
         self.settings = settings
 
     def mse(self, answer: Tensor, batch: Batch) -> Tensor:
@@ -60,7 +63,9 @@ class Losses:
     def control_error(self, answer: Tensor, batch: Batch) -> Tensor:
         """(N, C, W) mm: the controls of the answer, through the rig, minus those of the take."""
         vectors = batch.still + torch.einsum("nkt,kcx->ncxt", answer, self.gradients)
-        return torch.sqrt((vectors**2).sum(2) + 1e-6) - batch.controls
+        lengths = torch.sqrt((vectors**2).sum(2) + 1e-6)
+        passed = self.shuts & (vectors[:, :, 1] * self.heights < 0)  # shut is 0, see `Distances`
+        return lengths.masked_fill(passed, 0.0) - batch.controls
 
     def distance(self, answer: Tensor, batch: Batch) -> Tensor:
         """Mean squared control error, in units; small distances (closures) count more."""
