@@ -57,13 +57,15 @@ def chart(
     ys = _finite([y for line in lines for y in line.ys if not log_y or y > 0])
     x0, x1 = _span(xs, None, None)
     y0, y1 = _span(np.log10(ys) if log_y else ys, y_from, y_to)
+    room = 0.04 * (y1 - y0)
+    y0, y1 = y0 - room * (y_from is None), y1 + room * (y_to is None)
     bottom = HEIGHT - BOTTOM
 
     def to_x(value: float) -> float:
         return LEFT + (value - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT)
 
     def to_y(value: float) -> float:
-        level = np.log10(value) if log_y else value
+        level = np.clip(np.log10(value) if log_y else value, y0, y1)
         return float(bottom - (level - y0) / (y1 - y0) * (bottom - TOP))
 
     rows = -(-len(drawn) // 3)
@@ -92,15 +94,13 @@ def chart(
         f'<text transform="translate(14 {(TOP + bottom) / 2:.0f}) rotate(-90)" '
         f'text-anchor="middle">{escape(y_label)}</text>'
     )
-    out.append(
-        f'<clipPath id="plot"><rect x="{LEFT}" y="{TOP}" width="{WIDTH - LEFT - RIGHT}" '
-        f'height="{bottom - TOP}"/></clipPath><g clip-path="url(#plot)">'
-    )
     for line, color in drawn:
         path = _path(line, to_x, to_y, log_y)
         dashes = ' stroke-dasharray="5 3"' if line.dashed else ""
-        out.append(f'<path d="{path}" fill="none" stroke="{color}" stroke-width="1.6"{dashes}/>')
-    out.append("</g>")
+        if path:
+            out.append(
+                f'<path d="{path}" fill="none" stroke="{color}" stroke-width="1.6"{dashes}/>'
+            )
     for i, (line, color) in enumerate(drawn):
         x, y = LEFT + (i % 3) * 190, HEIGHT + (i // 3) * LEGEND_ROW
         dashes = ' stroke-dasharray="5 3"' if line.dashed else ""
@@ -118,8 +118,8 @@ def _finite(values: Sequence[float]) -> np.ndarray[tuple[int], np.dtype[np.float
 def _span(
     values: np.ndarray[tuple[int], np.dtype[np.float64]], low: float | None, high: float | None
 ) -> tuple[float, float]:
-    first = low if low is not None else (float(values.min()) if len(values) else 0.0)
-    last = high if high is not None else (float(values.max()) if len(values) else 1.0)
+    least, most = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+    first, last = least if low is None else low, most if high is None else high
     return (first, last) if last > first else (first - 0.5, first + 0.5)
 
 

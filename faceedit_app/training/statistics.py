@@ -132,7 +132,7 @@ def measure(takes: Iterable[Take]) -> Figures:
 
 
 def spectrum(
-    takes: Iterable[Take], channels: Sequence[str] = MOUTH_CHANNELS, segment: float = 4.0
+    takes: Iterable[Take], channels: Sequence[str] = MOUTH_CHANNELS, segment: float = 2.56
 ) -> tuple[Doubles, Doubles]:
     """How fast some channels move: Welch's spectrum over segments of some seconds.
 
