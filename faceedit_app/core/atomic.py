@@ -19,7 +19,7 @@ def write_atomically(path: Path | str, content: bytes) -> None:
     Raises:
         FileError: the folder is missing or read-only, or the disk is full.
     """
-    path = Path(path)
+    path = Path(os.path.realpath(path))  # through a link, to the file that it means
     if path.exists() and not path.is_file():  # such as /dev/null, which a rename would replace
         raise FileError(path, "cannot be written (it is no file)", "choose another name")
     temporary: Path | None = None
