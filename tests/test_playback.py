@@ -129,3 +129,107 @@ def test_real_time(qtbot: QtBot) -> None:
     qtbot.wait(300)
     playback.pause()
     assert 10 <= timeline.frame <= 60
+
+
+# --- with sound ------------------------------------------------------------------------------
+
+
+class FakeVoice:
+    """A sound device whose clock a test moves."""
+
+    def __init__(self) -> None:
+        self.starts: list[tuple[float, float, tuple[float, float] | None]] = []
+        self.stops = 0
+        self.seconds = 0.0
+        self.works = True
+
+    def start(self, seconds: float, speed: float, loop: tuple[float, float] | None) -> bool:
+        self.starts.append((seconds, speed, loop))
+        self.seconds = 0.0
+        return self.works
+
+    def heard(self) -> float:
+        return self.seconds
+
+    def stop(self) -> None:
+        self.stops += 1
+
+
+@pytest.fixture
+def voice(playback: Playback) -> FakeVoice:
+    voice = FakeVoice()
+    playback.voice = voice
+    return voice
+
+
+def test_the_playhead_shows_what_is_heard_not_what_the_wall_says(
+    playback: Playback, clock: Clock, voice: FakeVoice
+) -> None:
+    playback._timeline.go_to_frame(10)
+    playback.play()
+    assert voice.starts == [(0.2, 1.0, None)]
+    pass_time(playback, clock, 5.0)  # the device has not begun yet
+    assert frame(playback) == 10
+    voice.seconds = 0.1
+    pass_time(playback, clock, 0.0)
+    assert frame(playback) == 15
+    voice.seconds = 0.62  # the window was busy: pictures are dropped
+    pass_time(playback, clock, 0.0)
+    assert frame(playback) == 41
+    playback.pause()
+    assert voice.stops == 1
+
+
+def test_slow_playing_with_sound(playback: Playback, clock: Clock, voice: FakeVoice) -> None:
+    playback.set_speed(0.25)
+    playback.play()
+    assert voice.starts == [(0.0, 0.25, None)]
+    voice.seconds = 2.0
+    pass_time(playback, clock, 0.0)
+    assert frame(playback) == 25
+
+
+def test_picture_and_sound_repeat_together(
+    playback: Playback, clock: Clock, voice: FakeVoice
+) -> None:
+    """The sound repeats its loop by itself; after many rounds the picture is where it is."""
+    playback._timeline.select((0.4, 0.8))
+    playback.set_loop(True)
+    playback.play()
+    assert voice.starts == [(0.4, 1.0, (0.4, 0.8))]
+    for tick in range(1, 700):
+        voice.seconds = tick * 0.0137
+        pass_time(playback, clock, 0.0)
+        heard = 0.4 + voice.seconds % 0.4
+        assert playback._timeline.time == pytest.approx(heard, abs=0.0101)
+    assert len(voice.starts) == 1
+
+
+def test_the_sound_begins_anew_where_the_playhead_is_put(
+    playback: Playback, clock: Clock, voice: FakeVoice
+) -> None:
+    playback.play()
+    voice.seconds = 0.3
+    pass_time(playback, clock, 0.0)
+    playback._timeline.go_to_frame(70)
+    assert voice.starts[-1] == (1.4, 1.0, None)
+    voice.seconds = 0.1
+    pass_time(playback, clock, 0.0)
+    assert frame(playback) == 75
+    playback._timeline.select((1.0, 1.9))
+    assert len(voice.starts) == 2
+    playback.set_loop(True)
+    assert voice.starts[-1] == (1.5, 1.0, (1.0, 1.9))
+    playback._timeline.select((1.1, 1.9))
+    assert voice.starts[-1] == (1.5, 1.0, (1.1, 1.9))
+
+
+def test_without_a_device_the_wall_clock_plays(
+    playback: Playback, clock: Clock, voice: FakeVoice
+) -> None:
+    voice.works = False
+    playback.play()
+    pass_time(playback, clock, 0.5)
+    assert frame(playback) == 25
+    playback.pause()
+    assert voice.stops == 0

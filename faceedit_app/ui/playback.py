@@ -1,9 +1,14 @@
-"""Moves the playhead by the clock on the wall; frames are dropped rather than time stretched."""
+"""Moves the playhead by a clock; frames are dropped rather than time stretched.
+
+The clock is the sound's while something is heard, so that lips and voice stay together however
+slow the drawing is, and the one on the wall otherwise.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Protocol
 
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
@@ -13,12 +18,28 @@ SPEEDS = (0.25, 0.5, 1.0)
 _TICK_MS = 8  # finer than any display; a tick without a new frame costs nothing
 
 
+class Voice(Protocol):
+    """What is heard while the take is played."""
+
+    def start(self, seconds: float, speed: float, loop: tuple[float, float] | None) -> bool:
+        """Sound from a time of the take on, repeating `loop`; False if nothing can be heard."""
+
+    def heard(self) -> float:
+        """Seconds by the clock of what is heard since `start`; they never go back."""
+
+    def stop(self) -> None:
+        """Be silent."""
+
+
 class Playback(QObject):
     """Plays the open take.
 
     Args:
         timeline: whose playhead is moved.
-        clock: seconds that only grow; tests bring their own.
+        clock: seconds that only grow, for playing in silence; tests bring their own.
+
+    Attributes:
+        voice: what is heard while playing; None for silence.
 
     Signals:
         playing_changed(bool)
@@ -36,6 +57,8 @@ class Playback(QObject):
     ) -> None:
         super().__init__(parent)
         self._timeline, self._clock = timeline, clock
+        self.voice: Voice | None = None
+        self._is_heard = False
         self._speed = 1.0
         self._loop = False
         # Where the playhead was (seconds) when the clock showed what.
@@ -45,6 +68,7 @@ class Playback(QObject):
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
         self._timer.timeout.connect(self.tick)
         timeline.playhead_moved.connect(self._follow)
+        timeline.selection_changed.connect(self._range_changed)
 
     @property
     def playing(self) -> bool:
@@ -65,12 +89,13 @@ class Playback(QObject):
         """Repeat the selection, or the whole take."""
         if loop != self._loop:
             self._loop = loop
+            self.resync()
             self.loop_changed.emit(loop)
 
     def set_speed(self, speed: float) -> None:
         """Play slower, from where the playhead is."""
-        self._drop_anchor()
         self._speed = speed
+        self.resync()
 
     def toggle(self) -> None:
         """Play or pause."""
@@ -88,27 +113,39 @@ class Playback(QObject):
         outside = self._loop and not first <= now < last
         if outside or self._timeline.frame == self._timeline.frames - 1:
             self._go_to(first)
-        self._drop_anchor()
         self._timer.start()
+        self.resync()
         self.playing_changed.emit(True)
 
     def pause(self) -> None:
         """Stop where the playhead is."""
         if self.playing:
             self._timer.stop()
+            if self._is_heard and self.voice is not None:
+                self.voice.stop()
+            self._is_heard = False
             self.playing_changed.emit(False)
+
+    def resync(self) -> None:
+        """Start clock and sound anew from the playhead, if it is playing."""
+        if not self.playing:
+            return
+        now, loop = self._timeline.time, self._range() if self._loop else None
+        voice = self.voice
+        self._is_heard = voice is not None and voice.start(now, self._speed, loop)
+        self._anchor = (now, self._now())
 
     def tick(self) -> None:
         """Bring the playhead to where the clock says it is."""
-        began, at = self._anchor
-        now = began + (self._clock() - at) * self._speed
+        (began, at), clock = self._anchor, self._now()
+        now = began + (clock - at) * self._speed
         first, last = self._range()
         if now < last:
             self._go_to(now)
         elif self._loop:
-            # A late tick keeps its place in the beat.
+            # A late tick keeps its place in the beat; the sound has repeated by itself.
             now = first + (now - last) % max(last - first, 1e-6)
-            self._anchor = (now, self._clock())
+            self._anchor = (now, clock)
             self._go_to(now)
         else:
             self._go_to(last)
@@ -129,7 +166,14 @@ class Playback(QObject):
     def _follow(self) -> None:
         """Somebody else moved the playhead: play on from there."""
         if not self._moving:
-            self._drop_anchor()
+            self.resync()
 
-    def _drop_anchor(self) -> None:
-        self._anchor = (self._timeline.time, self._clock())
+    def _range_changed(self) -> None:
+        if self._loop:
+            self.resync()
+
+    def _now(self) -> float:
+        """Seconds that only grow."""
+        if self._is_heard and self.voice is not None:
+            return self.voice.heard()
+        return self._clock()
