@@ -13,6 +13,7 @@ from faceedit_app.evaluation.metrics import (
     boundary_jump,
     clipped_share,
     closures,
+    energy_kept,
     high_energy,
     jerk,
     region_vertices,
@@ -57,15 +58,23 @@ def test_no_threshold_may_reach_the_wanted_rate() -> None:
     assert all(math.isnan(x) for x in found.fpr_at(0.98))
 
 
-def test_high_energy_sees_fast_motion_only() -> None:
+def test_energy_kept_is_that_of_the_fast_motion_that_is_really_there() -> None:
     time = np.arange(200) / 25.0
     slow = np.stack([np.sin(2 * np.pi * 1.0 * time), 0 * time], 1)
     fast = np.stack([np.sin(2 * np.pi * 6.0 * time), 0 * time], 1)
-    assert high_energy(slow, ALL) < 1e-3 * high_energy(fast, ALL)
-    assert high_energy(slow + fast, ALL) == pytest.approx(high_energy(fast, ALL), rel=0.01)
-    assert high_energy(0.5 * fast, ALL) == pytest.approx(0.25 * high_energy(fast, ALL))
-    assert high_energy(fast, ~ALL) == 0.0
-    assert high_energy(fast[:4], ALL) == 0.0
+    jitter = np.stack([np.sin(2 * np.pi * 9.0 * time), 0 * time], 1)
+
+    def kept(answer: np.ndarray, truth: np.ndarray, captured: np.ndarray = ALL) -> float:
+        return energy_kept(*high_energy(answer, truth, captured))
+
+    assert kept(slow + fast, slow + fast) == pytest.approx(1.0)
+    assert kept(slow, slow + fast) == pytest.approx(0.0, abs=1e-4)
+    assert kept(slow + 0.5 * fast, slow + fast) == pytest.approx(0.25, abs=1e-3)
+    assert kept(slow + jitter, slow + fast) == pytest.approx(0.0, abs=1e-4)
+    assert kept(fast + jitter, fast) == pytest.approx(1.0, abs=1e-4)
+    assert kept(-fast, fast) == 0.0
+    assert math.isnan(kept(fast, fast, ~ALL))
+    assert math.isnan(kept(fast[:4], fast[:4]))
 
 
 def test_jerk_of_a_cubic_is_its_third_difference() -> None:

@@ -19,6 +19,7 @@ from faceedit_app.evaluation.benchmark import GOALS, Outcome, run_benchmark
 from faceedit_app.evaluation.metrics import (
     Closures,
     closures,
+    energy_kept,
     high_energy,
     jerk,
     squared_errors,
@@ -52,7 +53,7 @@ class Score:
         mse: mean squared weight error over the captured channels.
         vertex_mm: mean distance of the lip, lid or brow vertices from the truth.
         control_mm: mean absolute error of the region's controls.
-        hf_kept: energy above 4 Hz by that of the truth.
+        hf_kept: share of the truth's energy above 4 Hz that the answer has as well.
         jerk_ratio: jerk by that of the truth.
         natural: 99.9th percentile of the distance from natural motion, by the limit.
         wild: the same of the frames of a wild edit (40 mm for six frames), at worst.
@@ -275,7 +276,7 @@ def _score(
         vertices.append(vertex_errors(rig, region, np.where(captured, answer, truth), truth))
         away = _controls(take, region, answer, rig) - _truth(take, rig)
         misses.append(np.abs(away[:, controls]).ravel())
-        high += [high_energy(answer, captured), high_energy(truth, captured)]
+        high += high_energy(answer, truth, captured)
         rough += [jerk(answer, captured), jerk(truth, captured)]
         if natural is not None:
             far.append(natural.distance(answer))
@@ -291,7 +292,7 @@ def _score(
         mse=float(_joined(squares).mean()),
         vertex_mm=float(_joined(vertices).mean()),
         control_mm=float(_joined(misses).mean()),
-        hf_kept=float(high[0] / high[1]) if high[1] > 0 else nan,
+        hf_kept=energy_kept(float(high[0]), float(high[1])),
         jerk_ratio=float(rough[0] / rough[1]) if rough[1] > 0 else nan,
         natural=float(np.percentile(_joined(far), 99.9)) / limit if far else nan,
         wild=float(np.max(wild)) / limit if wild else nan,

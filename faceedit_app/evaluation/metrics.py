@@ -35,13 +35,30 @@ def squared_errors(answer: Array, truth: Array, captured: Mask) -> Array:
     return ((answer - truth)[:, captured] ** 2).ravel()
 
 
-def high_energy(weights: Array, captured: Mask, above: float = HIGH_HZ) -> float:
-    """Energy of the captured channels above some Hz (Hann window over the whole take)."""
-    if len(weights) < 8 or not captured.any():
-        return 0.0
-    x = weights[:, captured] - weights[:, captured].mean(axis=0)
-    power = np.abs(np.fft.rfft(x * np.hanning(len(x))[:, None], axis=0)) ** 2
-    return float(power[np.fft.rfftfreq(len(x), 1.0 / GRID_RATE) > above].sum())
+def high_energy(
+    answer: Array, truth: Array, captured: Mask, above: float = HIGH_HZ
+) -> tuple[float, float]:
+    """How much of the fast motion of the truth is in the answer.
+
+    Returns:
+        The product of answer and truth above some Hz, summed over the captured channels (Hann
+        window over the whole take), and that of the truth with itself, its energy. Jitter that an
+        answer makes up has no part in the product.
+    """
+    if len(truth) < 8 or not captured.any():
+        return 0.0, 0.0
+    window = np.hanning(len(truth))[:, None]
+    fast = np.fft.rfftfreq(len(truth), 1.0 / GRID_RATE) > above
+    mine, theirs = (
+        np.fft.rfft((x[:, captured] - x[:, captured].mean(axis=0)) * window, axis=0)[fast]
+        for x in (answer, truth)
+    )
+    return float((mine * theirs.conj()).real.sum()), float((np.abs(theirs) ** 2).sum())
+
+
+def energy_kept(product: float, energy: float) -> float:
+    """Share of the energy that is kept, from sums of `high_energy`: 1 all, 0 none."""
+    return max(product / energy, 0.0) ** 2 if energy > 0 else float("nan")
 
 
 def jerk(weights: Array, captured: Mask) -> float:

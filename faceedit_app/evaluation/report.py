@@ -205,7 +205,9 @@ NOTES = """Each system is given the controls that were measured on the take and 
 take back. MSE: mean squared weight error over the channels that the take's source captures.
 Vertices: mean distance of the lip, lid or brow vertices from where they should be. Closures: a
 frame is one where the distance is below the threshold; TPR by, and FPR relative to, the number of
-actual ones. Distance from natural motion: Mahalanobis distance of weights and their change per
+actual ones. Energy above 4 Hz kept: of the take's fast motion, what the answer has as well; jitter
+that the answer makes up does not count, and shows in the jerk, which is by that of the take.
+Distance from natural motion: Mahalanobis distance of weights and their change per
 frame, 99.9th percentile of the frames, 1 being the 99.9th percentile of recorded takes; wild edit:
 40 mm more on the region's first control for six frames, the largest distance."""
 

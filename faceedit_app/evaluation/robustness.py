@@ -85,7 +85,7 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
                     cell(float(opening.max()), 1),
                     cell(float(max(answer.max() - 1.0, -answer.min(), 0.0)), 2),
                     cell(float(far.max()) if far is not None else float("nan"), 2),
-                    cell(high_energy(answer, np.ones(answer.shape[1], bool)), 1),
+                    cell(high_energy(answer, answer, np.ones(answer.shape[1], bool))[1], 1),
                 ]
             )
         file = f"robustness_{number}.svg"

@@ -89,7 +89,7 @@ def fit_region(
     if start is not None:
         low, high = np.minimum(low, start.low), np.maximum(high, start.high)
         covariance = 0.5 * (covariance + start.covariance)
-    mark = fingerprint(performances, settings, start)
+    mark = fingerprint(performances, distances, settings, start)
     histories: dict[str, History] = {}
 
     def stage(name: str, number: int, of: int, network: nn.Module) -> None:
@@ -133,10 +133,16 @@ def fit_region(
 
 
 def fingerprint(
-    performances: Sequence[Performance], settings: FitSettings, start: RegionModel | None = None
+    performances: Sequence[Performance],
+    distances: Distances,
+    settings: FitSettings,
+    start: RegionModel | None = None,
 ) -> str:
-    """A text that is the same for the same takes, settings and beginning."""
-    takes = [[p.name, len(p.weights), float(np.float64(p.weights).sum())] for p in performances]
+    """A text that is the same for the same takes, controls, settings and beginning."""
+    takes = [
+        [take.name, len(take.weights), float(distances.measure(take.weights).sum(dtype=np.float64))]
+        for take in performances
+    ]
     first = (
         None
         if start is None

@@ -115,7 +115,7 @@ def fit_holden(
     losses = Losses(examples.own_distances, settings)
     networks = HoldenNetworks(len(region.controls), len(region.channels))
     networks.mean.copy_(torch.from_numpy(examples.mean))
-    mark = fingerprint(performances, settings)
+    mark = fingerprint(performances, distances, settings)
     histories: dict[str, History] = {}
     manifold = nn.ModuleList([networks.encoder, networks.decoder])
     stages: list[tuple[str, int, int, nn.Module]] = [
