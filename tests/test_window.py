@@ -119,7 +119,7 @@ def test_a_slow_answer_waits_for_the_end_of_the_gesture(bench: Bench) -> None:
     session, editor = window.document.session, window.editor
     assert session is not None
     assert editor is not None
-    editor.strip._cost = 1.0
+    editor.strip.sliders[0].cost = 1.0
     slider = editor.strip.natural
     slider.setSliderDown(True)
     slider.setSliderPosition(30)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from faceedit_app.core.regions import CONTROL_IDS
 
 if TYPE_CHECKING:  # torch comes with these; the window is there before it
+    from faceedit_app.editing.edit import Edit
     from faceedit_app.editing.session import EditSession
     from faceedit_app.editing.solve import Settings
     from faceedit_app.networks.engine import Engine
@@ -22,11 +23,13 @@ class Document(QObject):
     Signals:
         opened(): another take is open.
         changed(): edits, settings or the networks changed; all curves and the face may differ.
+        previewed(): the session shows a gesture in progress: curves and face differ.
         saved(): the edits are exported or saved.
     """
 
     opened = Signal()
     changed = Signal()
+    previewed = Signal()
     saved = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -53,6 +56,35 @@ class Document(QObject):
         if self.session is not None:
             self.session.use_engine(engine)
             self.changed.emit()
+
+    def act(self, work: Callable[[EditSession], object]) -> None:
+        """Do something with the session that ends in an undo step, and tell."""
+        if self.session is not None:
+            work(self.session)
+            self.changed.emit()
+
+    def preview_replace(self, index: int, edit: Edit) -> None:
+        """Show the take with another edit in place of one: a gesture in progress."""
+        if self.session is not None:
+            self.session.preview_replace(index, edit)
+            self.previewed.emit()
+
+    def preview(self, *edits: Edit) -> None:
+        """Show the take with more edits: they are proposed."""
+        if self.session is not None:
+            self.session.preview(*edits)
+            self.previewed.emit()
+
+    def commit(self) -> None:
+        """Keep what is shown as one undo step."""
+        self.act(lambda session: session.commit())
+
+    def cancel(self) -> bool:
+        """Drop what is shown and not kept; False if there was no such thing."""
+        if self.session is None or not self.session.is_floating:
+            return False
+        self.act(lambda session: session.cancel())
+        return True
 
     def undo(self) -> None:
         """Take the last step back."""

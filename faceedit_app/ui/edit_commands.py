@@ -38,6 +38,11 @@ class EditCommands:
         self._document, self._timeline, self._playback = document, timeline, playback
         self._panel, self._settle_strip = panel, settle
 
+    def finish(self) -> None:
+        """Drop a drag in progress and bring other gestures to their end."""
+        self._cancel_drag()
+        self._settle()
+
     def _settle(self) -> None:
         panel = self._panel()
         if panel is not None:

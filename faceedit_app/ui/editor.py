@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QAbstractScrollArea, QSplitter, QVBoxLayout, QWidg
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.document import Document
+from faceedit_app.ui.edits_panel import EditsPanel
 from faceedit_app.ui.face import FacePane
 from faceedit_app.ui.playback import Playback
 from faceedit_app.ui.strip import SettingsStrip
@@ -17,6 +18,7 @@ from faceedit_app.ui.tooling import Tooling
 from faceedit_app.ui.transport import Transport
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
+_SIDE = (560, 170)  # of the height beside the curves: face, edits
 
 
 class Editor(QWidget):
@@ -47,7 +49,15 @@ class Editor(QWidget):
         self.panes.setChildrenCollapsible(False)
         self.panes.setHandleWidth(6)
         self.panes.addWidget(self.curves)
-        self.panes.addWidget(self.face)
+        self.edits = EditsPanel(actions, document, timeline)
+        self.side = QSplitter(Qt.Orientation.Vertical)
+        self.side.setChildrenCollapsible(False)
+        self.side.setHandleWidth(6)
+        self.side.addWidget(self.face)
+        self.side.addWidget(self.edits)
+        self.side.setSizes(_SIDE)
+        self.side.setStretchFactor(0, 1)
+        self.panes.addWidget(self.side)
         self.panes.setSizes(_SHARES)
         self.panes.setStretchFactor(0, 3)
         self.panes.setStretchFactor(1, 2)
@@ -65,6 +75,10 @@ class Editor(QWidget):
         self.curves.edited.connect(self._dragged)
         self.curves.committed.connect(document.changed)
         document.changed.connect(self.curves.refresh)
+        self.edits.reshaping = lambda: self.curves.is_reshaping
+        document.previewed.connect(self._previewed)
+        self.curves.reshaped.connect(self._reshape)
+        self.curves.reshape_ended.connect(self._end_reshape)
 
     def open(self) -> None:
         """Show the document's take from its beginning."""
@@ -75,6 +89,26 @@ class Editor(QWidget):
         self.curves.set_session(session)
         self.transport.set_clip(clip)
         self.face.refresh()
+
+    def settle(self) -> None:
+        """Bring gestures on the sliders to their end."""
+        self.strip.settle()
+        self.edits.settle()
+
+    def _previewed(self) -> None:
+        self.curves.refresh()
+        self.face.refresh()
+
+    def _reshape(self) -> None:
+        """The edges of the selected edit are its range's."""
+        line = self._timeline
+        if line.selection is not None:
+            self.edits.reshape(*line.selection, line.falloff, line.falloff_out)
+
+    def _end_reshape(self) -> None:
+        session = self._document.session
+        if session is not None and session.is_floating:
+            self._document.commit()
 
     def _dragged(self) -> None:
         # The face stays on the frame that is being changed.

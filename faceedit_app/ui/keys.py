@@ -5,9 +5,12 @@ from __future__ import annotations
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
+    QAbstractItemView,
     QAbstractSlider,
+    QAbstractSpinBox,
     QApplication,
     QComboBox,
+    QLineEdit,
     QWidget,
 )
 
@@ -25,8 +28,9 @@ _ADJUSTING = {
 class KeyArbiter(QObject):
     """Decides between a shortcut and the widget that has the focus.
 
-    Space always plays, even from a number field; the arrows move a slider or a choice that has
-    the focus, and the playhead otherwise; holding B shows the tracked face.
+    Space always plays, even from a number field (but not while words are typed); the arrows move
+    a slider, a choice or a list that has the focus, and the playhead otherwise; holding B shows
+    the tracked face.
 
     Signals:
         glancing(bool): B went down or up.
@@ -61,13 +65,14 @@ class KeyArbiter(QObject):
 
     def _override(self, event: QKeyEvent) -> bool:
         focus = self._focus()
-        if focus is None:
+        if focus is None or _takes_words(focus):
             return False
         plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
         if plain and event.key() == Qt.Key.Key_Space:
             event.ignore()  # swallowed unaccepted, so that it goes on to the shortcut
             return True
-        if isinstance(focus, QAbstractSlider | QComboBox) and event.key() in _ADJUSTING:
+        adjusts = isinstance(focus, QAbstractSlider | QComboBox | QAbstractItemView)
+        if plain and adjusts and event.key() in _ADJUSTING:
             event.accept()  # the widget's own, not a shortcut
             return True
         return False
@@ -75,7 +80,8 @@ class KeyArbiter(QObject):
     def _glance(self, event: QKeyEvent, down: bool) -> bool:
         if event.key() != GLANCE or event.isAutoRepeat():
             return event.key() == GLANCE and self._held
-        if down and (self._focus() is None or event.modifiers()):
+        focus = self._focus()
+        if down and (focus is None or _takes_words(focus) or event.modifiers()):
             return False
         if down == self._held:
             return down
@@ -93,3 +99,8 @@ class KeyArbiter(QObject):
             return None
         focus = QApplication.focusWidget() or self._window
         return focus if focus.window() is self._window else None
+
+
+def _takes_words(widget: QWidget) -> bool:
+    """Whether it is a field for words; the one inside a number field is not."""
+    return isinstance(widget, QLineEdit) and not isinstance(widget.parent(), QAbstractSpinBox)

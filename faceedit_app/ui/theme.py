@@ -101,6 +101,15 @@ QSlider::handle:horizontal {{
 }}
 QSlider::handle:horizontal:disabled {{ background: {FAINT}; }}
 
+QWidget#edits {{ background: {PANEL}; }}
+QLabel#heading {{ font-weight: 600; }}
+QListView {{ background: {BACKGROUND}; border: 1px solid transparent; outline: none; }}
+QListView:focus {{ border-color: {ACCENT}; }}
+QLineEdit {{
+    background: {BACKGROUND}; border: 1px solid {ACCENT}; border-radius: 3px; padding: 0 4px;
+    selection-background-color: {ACCENT_DEEP};
+}}
+
 QSplitter::handle {{ background: {BACKGROUND}; }}
 QSplitter::handle:hover {{ background: {ACCENT_DEEP}; }}
 QScrollBar:vertical {{ width: 10px; background: transparent; }}

@@ -24,6 +24,7 @@ from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.banner import Banner
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.edit_commands import EditCommands
+from faceedit_app.ui.edits_panel import EditsPanel
 from faceedit_app.ui.file_commands import DEMO, FileCommands
 from faceedit_app.ui.help import about_dialog, shortcuts_dialog
 from faceedit_app.ui.icons import app_icon
@@ -89,12 +90,27 @@ class MainWindow(QMainWindow):
             "quit": lambda: _ignore(self.close()),
             **{f"tool_{tool}": partial(self.tooling.choose, tool) for tool in Tool},
             "link": lambda: self.tooling.link(not self.tooling.linked),
+            "toggle_edit": self._on_edits(EditsPanel.toggle),
+            "rename_edit": self._on_edits(EditsPanel.rename),
+            "edit_up": self._on_edits(lambda edits: edits.bring(-1)),
+            "edit_down": self._on_edits(lambda edits: edits.bring(1)),
+            "delete_edit": self._on_edits(EditsPanel.delete),
             "reset_camera": self._reset_camera,
             "show_edited": lambda: self._show_tracked(False),
             "show_tracked": lambda: self._show_tracked(None),
             "shortcuts": lambda: shortcuts_dialog(self).show(),
             "about": self._about,
         }
+
+    def _on_edits(self, work: Callable[[EditsPanel], None]) -> Callable[[], None]:
+        """Something to do with the panel of edits, once it is there."""
+
+        def do() -> None:
+            if self.editor is not None:
+                self.edits.finish()
+                work(self.editor.edits)
+
+        return do
 
     def _lay_out(self) -> None:
         self.setWindowTitle("FaceEdit")
@@ -243,7 +259,7 @@ class MainWindow(QMainWindow):
 
     def _settle(self) -> None:
         if self.editor is not None:
-            self.editor.strip.settle()
+            self.editor.settle()
 
     # --- view and help -----------------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QObject, Qt
+from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 
 from faceedit_app.ui.curves.axes import Scale
@@ -12,12 +12,21 @@ from faceedit_app.ui.timeline import Timeline
 
 
 class BandMouse(QObject):
-    """Drags the selection's edges: start and end of the hold, and the falloffs around it."""
+    """Drags the selection's edges: start and end of the hold, and the falloffs around it.
+
+    Signals:
+        moved(): an edge is elsewhere.
+        ended(): it was let go of, or is back where it was.
+    """
+
+    moved = Signal()
+    ended = Signal()
 
     def __init__(self, timeline: Timeline, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._timeline = timeline
         self._drag: EdgeDrag | None = None
+        self._placing = False
 
     @property
     def band(self) -> Brush | None:
@@ -31,6 +40,18 @@ class BandMouse(QObject):
     def is_dragging(self) -> bool:
         """Whether an edge is held."""
         return self._drag is not None
+
+    @property
+    def is_changing(self) -> bool:
+        """Whether an edge is held, or is just being put somewhere by numbers."""
+        return self.is_dragging or self._placing
+
+    def place(self, band: Brush) -> None:
+        """Put all edges somewhere, as numbers say."""
+        self._placing = True
+        self._show(band)
+        self._placing = False
+        self.ended.emit()
 
     @property
     def held(self) -> Edge | None:
@@ -71,14 +92,18 @@ class BandMouse(QObject):
 
     def release(self) -> None:
         """Keep it."""
-        self._drag = None
+        if self._drag is not None:
+            self._drag = None
+            self.ended.emit()
 
     def cancel(self) -> None:
         """Put it back to where it was."""
         if self._drag is not None:
-            before, self._drag = self._drag.before, None
-            self._show(before)
+            self._show(self._drag.before)
+            self._drag = None
+            self.ended.emit()
 
     def _show(self, band: Brush) -> None:
         self._timeline.set_falloffs(band.falloff, band.fade_out)
         self._timeline.select((band.start, band.end))
+        self.moved.emit()

@@ -39,10 +39,14 @@ class CurvesPanel(QWidget):
     Signals:
         edited(): each step of a drag, also when it is cancelled: the face must be redrawn.
         committed(): a gesture ended in `session.commit()`: one more undo step.
+        reshaped(): an edge of the selection is being dragged.
+        reshape_ended(): it was let go of.
     """
 
     edited = Signal()
     committed = Signal()
+    reshaped = Signal()
+    reshape_ended = Signal()
 
     def __init__(
         self, timeline: Timeline, tooling: Tooling | None = None, parent: QWidget | None = None
@@ -56,7 +60,10 @@ class CurvesPanel(QWidget):
         self._band = BandMouse(timeline, self)
         self._mouse = Interaction(timeline, self.tooling, self._band, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
-        self.range_bar, self.fields = RangeBar(timeline, self._band), RangeFields(timeline)
+        self.range_bar, self.fields = (
+            RangeBar(timeline, self._band),
+            RangeFields(timeline, self._band),
+        )
         self.plots = [CurvePlot(control, self._mouse) for control in CONTROLS]
         self.headers = [Header(control) for control in CONTROLS]
         self._pages = QStackedWidget()
@@ -106,6 +113,8 @@ class CurvesPanel(QWidget):
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
         self.timeline.falloff_changed.connect(self._show_state)
+        self._band.moved.connect(self.reshaped)
+        self._band.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
         self._mouse.previewed.connect(self._previewed)
         self._mouse.committed.connect(self._committed)
@@ -139,6 +148,11 @@ class CurvesPanel(QWidget):
     def settle(self) -> None:
         """Bring a gesture of the keyboard to its end."""
         self._mouse.settle()
+
+    @property
+    def is_reshaping(self) -> bool:
+        """Whether an edge of the selection is being put elsewhere."""
+        return self._band.is_changing
 
     def cancel_drag(self) -> None:
         """Drop the drag in progress, if any."""

@@ -6,6 +6,8 @@ from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QSizePolicy, QWidget
 
 from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.band import BandMouse
+from faceedit_app.ui.curves.gestures import Brush
 from faceedit_app.ui.timeline import FALLOFF_RANGE, Timeline
 
 _LONGEST = 1e6
@@ -14,9 +16,9 @@ _LONGEST = 1e6
 class RangeFields(QWidget):
     """Four number fields, in two rows beside the ruler."""
 
-    def __init__(self, timeline: Timeline, parent: QWidget | None = None) -> None:
+    def __init__(self, timeline: Timeline, band: BandMouse, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._timeline = timeline
+        self._timeline, self._band = timeline, band
         self.start = self._field("Selection start", "Second at which the selection starts")
         self.end = self._field("Selection end", "Second at which the selection ends")
         fades = "Seconds over which an edit fades {}.\nAlso: turn the wheel while dragging."
@@ -87,8 +89,12 @@ class RangeFields(QWidget):
             end = max(end, start)
         else:
             start = min(start, end)
-        line.select((start, end))
+        self._band.place(Brush(start, end, line.falloff, line.falloff_out))
         self.sync()
 
     def _fade(self) -> None:
-        self._timeline.set_falloffs(self.fade_in.value(), self.fade_out.value())
+        fades = self.fade_in.value(), self.fade_out.value()
+        if (chosen := self._timeline.selection) is not None:
+            self._band.place(Brush(*chosen, *fades))
+        else:
+            self._timeline.set_falloffs(*fades)

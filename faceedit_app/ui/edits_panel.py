@@ -1,0 +1,258 @@
+"""The panel of edits: what was done, and how strongly; each can be changed at any time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QSignalBlocker, Qt, QTimer
+from PySide6.QtGui import QContextMenuEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHBoxLayout,
+    QLabel,
+    QListView,
+    QMenu,
+    QSlider,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from faceedit_app.ui.actions import Actions
+from faceedit_app.ui.document import Document
+from faceedit_app.ui.edits_delegate import EditsDelegate
+from faceedit_app.ui.edits_model import EditsModel
+from faceedit_app.ui.theme import GAP, MARGIN
+from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.widgets import caption, icon_button
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.edit import Edit
+
+STRONGEST = 150  # per cent
+_KEYS_MS = 500  # key presses closer together than this are one gesture
+_EMPTY = (
+    "No edits yet. Drag a curve, or press one of the fixes above.\n"
+    "Everything you do is listed here, and can be weakened, switched off or deleted."
+)
+MENU = ("toggle_edit", "rename_edit", "edit_up", "edit_down", "delete_edit")
+
+
+class EditsPanel(QWidget):
+    """List and strength; the edit that is selected shows its range on the curves."""
+
+    def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
+        super().__init__()
+        self._actions, self._document, self._timeline = actions, document, timeline
+        self.model = EditsModel(document)
+        self.list = QListView()
+        self.strength = self._slider()
+        self.percent, self.title = QLabel(), QLabel()
+        self._pages = QStackedWidget()
+        self._showing = False  # our own selection of the range, not the user's
+        self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
+        self._gesture = QTimer(self, singleShot=True, interval=_KEYS_MS)
+        self._gesture.timeout.connect(self.settle)
+        self._build()
+        selection = self.list.selectionModel()
+        selection.currentChanged.connect(self._chosen)
+        timeline.selection_changed.connect(self._other_range)
+        document.opened.connect(self.refresh)
+        document.changed.connect(self.refresh)
+        self.refresh()
+
+    def _build(self) -> None:
+        self.setObjectName("edits")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        view = self.list
+        view.setObjectName("edits_list")
+        view.setModel(self.model)
+        view.setItemDelegate(EditsDelegate(view))
+        view.setAccessibleName("Edits")
+        view.setMouseTracking(True)
+        view.setUniformItemSizes(True)
+        view.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
+        view.setDefaultDropAction(Qt.DropAction.MoveAction)
+        trigger = QAbstractItemView.EditTrigger
+        view.setEditTriggers(trigger.DoubleClicked)
+        view.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        empty = QLabel(_EMPTY)
+        empty.setObjectName("caption")
+        empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        empty.setWordWrap(True)
+        self._pages.addWidget(empty)
+        self._pages.addWidget(view)
+        self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("150 %"))
+        self.title.setObjectName("heading")
+        bar = QHBoxLayout()
+        bar.setContentsMargins(MARGIN, 3, MARGIN - 4, 3)
+        bar.setSpacing(GAP // 2)
+        bar.addWidget(self.title)
+        bar.addStretch()
+        bar.addWidget(caption("Strength", self.strength))
+        bar.addWidget(self.strength)
+        bar.addWidget(self.percent)
+        bar.addSpacing(GAP)
+        bar.addWidget(icon_button(self._actions["delete_edit"]))
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addLayout(bar)
+        column.addWidget(self._pages, 1)
+
+    def _slider(self) -> QSlider:
+        slider = QSlider(Qt.Orientation.Horizontal)
+        slider.setRange(0, STRONGEST)
+        slider.setPageStep(10)
+        slider.setFixedWidth(130)
+        slider.setToolTip("How much of the selected edit is made. 100 %: as you made it.")
+        slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        slider.valueChanged.connect(self._strengthen)
+        slider.sliderReleased.connect(self.settle)
+        return slider
+
+    # --- which edit --------------------------------------------------------------------------
+
+    @property
+    def current(self) -> int | None:
+        """Row of the edit that is selected."""
+        row = self.list.currentIndex().row()
+        return row if 0 <= row < len(self.model.edits) else None
+
+    def select(self, row: int | None) -> None:
+        """Select an edit, or none."""
+        if row is None:
+            self.list.clearSelection()
+            self.list.selectionModel().clearCurrentIndex()
+        else:
+            self.list.setCurrentIndex(self.model.index(row))
+
+    def refresh(self) -> None:
+        """Show the list as it is now; a new edit is not selected, a changed one stays so."""
+        row = self.current if self.list.model().rowCount() else None
+        selection = self.list.selectionModel()
+        with QSignalBlocker(selection):
+            self.model.refresh()
+            if row is not None and row < len(self.model.edits):
+                self.list.setCurrentIndex(self.model.index(row))
+        count = len(self.model.edits)
+        self.title.setText(f"Edits  {count}" if count else "Edits")
+        self._pages.setCurrentIndex(1 if count else 0)
+        self._sync()
+        if self.current is not None:  # undo may have given it another range
+            self.show_range(self.model.edits[self.current])
+
+    def _chosen(self) -> None:
+        self.settle()
+        self._sync()
+        if self.current is not None:
+            self.show_range(self.model.edits[self.current])
+
+    def show_range(self, edit: Edit) -> None:
+        """Show on the curves where an edit acts."""
+        line = self._timeline
+        start = min(max(edit.start, 0.0), line.duration)
+        end = min(max(edit.end, start), line.duration)
+        self._showing = True
+        line.set_falloffs(edit.falloff, edit.fade_out)
+        line.select((start, end))
+        first, last = line.view
+        if end < first or start > last:
+            width = last - first
+            middle = 0.5 * (start + end)
+            line.show_range(middle - width / 2, middle + width / 2)
+        self._showing = False
+
+    def _other_range(self) -> None:
+        """Who selects another time has left the edit."""
+        if not (self._showing or self.reshaping()) and self.current is not None:
+            self.select(None)
+
+    def _sync(self) -> None:
+        row = self.current
+        for name in MENU:
+            self._actions[name].setEnabled(row is not None)
+        self.strength.setEnabled(row is not None)
+        if self.strength.isSliderDown() or self._gesture.isActive():
+            return
+        percent = 100 if row is None else round(100 * self.model.edits[row].strength)
+        with QSignalBlocker(self.strength):
+            self.strength.setValue(percent)
+        self.percent.setText(f"{percent} %" if row is not None else "")
+
+    # --- changing it -------------------------------------------------------------------------
+
+    def _strengthen(self, percent: int) -> None:
+        row = self.current
+        if row is None:
+            return
+        self.percent.setText(f"{percent} %")
+        edit = replace(self.model.edits[row], strength=percent / 100)
+        self._document.preview_replace(row, edit)
+        if not self.strength.isSliderDown():
+            self._gesture.start()
+
+    def settle(self) -> None:
+        """Bring a gesture on the slider to its end: one undo step."""
+        pending = self._gesture.isActive() or not self.strength.isSliderDown()
+        self._gesture.stop()
+        session = self._document.session
+        if pending and session is not None and session.is_floating and self._strengthens:
+            self._document.commit()
+
+    @property
+    def _strengthens(self) -> bool:
+        """Whether what floats is the slider's."""
+        row = self.current
+        if row is None:
+            return False
+        return round(100 * self.model.edits[row].strength) != self.strength.value()
+
+    def reshape(self, start: float, end: float, fade_in: float, fade_out: float) -> None:
+        """The edges of the selected edit's range are being dragged."""
+        row = self.current
+        if row is None:
+            return
+        edit = self.model.edits[row].stretched(start, end)
+        self._document.preview_replace(row, replace(edit, falloff=fade_in, falloff_out=fade_out))
+
+    def delete(self) -> None:
+        """Take the selected edit out."""
+        row = self.current
+        if row is not None:
+            self._document.act(lambda session: session.remove(row))
+            left = len(self.model.edits)
+            self.select(min(row, left - 1) if left else None)
+
+    def toggle(self) -> None:
+        """Switch the selected edit on or off."""
+        row = self.current
+        if row is not None:
+            on = not self.model.edits[row].enabled
+            self._document.act(lambda session: session.set_enabled(row, on))
+
+    def rename(self) -> None:
+        """Type another name."""
+        if self.current is not None:
+            self.list.setFocus()
+            self.list.edit(self.list.currentIndex())
+
+    def bring(self, by: int) -> None:
+        """Move the selected edit up or down the list."""
+        row = self.current
+        if row is not None and 0 <= row + by < len(self.model.edits):
+            self.model.bring(row, row + by)
+            with QSignalBlocker(self.list.selectionModel()):
+                self.list.setCurrentIndex(self.model.index(row + by))
+            self.list.viewport().update()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """What can be done with the edit under the pointer."""
+        if self.current is not None:
+            menu = QMenu(self)
+            menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+            menu.addActions([self._actions[name] for name in MENU])
+            menu.popup(event.globalPos())

@@ -1,0 +1,176 @@
+"""The list of edits: chosen, weakened, switched, renamed, moved, deleted; one step a gesture."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLineEdit
+from test_curves_panel import drag, turn
+from windows import Bench, drag_curve
+
+from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.edits_panel import EditsPanel
+from faceedit_app.ui.window import MainWindow
+
+LEFT = Qt.MouseButton.LeftButton
+NAMES = ("first", "second", "third")
+
+
+@pytest.fixture
+def window(bench: Bench) -> MainWindow:
+    window = bench.editing()
+    session = session_of(window)
+    for number, name in enumerate(NAMES):
+        start = 0.5 + 0.5 * number
+        session.add(
+            Edit(("mouth_opening",), Op.OFFSET, start, start + 0.3, 0.1, 4.0, 0.2, name=name)
+        )
+    window.document.changed.emit()
+    return window
+
+
+def session_of(window: MainWindow) -> EditSession:
+    assert window.document.session is not None
+    return window.document.session
+
+
+def panel_of(window: MainWindow) -> EditsPanel:
+    assert window.editor is not None
+    return window.editor.edits
+
+
+def click(panel: EditsPanel, row: int, x: int = 60) -> None:
+    rect = panel.list.visualRect(panel.model.index(row))
+    QTest.mouseClick(panel.list.viewport(), LEFT, pos=QPoint(x, rect.center().y()))
+
+
+def names(window: MainWindow) -> list[str]:
+    return [edit.name for edit in session_of(window).edits]
+
+
+def test_without_edits_it_says_what_belongs_here(bench: Bench) -> None:
+    window = bench.editing()
+    assert not panel_of(window).list.isVisible()
+    assert not window.actions_["delete_edit"].isEnabled()
+    drag_curve(window, 0, 1.0, 20)
+    assert panel_of(window).list.isVisible()
+    assert panel_of(window).title.text() == "Edits  1"
+
+
+def test_choosing_an_edit_shows_its_range(window: MainWindow) -> None:
+    panel = panel_of(window)
+    click(panel, 1)
+    assert panel.current == 1
+    assert window.timeline.selection == pytest.approx((1.0, 1.3))
+    assert (window.timeline.falloff, window.timeline.falloff_out) == (0.1, 0.2)
+    window.actions_["select_all"].trigger()
+    assert panel.current is None
+
+
+def test_the_switch_of_a_row(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    click(panel, 0, x=16)
+    assert not session.edits[0].enabled
+    window.actions_["undo"].trigger()
+    assert session.edits[0].enabled
+    click(panel, 2)
+    window.actions_["toggle_edit"].trigger()
+    assert not session.edits[2].enabled
+
+
+def test_strength_is_live_and_one_step(bench: Bench, window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    click(panel, 0)
+    frame = session.take.clip.frame_at(0.65)
+    full = float(session.asked[frame, 0])
+    slider = panel.strength
+    slider.setSliderDown(True)
+    for value in (80, 60, 50):
+        slider.setSliderPosition(value)
+    assert float(session.asked[frame, 0]) == pytest.approx(full - 2.0, abs=0.01)
+    assert session.edits[0].strength == 1.0
+    slider.setSliderDown(False)
+    assert session.edits[0].strength == 0.5
+    assert panel.percent.text() == "50 %"
+    window.actions_["undo"].trigger()
+    assert session.edits[0].strength == 1.0
+    assert slider.value() == 100
+    slider.setFocus()
+    QTest.keyClick(slider, Qt.Key.Key_Right)
+    QTest.keyClick(slider, Qt.Key.Key_Right)
+    bench.qtbot.waitUntil(lambda: session.edits[0].strength == 1.02, timeout=3000)
+    window.actions_["undo"].trigger()
+    assert session.edits[0].strength == 1.0
+
+
+def test_rename(bench: Bench, window: MainWindow) -> None:
+    panel = panel_of(window)
+    click(panel, 1)
+    window.actions_["rename_edit"].trigger()
+    editor = panel.list.findChild(QLineEdit)
+    assert editor is not None
+    editor.selectAll()
+    QTest.keyClicks(editor, "open wide")
+    QTest.keyClick(editor, Qt.Key.Key_Return)
+    bench.qtbot.waitUntil(lambda: names(window) == ["first", "open wide", "third"])
+
+
+def test_order_by_keys_and_by_dropping(window: MainWindow) -> None:
+    panel, model = panel_of(window), panel_of(window).model
+    click(panel, 0)
+    window.actions_["edit_down"].trigger()
+    assert names(window) == ["second", "first", "third"]
+    assert panel.current == 1
+    window.actions_["edit_up"].trigger()
+    assert names(window) == list(NAMES)
+    data = model.mimeData([model.index(0)])
+    model.dropMimeData(data, Qt.DropAction.MoveAction, 3, 0, model.index(-1))
+    assert names(window) == ["second", "third", "first"]
+    window.actions_["undo"].trigger()
+    assert names(window) == list(NAMES)
+
+
+def test_delete(window: MainWindow) -> None:
+    panel = panel_of(window)
+    click(panel, 1)
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert names(window) == ["first", "third"]
+    assert panel.current == 1
+    window.actions_["undo"].trigger()
+    assert names(window) == list(NAMES)
+
+
+def test_arrows_walk_the_list(window: MainWindow) -> None:
+    panel = panel_of(window)
+    click(panel, 0)
+    panel.list.setFocus()
+    QTest.keyClick(panel.list, Qt.Key.Key_Down)
+    assert panel.current == 1
+
+
+def test_the_edges_of_the_chosen_edit_reshape_it(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    assert window.editor is not None
+    bar, scale = window.editor.curves.range_bar, window.editor.curves.range_bar.scale
+    click(panel, 2)
+    start, stop = (QPoint(round(scale.x_of(t)), 8) for t in (1.8, 2.4))
+    drag(bar, start, stop)
+    assert panel.current == 2
+    assert (session.edits[2].start, session.edits[2].end) == pytest.approx((1.5, 2.4), abs=0.02)
+    assert names(window) == list(NAMES)
+    fields = window.editor.curves.fields
+    fields.start.setValue(1.4)
+    assert session.edits[2].start == pytest.approx(1.4)
+    assert panel.current == 2
+    window.actions_["undo"].trigger()
+    window.actions_["undo"].trigger()
+    assert (session.edits[2].start, session.edits[2].end) == pytest.approx((1.5, 1.8))
+    before = session.weights.copy()
+    drag(bar, start, stop, release=False)
+    window.actions_["deselect"].trigger()
+    assert (session.edits[2].start, session.edits[2].end) == pytest.approx((1.5, 1.8))
+    np.testing.assert_array_equal(session.weights, before)
+    turn(bar, start, 1)
