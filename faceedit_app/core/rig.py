@@ -130,11 +130,12 @@ class Distances:
         rows = np.asarray(controls, np.intp)
         return Distances(self.offsets[rows], self.gradients[:, rows], self.shuts[rows])
 
-    def vectors(self, weights: Floats) -> Floats:
-        """Weights (T, K) -> (T, C, 3) float32, mm."""
+    def vectors(self, weights: NDArray[Any]) -> NDArray[Any]:
+        """Weights (T, K) -> (T, C, 3), mm, as exact as the weights are."""
         k, c, _ = self.gradients.shape
-        moved: Floats = (weights @ self.gradients.reshape(k, c * 3)).reshape(-1, c, 3)
-        return self.offsets + moved
+        moved: NDArray[Any] = (weights @ self.gradients.reshape(k, c * 3)).reshape(-1, c, 3)
+        vectors: NDArray[Any] = self.offsets + moved
+        return vectors
 
     def signed(self, weights: Floats) -> Floats:
         """Weights (T, K) -> lengths (T, C) float32, mm; negative where a pair has passed."""
@@ -169,5 +170,6 @@ class Distances:
     def lengths(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Lengths (..., C), mm, of `vectors` (..., C, 3); negative where a pair has passed."""
         x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
-        lengths = np.sqrt(x * x + y * y + z * z)
-        return np.where(self.shuts & (y * self.offsets[:, 1] < 0), -lengths, lengths)
+        plain = np.sqrt(x * x + y * y + z * z)
+        lengths: NDArray[Any] = np.where(self.shuts & (y * self.offsets[:, 1] < 0), -plain, plain)
+        return lengths

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.editing.edit import Edit, Op, fade
@@ -17,6 +16,7 @@ Array = NDArray[np.float64]
 # How far beyond an edit the networks may let the face prepare and follow through, in seconds.
 # Speech moves its lips into a closure in about this time.
 SPILL = 0.25
+NARROW = 0.01  # frames: a smooth of less changes nothing
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def _wanted(
             scaled: Array = middle + edit.value * (curve - middle)
             return scaled
         case Op.SMOOTH:
-            return _smooth(curves[:, column], rows, smoothing(edit) * rate)
+            return _smooth(curves[:, column], rows, edit, rate)
         case Op.RESET:
             return tracked[rows, column]
         case Op.DRAW:
@@ -130,13 +130,21 @@ def _wanted(
             return curve + _drawn(edit, times[rows])
 
 
-def _smooth(curve: Array, rows: slice, frames: float) -> Array:
-    """Zero-phase Gaussian of `frames` standard deviation on `rows`, from what surrounds them."""
-    if frames < 0.01:  # narrower than any frame
+def smoothing_frames(edit: Edit, rate: float) -> int:
+    """How many frames to either side a smooth reads; 0 for other edits."""
+    frames = smoothing(edit) * rate
+    return 0 if frames < NARROW else int(4 * frames + 0.5) + 1  # where scipy's kernel ends
+
+
+def _smooth(curve: Array, rows: slice, edit: Edit, rate: float) -> Array:
+    """Zero-phase Gaussian on `rows`, from what surrounds them."""
+    around = smoothing_frames(edit, rate)
+    if not around:
         return curve[rows]
-    around = int(4 * frames + 0.5) + 1  # where scipy's kernel ends
+    from scipy.ndimage import gaussian_filter1d  # takes long to import, and is not always needed
+
     first, last = max(rows.start - around, 0), min(rows.stop + around, len(curve))
-    smooth: Array = gaussian_filter1d(curve[first:last], frames, mode="nearest")
+    smooth: Array = gaussian_filter1d(curve[first:last], smoothing(edit) * rate, mode="nearest")
     return smooth[rows.start - first : rows.stop - first]
 
 

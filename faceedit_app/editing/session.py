@@ -14,7 +14,9 @@ from faceedit_app.core.clip import Floats
 from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edit import Edit, Op, read_edits, write_edits
-from faceedit_app.editing.solve import Island, Patch, Settings, Solver
+from faceedit_app.editing.live import Live
+from faceedit_app.editing.settings import Settings
+from faceedit_app.editing.solve import Solver
 from faceedit_app.formats.opening import write_take
 from faceedit_app.formats.take import Take
 
@@ -35,7 +37,8 @@ class EditSession:
 
     `tracked`, `asked` and `achieved` are (T, 8) mm: the three curves of the plots. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
-    read them, do not keep or change them.
+    read them, do not keep or change them. `live.patience` says how long a change may take before
+    the rest is left to `live.work`.
 
     `on_finished`, where it is set, hears of every finished gesture, undo and redo (the journal).
 
@@ -54,12 +57,9 @@ class EditSession:
         self._redo: list[EditState] = []
         self._floating: tuple[Edit, ...] | None = None
         self.on_finished: Callable[[EditState], None] | None = None
-        self._shown: dict[tuple[object, ...], Island] = {}
-        self._patches: dict[tuple[object, ...], Patch] = {}
-        self.tracked = self._solver.controls
-        self.asked = self.tracked.copy()
-        self.achieved = self.tracked.copy()
-        self.weights = self._solver.tracked.copy()
+        self.live = Live(self._solver)
+        self.tracked, self.asked = self.live.tracked, self.live.asked
+        self.achieved, self.weights = self.live.achieved, self.live.weights
 
     # --- what the user did -----------------------------------------------------------------
 
@@ -215,9 +215,8 @@ class EditSession:
 
     def use_engine(self, engine: Engine) -> None:
         """Answer by these networks from now on (they load after the window is up)."""
-        self._solver.engine = engine
-        self._patches.clear()
-        self._show([])
+        self.live.forget()
+        self._solver.use_engine(engine)
         self._refresh()
 
     # --- what it looks like ----------------------------------------------------------------
@@ -229,35 +228,17 @@ class EditSession:
 
     def changed_frames(self) -> int:
         """How many frames differ from the take as tracked."""
-        rows = [island.rows for island in self._shown.values()]
-        return sum(
-            int((self.weights[r] != self._solver.tracked[r]).any(axis=1).sum()) for r in rows
-        )
+        return self.live.changed_frames
 
     def _refresh(self) -> None:
         edits = self._state.edits if self._floating is None else self._floating
-        self._show(self._solver.islands(edits, self._state.settings))
-
-    def _show(self, islands: list[Island]) -> None:
-        """Make the live arrays show these islands and the tracked take between them."""
-        wanted = {island.key: island for island in islands}
-        for key in [key for key in self._shown if key not in wanted]:
-            rows = self._shown.pop(key).rows
-            self.asked[rows] = self.achieved[rows] = self.tracked[rows]
-            self.weights[rows] = self._solver.tracked[rows]
-        patches = {}
-        for key, island in wanted.items():
-            patch = patches[key] = self._patches.get(key) or self._solver.solve(island)
-            # Islands never overlap, but one that went may have lain under one that stays.
-            self.asked[island.rows] = patch.asked
-            self.achieved[island.rows] = patch.controls
-            self.weights[island.rows] = patch.weights
-        self._shown, self._patches = wanted, patches
+        self.live.show(self._solver.pieces(edits, self._state.settings))
 
     # --- files -----------------------------------------------------------------------------
 
     def clip_weights(self) -> Floats:
         """(T, K) the result in the take's own channels; untouched frames are bit for bit its."""
+        self.live.work()
         columns = [ARKIT_INDEX[c] for c in self.take.clip.channels]
         return np.ascontiguousarray(self.weights[:, columns])
 
