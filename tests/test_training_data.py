@@ -98,7 +98,7 @@ def test_take_played_anew_is_still_a_face() -> None:
 
 
 def test_take_played_without_variety_is_the_take() -> None:
-    nothing = Variety((1.0, 1.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    nothing = Variety(1.0, (1.0, 1.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     take = performance(6.0)
     same = play(take, nothing, 64, False, np.random.default_rng(0))
     np.testing.assert_allclose(same.weights, take.weights, atol=1e-6)

@@ -18,6 +18,7 @@ class Variety:
     example as a recorded one.
 
     Attributes:
+        share: of the stretches; the others are played as recorded, or mirrored.
         tempo: slowest and fastest, 1 as recorded.
         gain: standard deviation of the logarithm of a gain common to all channels.
         channel_gain: the same of each channel (left and right alike).
@@ -31,6 +32,7 @@ class Variety:
             and one-sided smiles, which almost never occur in takes.
     """
 
+    share: float = 0.7
     tempo: tuple[float, float] = (0.75, 1.35)
     gain: float = 0.2
     channel_gain: float = 0.2
@@ -49,13 +51,13 @@ class FitSettings:
     window: int = 64  # frames at 25 fps (P)
     overlap: float = 0.75  # of neighbouring windows (P)
     held_out: float = 0.05  # share of five-second blocks kept for validation (P)
-    batch: int = 128  # windows (P)
+    batch: int = 32  # windows; 128 in the paper, on five times the data
     learning_rate: float = 1e-3  # Adam (P)
     final_rate: float | None = 0.02  # its share at the end of a cosine; None: decay as in (P) ...
     decay: float = 0.95  # ... by this factor (P) ...
     patience: int = 5  # ... after so many epochs in a row without improvement (P)
-    epochs_regressor: int = 50
-    epochs_autoencoder: int = 30
+    epochs_regressor: int = 45
+    epochs_autoencoder: int = 28
     l2: float = 1.0  # weight of the mean squared parameter (P)
     distance_loss: float = 1.0  # weight of the distance loss against the MSE (P) ...
     distance_loss_regressor: float = 0.5  # ... and with the regressor, 0 in the paper
@@ -65,7 +67,7 @@ class FitSettings:
     velocity_loss: float = 5.0  # of the squared error of the change per frame; 0 in the paper
     noise: float = 0.2  # share of control values set to salt or pepper (P) ...
     noisy_windows: float = 0.5  # ... in this share of the windows, 1 in the paper
-    wild_windows: float = 0.5  # share of the windows with a burst far beyond the range
+    wild_windows: float = 0.4  # share of the windows with a burst far beyond the range
     residual: bool = True  # the autoencoder starts as the identity; False in the paper
     adapt_statistics: bool = False  # of the frozen regressor to the noise; True in the paper
     widths: tuple[int, ...] = DEFAULT_WIDTHS
@@ -78,6 +80,7 @@ class FitSettings:
 RECIPES: dict[str, FitSettings] = {
     "faceedit": FitSettings(),
     "paper": FitSettings(
+        batch=128,
         final_rate=None,
         distance_loss_regressor=0.0,
         near_weight=0.0,

@@ -33,10 +33,12 @@ def play(
         window: at least so many frames are left, if the take has them.
         mirror: half of the results are mirrored.
     """
-    weights = at_tempo(take.weights, _tempo(len(take.weights), how, window, random))
-    captured = take.captured
+    weights, captured = take.weights, take.captured
     if mirror and random.random() < 0.5:
         weights, captured = mirrored(weights), captured[_MIRROR]
+    if random.random() >= how.share:
+        return replace(take, weights=weights, captured=captured)
+    weights = at_tempo(weights, _tempo(len(weights), how, window, random))
     moved = weights.astype(np.float64) * _gains(how, random)
     moved += _rest(how, random) + _drift(len(moved), how, random)
     moved *= captured
