@@ -86,7 +86,7 @@ def test_take_played_anew_is_still_a_face() -> None:
     random = np.random.default_rng(3)
     for mirror in (False, True):
         for _ in range(10):
-            anew = play(take, Variety(), 64, mirror, random)
+            anew = play(take, Variety(share=1.0), 64, mirror, random)
             assert len(anew.weights) >= 64
             assert anew.weights.dtype == np.float32
             assert anew.weights.min() >= 0.0
