@@ -232,6 +232,10 @@ class DeviceClock:
 class Output(Protocol):
     """Where a take's sound goes. `Loudspeaker` is one; tests bring their own."""
 
+    @property
+    def is_alive(self) -> bool:
+        """Whether the device still takes sound."""
+
     def use(self, sound: Sound | None, offset: float) -> None:
         """Have a sound begin at `offset` seconds of the take."""
 
@@ -299,6 +303,11 @@ class Loudspeaker:
         latency = ahead if 0.0 < ahead < 1.0 else float(self._stream.latency)
         self.clock.block(mixer.played / mixer.rate, latency)
         mixer.fill(out)
+
+    @property
+    def is_alive(self) -> bool:
+        """See `Output`."""
+        return bool(self._stream.active)
 
     def use(self, sound: Sound | None, offset: float) -> None:
         """See `Output`."""

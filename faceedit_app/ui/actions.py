@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QMainWindow, QMenu
 from faceedit_app.core.regions import CONTROLS
 from faceedit_app.ui.icons import icon
 
-MENUS = ("File", "Edit", "Tools", "View", "Playback", "Help")
+MENUS = ("File", "Edit", "Tools", "Fix", "View", "Playback", "Help")
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,10 @@ COMMANDS: tuple[Command, ...] = (
     Command("save_edits", "File", "&Save edits…", ("Ctrl+S",),
             "Save the list of edits, to load it again or for “faceedit apply”"),
     Command("load_edits", "File", "&Load edits…", (), "Add the edits of a file to this take"),
+    Command("add_media", "File", "Add sound or f&ilm…", ("Ctrl+Shift+O",),
+            "Put a recording beside the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),
+    Command("remove_sound", "File", "Remove sound", (), "Take the sound away from the take"),
+    Command("remove_film", "File", "Remove film", (), "Take the film away from the take"),
     Command("quit", "File", "&Quit", ("Ctrl+Q",), needs_take=False, starts_group=True),
 
     Command("undo", "Edit", "&Undo", ("Ctrl+Z",), "Take the last step back", "undo"),
@@ -65,6 +69,15 @@ COMMANDS: tuple[Command, ...] = (
             starts_group=True),
     Command("reset_curve", "Edit", "Reset range of this &curve", ("Ctrl+Shift+R",),
             "Back to the take as tracked, for the curve that has the focus only"),
+    Command("copy", "Edit", "&Copy range", ("Ctrl+C",),
+            "Copy what the face does in the selection", starts_group=True),
+    Command("copy_changes", "Edit", "Copy changes only", ("Ctrl+Shift+C",),
+            "Copy what your edits changed in the selection, to add it elsewhere"),
+    Command("paste", "Edit", "&Paste at playhead", ("Ctrl+V",), "Put there what was copied"),
+    Command("paste_mirrored", "Edit", "Paste mirrored", ("Ctrl+Shift+V",),
+            "Put there what was copied, left and right changing places"),
+    Command("mirror", "Edit", "&Mirror range", ("Ctrl+M",),
+            "Left and right change places in the selection"),
     Command("toggle_edit", "Edit", "Switch edit &on / off", ("E",),
             "Switch the edit that is selected in the list on or off", starts_group=True),
     Command("rename_edit", "Edit", "Re&name edit", ("F2",),
@@ -114,6 +127,42 @@ COMMANDS: tuple[Command, ...] = (
     Command("lower_fine", "Tools", "Lower a little", ("Ctrl+Shift+Down",),
             "Lower the curve that has the focus by 0.05 mm"),
 
+    Command("fix_close_lips", "Fix", "Close &lips", ("Ctrl+1",),
+            "Lips meet: the nearest closure that stayed open, else at the playhead", "lips"),
+    Command("fix_blink", "Fix", "&Blink", ("Ctrl+2",),
+            "Both eyes blink; a blink that stopped half-way is completed", "blink"),
+    Command("fix_open_eyes", "Fix", "&Open eyes", ("Ctrl+3",),
+            "Eyes as open as they usually are in this take", "eye"),
+    Command("fix_smile", "Fix", "&Smile", ("Ctrl+4",),
+            "Lift the mouth corners: in the selection, else in the whole take", "smile",
+            starts_group=True),
+    Command("fix_sad_mouth", "Fix", "S&ad mouth", ("Ctrl+5",),
+            "Lower the mouth corners: in the selection, else in the whole take", "sad"),
+    Command("mood", "Fix", "Smile or sad by a slider…", ("Ctrl+0",),
+            "Set how happy the mouth is: in the selection, else in the whole take"),
+    Command("fix_pucker", "Fix", "&Pucker", ("Ctrl+6",), "Purse the lips"),
+    Command("fix_widen", "Fix", "&Widen", ("Ctrl+7",), "Draw the mouth wide"),
+    Command("fix_calm_down", "Fix", "&Calm down", ("Ctrl+8",),
+            "Less of everything: in the selection, else in the whole take", "calm",
+            starts_group=True),
+    Command("fix_exaggerate", "Fix", "&Exaggerate", ("Ctrl+9",),
+            "More of everything: in the selection, else in the whole take", "exaggerate"),
+    Command("presets", "Fix", "My p&resets", starts_group=True),
+    Command("save_preset", "Fix", "Sa&ve selection as preset…",
+            tip="Keep the edits of the selection under a name, to use them elsewhere"),
+    Command("next_problem", "Fix", "&Next problem", ("Down",),
+            "Go to the next place that is probably wrong", "down", starts_group=True),
+    Command("previous_problem", "Fix", "Previous problem", ("Up",),
+            "Go to the place before that is probably wrong", "up"),
+    Command("fix_problem", "Fix", "&Fix this problem", ("P",),
+            "Show what would mend the problem at the playhead, to accept or discard"),
+    Command("fix_all", "Fix", "Fix all problems", ("Ctrl+Shift+P",),
+            "Show what would mend all problems, to accept or discard"),
+    Command("accept_fix", "Fix", "Accept the proposal", ("Return", "Enter"),
+            "Make the edits that are proposed", "tick"),
+    Command("discard_fix", "Fix", "Discard the proposal", (),
+            "Drop the edits that are proposed (Esc)", "close"),
+
     Command("reset_camera", "View", "&Reset camera", ("0",), "Look at the face from the front",
             "camera", needs_take=False),
     Command("fit", "View", "&Zoom to fit", ("F",), "Show the whole take, or the selection", "fit"),
@@ -133,6 +182,8 @@ COMMANDS: tuple[Command, ...] = (
     Command("play", "Playback", "&Play / pause", ("Space",), "Play or pause", "play"),
     Command("loop", "Playback", "&Loop", ("L",), "Repeat the selection, or the whole take",
             "loop", checkable=True),
+    Command("mute", "Playback", "&Mute sound", ("Ctrl+M",), "Silence the take's sound",
+            "sound", checkable=True),
     Command("back", "Playback", "Frame &back", ("Left",), "One frame back", "back",
             starts_group=True),
     Command("forward", "Playback", "Frame &forward", ("Right",), "One frame forward", "forward"),
@@ -173,7 +224,9 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Face", "Wheel", "Zoom"),
     ("Face", "Double click", "Reset the camera"),
     ("Face", "Hold B", "See the face as tracked"),
-    ("Window", "Drop a file", "Open a take, or load edits"),
+    ("Sound", "Drag", "Scrub, and hear it"),
+    ("Sound", "Alt and drag", "Move the sound in time; with Shift ten times finer"),
+    ("Window", "Drop a file", "Open a take, load edits, or add sound or film"),
 )
 # fmt: on
 
@@ -189,6 +242,8 @@ class Actions:
     def __init__(self, window: QMainWindow, handlers: Mapping[str, Callable[[], None]]) -> None:
         self._actions: dict[str, QAction] = {}
         self.recent_menu = QMenu("Open &recent", window)
+        self.presets_menu = QMenu("My p&resets", window)
+        own = {"recent": self.recent_menu, "presets": self.presets_menu}
         menus = {name: window.menuBar().addMenu(f"&{name}") for name in MENUS}
         inner: dict[str, QMenu] = {}
         for command in COMMANDS:
@@ -199,8 +254,8 @@ class Actions:
                 if command.submenu not in inner:
                     inner[command.submenu] = menu.addMenu(command.submenu)
                 menu = inner[command.submenu]
-            if command.id == "recent":
-                action = menu.addMenu(self.recent_menu)
+            if command.id in own:
+                action = menu.addMenu(own[command.id])
             else:
                 action = self._create(command, window, handlers[command.id])
                 menu.addAction(action)

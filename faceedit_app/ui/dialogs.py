@@ -6,9 +6,12 @@ from enum import Enum, auto
 from pathlib import Path
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
+
+from faceedit_app.media import ENDINGS
 
 TAKES = "Takes (*.csv);;All files (*)"
+MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
 
 
@@ -39,6 +42,19 @@ def ask_save_edits(parent: QWidget, suggestion: Path) -> Path | None:
 def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
     """Which edits to load."""
     return _chosen(QFileDialog.getOpenFileName(parent, "Load edits", str(folder), EDITS))
+
+
+def ask_media(parent: QWidget, folder: Path) -> Path | None:
+    """Which sound or film to add."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
+
+
+def ask_preset_name(parent: QWidget) -> str | None:
+    """What a preset is to be called."""
+    name, ok = QInputDialog.getText(
+        parent, "Save as preset", "Name of the preset, as it stands in the menu:"
+    )
+    return name.strip() if ok and name.strip() else None
 
 
 def ask_unsaved(parent: QWidget, name: str) -> Unsaved:

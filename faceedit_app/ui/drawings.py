@@ -242,6 +242,30 @@ def _save(filled: QPainterPath, stroked: QPainterPath) -> None:
     _lines(stroked, (4.6, 13.4), (4.6, 9.4), (11.4, 9.4), (11.4, 13.4))
 
 
+def _sound(filled: QPainterPath, stroked: QPainterPath) -> None:
+    _lines(filled, (1.5, 6.0), (4.2, 6.0), (8.0, 2.6), (8.0, 13.4), (4.2, 10.0), (1.5, 10.0))
+    filled.closeSubpath()
+    for radius in (2.6, 5.2):
+        box = QRectF(8.4 - radius, 8.0 - radius, 2 * radius, 2 * radius)
+        stroked.arcMoveTo(box, -42.0)
+        stroked.arcTo(box, -42.0, 84.0)
+
+
+def _muted(filled: QPainterPath, stroked: QPainterPath) -> None:
+    _lines(filled, (1.5, 6.0), (4.2, 6.0), (8.0, 2.6), (8.0, 13.4), (4.2, 10.0), (1.5, 10.0))
+    filled.closeSubpath()
+    _lines(stroked, (10.4, 6.0), (14.4, 10.0))
+    _lines(stroked, (14.4, 6.0), (10.4, 10.0))
+
+
+def _down(filled: QPainterPath, stroked: QPainterPath) -> None:
+    _lines(stroked, (3.5, 6.0), (8.0, 10.5), (12.5, 6.0))
+
+
+def _up(filled: QPainterPath, stroked: QPainterPath) -> None:
+    _lines(stroked, (3.5, 10.0), (8.0, 5.5), (12.5, 10.0))
+
+
 def _mirrored(drawing: Drawing) -> Drawing:
     """The same, flipped left to right."""
 
@@ -290,5 +314,9 @@ DRAWINGS: dict[str, Drawing] = {
     "trash": _trash,
     "split": _split,
     "tick": _tick,
+    "down": _down,
+    "up": _up,
     "save": _save,
+    "sound": _sound,
+    "muted": _muted,
 }

@@ -10,12 +10,19 @@ from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.edits_panel import EditsPanel
 from faceedit_app.ui.face import FacePane
+from faceedit_app.ui.film import FilmPane
+from faceedit_app.ui.media import Media
 from faceedit_app.ui.playback import Playback
+from faceedit_app.ui.problems_bar import ProblemsBar, ProblemsHead
+from faceedit_app.ui.proposal import ProposalBar
+from faceedit_app.ui.sounding import Sounding
 from faceedit_app.ui.strip import SettingsStrip
 from faceedit_app.ui.timeline import Timeline
 from faceedit_app.ui.toolbar import ToolBar
 from faceedit_app.ui.tooling import Tooling
 from faceedit_app.ui.transport import Transport
+from faceedit_app.ui.volume import Volume
+from faceedit_app.ui.waveform import SoundStrip
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
 _SIDE = (560, 170)  # of the height beside the curves: face, edits
@@ -31,6 +38,8 @@ class Editor(QWidget):
         timeline: Timeline,
         playback: Playback,
         tooling: Tooling,
+        media: Media,
+        sounding: Sounding,
     ) -> None:
         super().__init__()
         self._document, self._timeline, self._playback = document, timeline, playback
@@ -45,15 +54,26 @@ class Editor(QWidget):
             actions["reset_camera"],
         )
         self.transport = Transport(actions, timeline, playback)
+        self.transport.extras.addWidget(Volume(actions["mute"], media, sounding))
         self.panes = QSplitter(Qt.Orientation.Horizontal)
         self.panes.setChildrenCollapsible(False)
         self.panes.setHandleWidth(6)
-        self.panes.addWidget(self.curves)
+        self.sound = SoundStrip(media, timeline)
+        self.panes.addWidget(_stacked(self.curves, self.sound))
+        self.problems = ProblemsBar(document, timeline)
+        self.proposal = ProposalBar(actions, document)
+        self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
         self.edits = EditsPanel(actions, document, timeline)
         self.side = QSplitter(Qt.Orientation.Vertical)
         self.side.setChildrenCollapsible(False)
         self.side.setHandleWidth(6)
-        self.side.addWidget(self.face)
+        self.film = FilmPane(media, timeline)
+        self.stage = QSplitter(Qt.Orientation.Horizontal)
+        self.stage.setChildrenCollapsible(False)
+        self.stage.setHandleWidth(6)
+        self.stage.addWidget(self.film)
+        self.stage.addWidget(self.face)
+        self.side.addWidget(self.stage)
         self.side.addWidget(self.edits)
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)
@@ -66,6 +86,7 @@ class Editor(QWidget):
         column.setSpacing(0)
         column.addWidget(self.strip)
         column.addWidget(self.tools)
+        column.addWidget(self.proposal)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
         for view in self.curves.findChildren(QAbstractScrollArea):
@@ -111,6 +132,18 @@ class Editor(QWidget):
             self._document.commit()
 
     def _dragged(self) -> None:
+        self.proposal.gave_way()
         # The face stays on the frame that is being changed.
         self._playback.pause()
         self.face.refresh()
+
+
+def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
+    """One above the other."""
+    box = QWidget()
+    column = QVBoxLayout(box)
+    column.setContentsMargins(0, 0, 0, 0)
+    column.setSpacing(0)
+    column.addWidget(stretched, 1)
+    column.addWidget(fixed)
+    return box

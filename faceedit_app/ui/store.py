@@ -41,6 +41,19 @@ class Store:
         """Remember where a kind of file dialog was used."""
         self._settings.setValue(f"folder/{kind}", str(folder))
 
+    def volume(self) -> tuple[float, bool]:
+        """How loud sound was last, 0..1, and whether it was muted."""
+        try:
+            loud = float(str(self._settings.value("volume", 1.0)))
+        except ValueError:
+            loud = 1.0
+        return min(max(loud, 0.0), 1.0), str(self._settings.value("muted", "false")) == "true"
+
+    def set_volume(self, volume: float, muted: bool) -> None:
+        """Remember how loud sound is."""
+        self._settings.setValue("volume", volume)
+        self._settings.setValue("muted", "true" if muted else "false")
+
     def save_layout(self, window: QMainWindow, splitter: QSplitter) -> None:
         """Remember the window's place and how its panes share it."""
         self._settings.setValue("window", window.saveGeometry())

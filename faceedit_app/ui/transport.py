@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt
-from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QWidget
+from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QLabel, QWidget
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timing import format_time
@@ -26,6 +26,7 @@ class Transport(QWidget):
         self._icons = {False: icon("play"), True: icon("pause")}
         self.falloff = self._falloff_box()
         self.speed = self._speed_box()
+        self.extras = QHBoxLayout()  # what the window adds to it
         self.clock, self.seconds, self.frame = QLabel(), QLabel(), QLabel()
         self._labels = (self.clock, self.seconds, self.frame)
         self._lay_out(actions)
@@ -42,6 +43,7 @@ class Transport(QWidget):
         row.addSpacing(GAP)
         row.addWidget(caption("Speed", self.speed))
         row.addWidget(self.speed)
+        row.addLayout(self.extras)
         row.addStretch()
         self.clock.setObjectName("clock")
         self.clock.setToolTip("Time of the frame on screen, as the take tells it")
@@ -75,7 +77,7 @@ class Transport(QWidget):
 
     def _speed_box(self) -> Choice:
         box = Choice()
-        box.setToolTip("How fast the take is played")
+        box.setToolTip("How fast the take is played; slower sound is lower, as on tape")
         for speed in SPEEDS:
             box.addItem(f"{speed:g}×", speed)
         box.setCurrentIndex(len(SPEEDS) - 1)

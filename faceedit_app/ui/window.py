@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QEvent, QTimer, Signal
 from PySide6.QtGui import (
@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import shipped
+from faceedit_app.media import is_media
 from faceedit_app.ui import dialogs, loading
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.banner import Banner
@@ -26,10 +27,14 @@ from faceedit_app.ui.document import Document
 from faceedit_app.ui.edit_commands import EditCommands
 from faceedit_app.ui.edits_panel import EditsPanel
 from faceedit_app.ui.file_commands import DEMO, FileCommands
+from faceedit_app.ui.fix_commands import FixCommands
 from faceedit_app.ui.help import about_dialog, shortcuts_dialog
 from faceedit_app.ui.icons import app_icon
 from faceedit_app.ui.keys import KeyArbiter
+from faceedit_app.ui.media import Media
+from faceedit_app.ui.media_commands import MediaCommands
 from faceedit_app.ui.playback import Playback
+from faceedit_app.ui.sounding import Sounding
 from faceedit_app.ui.start_page import StartPage
 from faceedit_app.ui.status import StatusLine
 from faceedit_app.ui.store import Store
@@ -69,8 +74,19 @@ class MainWindow(QMainWindow):
         self._background = loading.Background(self)
         self.files = FileCommands(self, self.document, store, self._background)
         self.edits = EditCommands(
-            self.document, self.timeline, self.playback, self._curves, self._settle
+            self.document,
+            self.timeline,
+            self.playback,
+            self._curves,
+            self._settle,
+            lambda: self.editor is not None and self.editor.proposal.discard(),
         )
+        self.fixes = FixCommands(
+            self, self.document, self.timeline, lambda: self.editor, self.edits.finish
+        )
+        self.media = Media(self._background, self)
+        self.sounding = Sounding(self.media, self.timeline, self.playback, self._background)
+        self.media_commands = MediaCommands(self, self.media, self.sounding, store)
         self.actions_ = Actions(self, self._handlers())
         self.start_page = StartPage(self.actions_)
         self.banner = Banner()
@@ -81,26 +97,31 @@ class MainWindow(QMainWindow):
 
     def _handlers(self) -> dict[str, Callable[[], None]]:
         files = self.files
-        return self.edits.handlers() | {
-            "open": files.ask_open,
-            "open_demo": files.open_demo,
-            "export": lambda: _ignore(files.ask_export()),
-            "save_edits": lambda: _ignore(files.ask_save_edits()),
-            "load_edits": files.ask_load_edits,
-            "quit": lambda: _ignore(self.close()),
-            **{f"tool_{tool}": partial(self.tooling.choose, tool) for tool in Tool},
-            "link": lambda: self.tooling.link(not self.tooling.linked),
-            "toggle_edit": self._on_edits(EditsPanel.toggle),
-            "rename_edit": self._on_edits(EditsPanel.rename),
-            "edit_up": self._on_edits(lambda edits: edits.bring(-1)),
-            "edit_down": self._on_edits(lambda edits: edits.bring(1)),
-            "delete_edit": self._on_edits(EditsPanel.delete),
-            "reset_camera": self._reset_camera,
-            "show_edited": lambda: self._show_tracked(False),
-            "show_tracked": lambda: self._show_tracked(None),
-            "shortcuts": lambda: shortcuts_dialog(self).show(),
-            "about": self._about,
-        }
+        return (
+            self.edits.handlers()
+            | self.fixes.handlers()
+            | {
+                **self.media_commands.handlers(),
+                "open": files.ask_open,
+                "open_demo": files.open_demo,
+                "export": lambda: _ignore(files.ask_export()),
+                "save_edits": lambda: _ignore(files.ask_save_edits()),
+                "load_edits": files.ask_load_edits,
+                "quit": lambda: _ignore(self.close()),
+                **{f"tool_{tool}": partial(self.tooling.choose, tool) for tool in Tool},
+                "link": lambda: self.tooling.link(not self.tooling.linked),
+                "toggle_edit": self._on_edits(EditsPanel.toggle),
+                "rename_edit": self._on_edits(EditsPanel.rename),
+                "edit_up": self._on_edits(lambda edits: edits.bring(-1)),
+                "edit_down": self._on_edits(lambda edits: edits.bring(1)),
+                "delete_edit": self._on_edits(EditsPanel.delete),
+                "reset_camera": self._reset_camera,
+                "show_edited": lambda: self._show_tracked(False),
+                "show_tracked": lambda: self._show_tracked(None),
+                "shortcuts": lambda: shortcuts_dialog(self).show(),
+                "about": self._about,
+            }
+        )
 
     def _on_edits(self, work: Callable[[EditsPanel], None]) -> Callable[[], None]:
         """Something to do with the panel of edits, once it is there."""
@@ -139,9 +160,16 @@ class MainWindow(QMainWindow):
         self.files.reading.connect(self._say_reading)
         self.files.character_loaded.connect(self._character_loaded)
         self.files.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
+        self.media.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
+        self.media.failed.connect(self._failed)
+        self.media.missed.connect(lambda error: self.banner.say(str(error), str(error)))
+        self.media_commands.attach(self.actions_)
         self.start_page.chosen.connect(self.files.open_if_saved)
         menu = self.actions_.recent_menu
         menu.aboutToShow.connect(lambda: self.files.fill_recent(menu))
+        presets = self.actions_.presets_menu
+        presets.aboutToShow.connect(lambda: self.fixes.fill_presets(presets))
+        self.fixes.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
         self.keys.glancing.connect(self._glance)
 
     # --- start -------------------------------------------------------------------------------
@@ -188,9 +216,16 @@ class MainWindow(QMainWindow):
             from faceedit_app.ui.editor import Editor
 
             self.editor = Editor(
-                self.actions_, self.document, self.timeline, self.playback, self.tooling
+                self.actions_,
+                self.document,
+                self.timeline,
+                self.playback,
+                self.tooling,
+                self.media,
+                self.sounding,
             )
             self._pages.addWidget(self.editor)
+            self.editor.problems.picked.connect(self.fixes.go_to)
             self._store.restore_panes(self.editor.panes)
         return self.editor
 
@@ -242,6 +277,7 @@ class MainWindow(QMainWindow):
         self.setWindowTitle(f"{session.take.path.name}[*] – FaceEdit")
         self._mark_modified()
         self._open_face()
+        self.media_commands.follow(session.take.path)
 
     def _mark_modified(self) -> None:
         self.setWindowModified(not self.document.is_clean)
@@ -260,6 +296,14 @@ class MainWindow(QMainWindow):
     def _settle(self) -> None:
         if self.editor is not None:
             self.editor.settle()
+
+    def media_state(self) -> dict[str, Any]:
+        """Paths and offsets of sound and film, for project files; see `Media.state`."""
+        return self.media.state()
+
+    def restore_media(self, state: dict[str, Any]) -> None:
+        """Bring sound and film back as `media_state` gave them; call it with the take open."""
+        self.media.restore(state)
 
     # --- view and help -----------------------------------------------------------------------
 
@@ -284,7 +328,7 @@ class MainWindow(QMainWindow):
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Welcome a file."""
-        if _dropped(event) is not None:
+        if _dropped(event):
             event.acceptProposedAction()
             self.start_page.show_drop(True)
 
@@ -293,12 +337,18 @@ class MainWindow(QMainWindow):
         self.start_page.show_drop(False)
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open a take, or load edits."""
+        """Open a take, load edits, add sound or film."""
         self.start_page.show_drop(False)
-        path = _dropped(event)
-        if path is None:
+        paths = _dropped(event)
+        if not paths:
             return
         event.acceptProposedAction()
+        media = [path for path in paths if is_media(path)]
+        path = next((path for path in paths if path not in media), None)
+        has_take = self.document.session is not None
+        self.media_commands.drop(media, path is not None, has_take)
+        if path is None:
+            return
         if path.suffix.lower() == ".json" and self.document.session is not None:
             self.files.load_edits(path)
         else:
@@ -322,15 +372,16 @@ class MainWindow(QMainWindow):
     def leave(self) -> None:
         """Stop what is running and free the graphics memory."""
         self.playback.pause()
+        self.sounding.close()
+        self.media.clear()
         self._background.close()
         if self.editor is not None:
             self.editor.face.viewport.close_renderer()
 
 
-def _dropped(event: QDropEvent) -> Path | None:
-    """The local file that is dropped."""
-    files = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
-    return Path(files[0]) if files else None
+def _dropped(event: QDropEvent) -> list[Path]:
+    """The local files that are dropped."""
+    return [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
 
 
 def _ignore(_: object) -> None:

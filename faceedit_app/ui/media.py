@@ -1,0 +1,239 @@
+"""The sound and the film beside the open take: which, where in the take, and how they are read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from PySide6.QtCore import QObject, Signal
+
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.media import beside
+from faceedit_app.ui.loading import Background
+
+if TYPE_CHECKING:  # PyAV comes with these; it is loaded with the first file
+    from faceedit_app.media.film import Film
+    from faceedit_app.media.sound import Sound
+
+Item = TypeVar("Item")
+_FAR = 24 * 3600.0  # seconds; an offset beyond is a slip of the hand
+
+
+@dataclass(frozen=True)
+class Placed(Generic[Item]):
+    """A sound or a film in the take.
+
+    Attributes:
+        item: what was read.
+        path: its file.
+        offset: seconds of the take at which the file's beginning lies.
+    """
+
+    item: Item
+    path: Path
+    offset: float
+
+
+class Media(QObject):
+    """Holds at most one sound and one film, reads them in the background and places them.
+
+    A film brings its own sound, unless a sound file is there. Sound and picture of one film are
+    moved together.
+
+    Signals:
+        sound_changed(), film_changed(): another one is there, or none.
+        placed(): an offset changed.
+        told(str): something went well, for the status bar.
+        failed(object): a FaceEditError about a file that the user named.
+        missed(object): a FaceEditError about a file that was found or remembered.
+    """
+
+    sound_changed = Signal()
+    film_changed = Signal()
+    placed = Signal()
+    told = Signal(str)
+    failed = Signal(object)
+    missed = Signal(object)
+
+    def __init__(self, background: Background, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._background = background
+        self.sound: Placed[Sound] | None = None
+        self.film: Placed[Film] | None = None
+        self._job = 0  # what is read for an earlier take is not wanted any more
+        self.pending = 0
+
+    # --- open --------------------------------------------------------------------------------
+
+    def follow(self, take: Path) -> None:
+        """Another take is open: let go of the last one's, and take what lies beside this one."""
+        self.clear()
+        sound, film = beside(take)
+        found = [path for path in (film, sound) if path is not None]
+        if film is not None:
+            self._read_film(film, 0.0, self.missed.emit)
+        if found:
+            self._read_sound(sound or found[0], 0.0, self.missed.emit)
+            names = " and ".join(path.name for path in found)
+            self.told.emit(f"Opened {names}, found beside the take")
+
+    def add(self, path: Path) -> None:
+        """Read a file that the user named; it takes the place of its like when it is read."""
+        job = self._job
+
+        def probed(contents: tuple[bool, bool]) -> None:
+            if job == self._job:
+                self._add(path, *contents)
+
+        self._run(lambda: _contents(path), probed, self.failed.emit)
+
+    def _add(self, path: Path, has_sound: bool, has_film: bool) -> None:
+        if has_film:
+            self._read_film(path, 0.0, self.failed.emit)
+        # A sound file of its own is there for a reason.
+        own = self.sound is not None and self.sound.path != self._film_path
+        if has_sound and not (has_film and own):
+            self._read_sound(path, 0.0, self.failed.emit)
+        self.told.emit(f"Opening {path.name}…")
+
+    @property
+    def _film_path(self) -> Path | None:
+        return self.film.path if self.film is not None else None
+
+    def _read_film(self, path: Path, offset: float, failed: Callable[[object], None]) -> None:
+        job = self._job
+
+        def read() -> Film:
+            from faceedit_app.media.film import Film
+
+            return Film(path, lambda: job != self._job)
+
+        def done(film: Film) -> None:
+            if job == self._job:
+                self.film = Placed(film, path, offset)
+                self.film_changed.emit()
+
+        self._run(read, done, failed)
+
+    def _read_sound(self, path: Path, offset: float, failed: Callable[[object], None]) -> None:
+        job = self._job
+
+        def read() -> Sound | None:
+            from faceedit_app.media.sound import read_sound
+
+            return read_sound(path, lambda: job != self._job)
+
+        def done(sound: Sound | None) -> None:
+            if job == self._job and sound is not None:
+                at = self.film.offset if self.film and self.film.path == path else offset
+                self.sound = Placed(sound, path, at)
+                self.sound_changed.emit()
+
+        self._run(read, done, failed)
+
+    def _run(
+        self, work: Callable[[], Any], done: Callable[[Any], None], failed: Callable[[object], None]
+    ) -> None:
+        job = self._job
+        self.pending += 1
+
+        def arrived(result: Any) -> None:
+            self.pending -= 1
+            done(result)
+
+        def missed(error: Exception) -> None:
+            self.pending -= 1
+            if job != self._job:
+                return
+            if not isinstance(error, FaceEditError):
+                raise error
+            failed(error)
+
+        self._background.run(work, arrived, missed)
+
+    # --- place -------------------------------------------------------------------------------
+
+    def move_sound(self, offset: float) -> None:
+        """Put the beginning of the sound's file at a second of the take."""
+        if self.sound is not None:
+            self._place(offset, self.sound.path)
+
+    def move_film(self, offset: float) -> None:
+        """Put the first picture at a second of the take."""
+        if self.film is not None:
+            self._place(offset, self.film.path)
+
+    def _place(self, offset: float, path: Path) -> None:
+        """Sound and picture of one file keep together."""
+        offset = min(max(round(offset, 4), -_FAR), _FAR)
+        moved = False
+        if self.sound is not None and self.sound.path == path and self.sound.offset != offset:
+            self.sound, moved = Placed(self.sound.item, path, offset), True
+        if self.film is not None and self.film.path == path and self.film.offset != offset:
+            self.film, moved = Placed(self.film.item, path, offset), True
+        if moved:
+            self.placed.emit()
+
+    # --- remove ------------------------------------------------------------------------------
+
+    def remove_sound(self) -> None:
+        """Without sound from now on."""
+        if self.sound is not None:
+            self.sound = None
+            self.sound_changed.emit()
+
+    def remove_film(self) -> None:
+        """Without film from now on; the sound that it brought goes with it."""
+        film = self.film
+        if film is not None:
+            self.film = None
+            self.film_changed.emit()
+            if self.sound is not None and self.sound.path == film.path:
+                self.remove_sound()
+
+    def clear(self) -> None:
+        """Without either, and without what is still being read."""
+        self._job += 1
+        self.remove_sound()
+        self.remove_film()
+
+    # --- project files -----------------------------------------------------------------------
+
+    def state(self) -> dict[str, dict[str, str | float] | None]:
+        """What a project keeps: `{"sound": {"path", "offset"} or None, "film": the same}`."""
+
+        def kept(placed: Placed[Any] | None) -> dict[str, str | float] | None:
+            return None if placed is None else {"path": str(placed.path), "offset": placed.offset}
+
+        return {"sound": kept(self.sound), "film": kept(self.film)}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Read what a project kept, in place of what is there.
+
+        A file that is gone is told by `missed`; a damaged entry counts as none.
+        """
+        self.clear()
+        for kind, read in (("film", self._read_film), ("sound", self._read_sound)):
+            entry = state.get(kind) if isinstance(state, dict) else None
+            if not isinstance(entry, dict) or not isinstance(entry.get("path"), str):
+                continue
+            offset = entry.get("offset", 0.0)
+            path = Path(entry["path"])
+            if not path.is_file():
+                error = FileError(path, "is not there any more", "add it again where it is now")
+                self.missed.emit(error)
+                continue
+            read(path, float(offset) if isinstance(offset, int | float) else 0.0, self.missed.emit)
+
+
+def _contents(path: Path) -> tuple[bool, bool]:
+    """Whether a file has sound, and film."""
+    from faceedit_app.media.container import find_film, opened
+
+    with opened(path) as container:
+        has = bool(container.streams.audio), find_film(container) is not None
+    if not any(has):
+        raise FileError(path, "has neither sound nor film in it", "choose another file")
+    return has
