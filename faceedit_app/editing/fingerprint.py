@@ -1,0 +1,107 @@
+"""Telling a file by its content, and finding it again after it was moved."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from faceedit_app.core.errors import FileError
+
+SEARCH_SECONDS = 2.0  # a network drive with a million files must not keep the user waiting
+SEARCH_DEPTH = 2  # folders down from where a file is looked for
+
+
+@dataclass(frozen=True)
+class Fingerprint:
+    """What tells a file from all others: its size in bytes, and the SHA-256 of its content."""
+
+    size: int
+    sha256: str
+
+
+def fingerprint(path: Path) -> Fingerprint:
+    """The fingerprint of a file.
+
+    Raises:
+        FileError: it cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256")
+            return Fingerprint(file.tell(), digest.hexdigest())
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FileError(path, f"cannot be read ({reason})", "check the path") from error
+
+
+def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> Path | None:
+    """Look for a file in and below folders: first under its name, then any of its kind.
+
+    Args:
+        wanted: what it must be.
+        name: what it was called.
+        folders: where to look, the most likely first.
+    """
+    suffix = Path(name).suffix.lower()
+    alike = []
+    for path in _files_below(folders):
+        if path.suffix.lower() == suffix and _size(path) == wanted.size:
+            if path.name == name and _is(path, wanted):
+                return path
+            alike.append(path)
+    return next((path for path in alike if path.name != name and _is(path, wanted)), None)
+
+
+def find_by_name(name: str, folders: Iterable[Path]) -> tuple[Path, ...]:
+    """All files of a name in and below folders."""
+    return tuple(path for path in _files_below(folders) if path.name == name)
+
+
+def _files_below(folders: Iterable[Path]) -> Iterator[Path]:
+    """Each file once, level by level, as long as time allows; hidden folders are left out."""
+    until = time.monotonic() + SEARCH_SECONDS
+    level = [folder.absolute() for folder in folders]
+    seen: set[str] = set()
+    for _ in range(SEARCH_DEPTH + 1):
+        below: list[Path] = []
+        for folder in level:
+            if time.monotonic() > until:
+                return
+            if os.path.realpath(folder) in seen:
+                continue
+            seen.add(os.path.realpath(folder))
+            try:
+                entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+            except OSError:  # it is gone or closed to us: look elsewhere
+                continue
+            for entry in entries:
+                if _is_folder(entry):
+                    below.append(Path(entry.path))
+                else:
+                    yield Path(entry.path)
+        level = below
+
+
+def _is_folder(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_dir() and not entry.name.startswith(".")
+    except OSError:
+        return False
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return -1
+
+
+def _is(path: Path, wanted: Fingerprint) -> bool:
+    try:
+        return fingerprint(path) == wanted
+    except FileError:
+        return False
