@@ -76,7 +76,7 @@ COMMANDS: tuple[Command, ...] = (
     Command("paste", "Edit", "&Paste at playhead", ("Ctrl+V",), "Put there what was copied"),
     Command("paste_mirrored", "Edit", "Paste mirrored", ("Ctrl+Shift+V",),
             "Put there what was copied, left and right changing places"),
-    Command("mirror", "Edit", "&Mirror range", ("Ctrl+M",),
+    Command("mirror", "Edit", "&Mirror range", ("Ctrl+Shift+M",),
             "Left and right change places in the selection"),
     Command("toggle_edit", "Edit", "Switch edit &on / off", ("E",),
             "Switch the edit that is selected in the list on or off", starts_group=True),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
 from faceedit_app.core.regions import CONTROL_IDS
 
@@ -15,6 +15,9 @@ if TYPE_CHECKING:  # torch comes with these; the window is there before it
     from faceedit_app.editing.session import EditSession
     from faceedit_app.editing.solve import Settings
     from faceedit_app.networks.engine import Engine
+
+_SLICE = 0.02  # seconds
+_NO_INPUT = QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents
 
 
 class Document(QObject):
@@ -141,6 +144,8 @@ class Document(QObject):
             FileError: it cannot be written.
         """
         if self.session is not None:
+            while self.session.live.work(_SLICE):  # the window stays alive
+                QCoreApplication.processEvents(_NO_INPUT)
             self.session.export(path)
             self.saved.emit()
 

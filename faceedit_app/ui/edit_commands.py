@@ -25,6 +25,7 @@ class EditCommands:
     Args:
         panel: the curves, once they are there (they are built after the first paint).
         settle: brings gestures elsewhere in the window to their end.
+        discard: drops what is proposed; False if nothing is.
     """
 
     def __init__(
@@ -34,9 +35,10 @@ class EditCommands:
         playback: Playback,
         panel: Callable[[], CurvesPanel | None],
         settle: Callable[[], None],
+        discard: Callable[[], bool],
     ) -> None:
         self._document, self._timeline, self._playback = document, timeline, playback
-        self._panel, self._settle_strip = panel, settle
+        self._panel, self._settle_strip, self._discard = panel, settle, discard
 
     def finish(self) -> None:
         """Drop a drag in progress and bring other gestures to their end."""
@@ -148,10 +150,10 @@ class EditCommands:
 
     def _cancel_drag(self) -> bool:
         panel = self._panel()
-        if panel is None or not panel.is_dragging:
-            return False
-        panel.cancel_drag()
-        return True
+        if panel is not None and panel.is_dragging:
+            panel.cancel_drag()
+            return True
+        return self._discard()
 
     # --- time --------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ from faceedit_app.ui.media import Media
 from faceedit_app.ui.playback import Playback
 from faceedit_app.ui.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.proposal import ProposalBar
+from faceedit_app.ui.solving import Solving
 from faceedit_app.ui.sounding import Sounding
 from faceedit_app.ui.strip import SettingsStrip
 from faceedit_app.ui.timeline import Timeline
@@ -93,6 +94,9 @@ class Editor(QWidget):
             # Graphics views take every drop and do nothing with it; files are the window's.
             view.setAcceptDrops(False)
             view.viewport().setAcceptDrops(False)
+        self.solving = Solving(document, timeline, self)
+        self.solving.advanced.connect(self._previewed)
+        self.solving.finished.connect(self._solved)
         self.curves.edited.connect(self._dragged)
         self.curves.committed.connect(document.changed)
         document.changed.connect(self.curves.refresh)
@@ -109,6 +113,7 @@ class Editor(QWidget):
         self._timeline.open(clip)
         self.curves.set_session(session)
         self.transport.set_clip(clip)
+        self.problems.restart()
         self.face.refresh()
 
     def settle(self) -> None:
@@ -119,6 +124,14 @@ class Editor(QWidget):
     def _previewed(self) -> None:
         self.curves.refresh()
         self.face.refresh()
+
+    def _solved(self) -> None:
+        """All of a wide edit is computed."""
+        session = self._document.session
+        if session is not None and session.is_floating:
+            self._previewed()
+        else:
+            self._document.changed.emit()
 
     def _reshape(self) -> None:
         """The edges of the selected edit are its range's."""
@@ -136,6 +149,7 @@ class Editor(QWidget):
         # The face stays on the frame that is being changed.
         self._playback.pause()
         self.face.refresh()
+        self.solving.begin()
 
 
 def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:

@@ -52,6 +52,7 @@ class EditsPanel(QWidget):
         self.percent, self.title = QLabel(), QLabel()
         self._pages = QStackedWidget()
         self._showing = False  # our own selection of the range, not the user's
+        self.is_tied = False  # the range on the curves is the selected edit's
         self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
         self._gesture = QTimer(self, singleShot=True, interval=_KEYS_MS)
         self._gesture.timeout.connect(self.settle)
@@ -130,6 +131,16 @@ class EditsPanel(QWidget):
         else:
             self.list.setCurrentIndex(self.model.index(row))
 
+    def select_last(self) -> None:
+        """Select the newest edit, to be weakened; the range on the curves stays the user's."""
+        count = len(self.model.edits)
+        if count:
+            with QSignalBlocker(self.list.selectionModel()):
+                self.list.setCurrentIndex(self.model.index(count - 1))
+            self.is_tied = False
+            self._sync()
+            self.list.scrollToBottom()
+
     def refresh(self) -> None:
         """Show the list as it is now; a new edit is not selected, a changed one stays so."""
         row = self.current if self.list.model().rowCount() else None
@@ -142,7 +153,7 @@ class EditsPanel(QWidget):
         self.title.setText(f"Edits  {count}" if count else "Edits")
         self._pages.setCurrentIndex(1 if count else 0)
         self._sync()
-        if self.current is not None:  # undo may have given it another range
+        if self.current is not None and self.is_tied:  # undo may have given it another range
             self.show_range(self.model.edits[self.current])
 
     def _chosen(self) -> None:
@@ -153,12 +164,13 @@ class EditsPanel(QWidget):
 
     def show_range(self, edit: Edit) -> None:
         """Show on the curves where an edit acts."""
-        line = self._timeline
+        line, self.is_tied = self._timeline, True
         start = min(max(edit.start, 0.0), line.duration)
         end = min(max(edit.end, start), line.duration)
         self._showing = True
         line.set_falloffs(edit.falloff, edit.fade_out)
-        line.select((start, end))
+        # All of the take is better shown by no band than by one over everything.
+        line.select(None if start <= 0 and end >= line.duration - 0.05 else (start, end))
         first, last = line.view
         if end < first or start > last:
             width = last - first
@@ -168,8 +180,10 @@ class EditsPanel(QWidget):
 
     def _other_range(self) -> None:
         """Who selects another time has left the edit."""
-        if not (self._showing or self.reshaping()) and self.current is not None:
-            self.select(None)
+        if not (self._showing or self.reshaping()):
+            self.is_tied = False
+            if self.current is not None:
+                self.select(None)
 
     def _sync(self) -> None:
         row = self.current
@@ -214,7 +228,7 @@ class EditsPanel(QWidget):
     def reshape(self, start: float, end: float, fade_in: float, fade_out: float) -> None:
         """The edges of the selected edit's range are being dragged."""
         row = self.current
-        if row is None:
+        if row is None or not self.is_tied:
             return
         edit = self.model.edits[row].stretched(start, end)
         self._document.preview_replace(row, replace(edit, falloff=fade_in, falloff_out=fade_out))

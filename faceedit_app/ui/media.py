@@ -62,6 +62,7 @@ class Media(QObject):
         self._background = background
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
+        self._found = ""  # what to say when all is read
         self._job = 0  # what is read for an earlier take is not wanted any more
         self.pending = 0
 
@@ -77,7 +78,7 @@ class Media(QObject):
         if found:
             self._read_sound(sound or found[0], 0.0, self.missed.emit)
             names = " and ".join(path.name for path in found)
-            self.told.emit(f"Opened {names}, found beside the take")
+            self._found = f"Opened {names}, found beside the take"
 
     def add(self, path: Path) -> None:
         """Read a file that the user named; it takes the place of its like when it is read."""
@@ -90,13 +91,13 @@ class Media(QObject):
         self._run(lambda: _contents(path), probed, self.failed.emit)
 
     def _add(self, path: Path, has_sound: bool, has_film: bool) -> None:
+        self.told.emit(f"Opening {path.name}…")
         if has_film:
             self._read_film(path, 0.0, self.failed.emit)
         # A sound file of its own is there for a reason.
         own = self.sound is not None and self.sound.path != self._film_path
         if has_sound and not (has_film and own):
             self._read_sound(path, 0.0, self.failed.emit)
-        self.told.emit(f"Opening {path.name}…")
 
     @property
     def _film_path(self) -> Path | None:
@@ -114,6 +115,7 @@ class Media(QObject):
             if job == self._job:
                 self.film = Placed(film, path, offset)
                 self.film_changed.emit()
+                self._tell(path)
 
         self._run(read, done, failed)
 
@@ -130,8 +132,15 @@ class Media(QObject):
                 at = self.film.offset if self.film and self.film.path == path else offset
                 self.sound = Placed(sound, path, at)
                 self.sound_changed.emit()
+                self._tell(path)
 
         self._run(read, done, failed)
+
+    def _tell(self, path: Path) -> None:
+        """What is there now, when the last file is read."""
+        if not self.pending:
+            self.told.emit(self._found or f"Added {path.name}")
+            self._found = ""
 
     def _run(
         self, work: Callable[[], Any], done: Callable[[Any], None], failed: Callable[[object], None]
@@ -196,6 +205,7 @@ class Media(QObject):
     def clear(self) -> None:
         """Without either, and without what is still being read."""
         self._job += 1
+        self._found = ""
         self.remove_sound()
         self.remove_film()
 

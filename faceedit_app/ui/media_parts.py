@@ -17,7 +17,7 @@ class OffsetBox(QDoubleSpinBox):
         super().__init__(decimals=3, singleStep=0.01, suffix=" s")
         self.setRange(-86_400.0, 86_400.0)
         self.setKeyboardTracking(False)
-        self.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.setAccessibleName(f"Offset of the {what}")
         self.setToolTip(
             f"Second of the take at which the {what} begins; arrows move it by 10 ms.\n"
@@ -72,10 +72,10 @@ class Name(QLabel):
 def remove_button(what: str) -> QToolButton:
     """A small cross."""
     button = QToolButton()
-    button.setObjectName("small")
+    button.setObjectName("icon")
     button.setIcon(icon("close", MUTED))
     button.setToolTip(f"Remove {what}")
     button.setAccessibleName(f"Remove {what}")
     button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-    button.setFixedSize(20, 20)
+    button.setFixedSize(22, 22)
     return button

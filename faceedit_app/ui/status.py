@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtWidgets import QLabel, QStatusBar
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QStatusBar, QWidget
 
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import counted, format_rate, format_time, gap_notes
@@ -13,7 +14,13 @@ _DOT = "   ·   "
 
 
 class StatusLine(QStatusBar):
-    """Facts at the left, the state of the networks at the right."""
+    """Facts at the left, the state of the networks at the right.
+
+    Signals:
+        cancelled(): the user does not want to wait for what is being computed.
+    """
+
+    cancelled = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -21,6 +28,8 @@ class StatusLine(QStatusBar):
         self.facts, self.gaps, self.remarks, self.networks = (QLabel() for _ in range(4))
         for label in (self.facts, self.gaps, self.remarks):
             self.addWidget(label)
+        self.work = self._work_display()
+        self.addPermanentWidget(self.work)
         self.addPermanentWidget(self.networks)
         self.set_networks("loading")
 
@@ -45,6 +54,29 @@ class StatusLine(QStatusBar):
     def _add(label: QLabel, text: str, details: Sequence[str]) -> None:
         label.setText(f" ·   {text}" if text else "")
         label.setToolTip("\n".join(details))
+
+    def _work_display(self) -> QWidget:
+        display = QWidget()
+        row = QHBoxLayout(display)
+        row.setContentsMargins(0, 0, 0, 0)
+        self.bar = QProgressBar()
+        self.bar.setFixedWidth(140)
+        self.bar.setFormat("Computing %p %")
+        self.bar.setAccessibleName("Progress of the edit that is being computed")
+        cancel = QPushButton("Cancel")
+        cancel.setFlat(True)
+        cancel.setToolTip("Take back the edit that is being computed")
+        cancel.clicked.connect(self.cancelled)
+        row.addWidget(self.bar)
+        row.addWidget(cancel)
+        display.hide()
+        return display
+
+    def show_work(self, done: int = 0, total: int = 0) -> None:
+        """Tell how far an edit is computed; nothing is told once it is."""
+        self.bar.setMaximum(max(total, 1))
+        self.bar.setValue(done)
+        self.work.setVisible(done < total)
 
     def set_networks(self, state: str, reason: str = "") -> None:
         """Tell whether the networks answer: `loading`, `ready` or `missing`."""

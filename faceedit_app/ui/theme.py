@@ -62,6 +62,12 @@ QToolButton#icon:checked {{ background: {ACCENT_DEEP}; }}
 QToolButton#tool {{ background: transparent; padding: 4px 7px; }}
 QToolButton#tool:hover {{ background: {HOVER}; }}
 QToolButton#tool:checked {{ background: {ACCENT_DEEP}; }}
+QToolButton#tool:disabled, QToolButton#small:disabled {{ background: transparent; }}
+QToolButton#tool::menu-indicator {{ image: none; width: 0; }}
+QToolButton#small {{ background: transparent; padding: 2px; }}
+QToolButton#small:hover {{ background: {HOVER}; }}
+QToolButton#accept {{ background: {ACCENT_DEEP}; padding: 4px 10px; }}
+QToolButton#accept:hover {{ background: #2d6d94; }}
 QToolButton#play {{ padding: 5px 12px; }}
 QPushButton#primary {{ background: {ACCENT_DEEP}; padding: 8px 18px; }}
 QPushButton#primary:hover {{ background: #2d6d94; }}
@@ -118,6 +124,7 @@ QScrollBar::add-line, QScrollBar::sub-line {{ height: 0; width: 0; }}
 
 QFrame#banner {{ background: #3a3323; border-bottom: 1px solid #5a4a22; }}
 QFrame#banner QLabel {{ color: {TEXT}; }}
+QFrame#proposal {{ background: #22384a; border-bottom: 1px solid {ACCENT_DEEP}; }}
 QFrame#drop {{ border: 2px dashed {BORDER}; border-radius: 14px; background: transparent; }}
 QFrame#drop[active="true"] {{ border-color: {ACCENT}; background: {PANEL}; }}
 QLabel#title {{ font-size: 20pt; font-weight: 600; }}

@@ -227,6 +227,10 @@ class MainWindow(QMainWindow):
             self._pages.addWidget(self.editor)
             self.editor.problems.picked.connect(self.fixes.go_to)
             self._store.restore_panes(self.editor.panes)
+            solving = self.editor.solving
+            solving.advanced.connect(self.status.show_work)
+            solving.finished.connect(self.status.show_work)
+            self.status.cancelled.connect(solving.cancel)
         return self.editor
 
     def _failed(self, error: Exception) -> None:

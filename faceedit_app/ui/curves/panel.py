@@ -83,7 +83,7 @@ class CurvesPanel(QWidget):
         empty.setWordWrap(True)
         empty.setStyleSheet(f"color: {style.MUTED}; font-size: 15px;")
         content = QWidget()
-        grid = QGridLayout(content)
+        grid = self._grid = QGridLayout(content)
         grid.setContentsMargins(0, 0, style.RIGHT_MARGIN, 0)
         grid.setHorizontalSpacing(0)
         grid.setVerticalSpacing(style.ROW_GAP)
@@ -153,6 +153,12 @@ class CurvesPanel(QWidget):
     def is_reshaping(self) -> bool:
         """Whether an edge of the selection is being put elsewhere."""
         return self._band.is_changing
+
+    def add_row(self, head: QWidget, strip: QWidget) -> None:
+        """Put another strip on the time axis, under the curves."""
+        row = self._grid.rowCount()
+        self._grid.addWidget(head, row, 0)
+        self._grid.addWidget(strip, row, 1)
 
     def cancel_drag(self) -> None:
         """Drop the drag in progress, if any."""
