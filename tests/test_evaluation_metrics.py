@@ -10,6 +10,7 @@ from faces import shipped_rig
 
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.evaluation.metrics import (
+    Closures,
     boundary_jump,
     clipped_share,
     closures,
@@ -56,6 +57,11 @@ def test_no_threshold_may_reach_the_wanted_rate() -> None:
     found = closures(np.full(5, 9.0), np.full(5, 0.5), (1.0, 2.0))
     assert found.tpr == (0.0, 0.0)
     assert all(math.isnan(x) for x in found.fpr_at(0.98))
+    nan = float("nan")
+    up_and_down = Closures((1.0, 2.0, 3.0, 4.0), (1.0, 0.9, 0.99, 1.0), (0.4, 0.3, 0.2, 0.1), ())
+    assert up_and_down.fpr_at(0.98) == (3.0, 0.2)
+    unknown = Closures((1.0, 2.0), (nan, 1.0), (nan, 0.1), ())
+    assert unknown.fpr_at(0.98) == (2.0, 0.1)
 
 
 def test_energy_kept_is_that_of_the_fast_motion_that_is_really_there() -> None:

@@ -257,7 +257,7 @@ def leave_one_out(setting: Setting) -> Path:
 Each source in turn is judged by networks trained on all the others, synthesised speakers
 included. Closures of the mouth or the left eyelid. {_budget(setting)}
 
-{markdown_table([*titles, f"TPR / FPR at {MOUTH_AT:g} mm", "FPR where TPR ≥ 0.98"], rows)}"""
+{markdown_table([*titles, f"TPR / FPR at {MOUTH_AT:g} mm", "FPR from where TPR ≥ 0.98"], rows)}"""
     return setting.write("leave-one-out", text)
 
 
@@ -328,7 +328,13 @@ def recipes(setting: Setting) -> Path:
                     cell(score.wild, 2),
                 ]
             )
-    titles = ["recipe", "system", "MSE", f"TPR / FPR at {MOUTH_AT:g} mm", "FPR where TPR ≥ 0.98"]
+    titles = [
+        "recipe",
+        "system",
+        "MSE",
+        f"TPR / FPR at {MOUTH_AT:g} mm",
+        "FPR from where TPR ≥ 0.98",
+    ]
     more = ["energy above 4 Hz kept", "distance from natural motion", "the same, wild edit"]
     text = f"""# What changes to the paper's recipe do
 

@@ -54,8 +54,8 @@ def _closures(figures: Figures) -> list[Goal]:
         threshold, fpr = ours.fpr_at(TPR_WANTED)
         out.append(
             Goal(
-                f"{WHAT[what]}: FPR at most {FPR_ALLOWED} (aim {FPR_AIM}) where the TPR is "
-                f"{TPR_WANTED}",
+                f"{WHAT[what]}: FPR at most {FPR_ALLOWED} (aim {FPR_AIM}) from where on the "
+                f"TPR is {TPR_WANTED}",
                 f"{cell(fpr, 2)} at {cell(threshold, 1)} mm",
                 bool(fpr <= FPR_ALLOWED),
             )

@@ -87,14 +87,18 @@ class Closures:
     actual: tuple[int, ...]
 
     def fpr_at(self, wanted: float) -> tuple[float, float]:
-        """The smallest threshold at which the TPR is at least `wanted`, and the FPR there.
+        """The smallest threshold from which on the TPR stays at `wanted` or more, and the FPR there.
 
         NaN, NaN if there is none.
         """
-        for threshold, tpr, fpr in zip(self.thresholds, self.tpr, self.fpr, strict=True):
-            if tpr >= wanted:
-                return threshold, fpr
-        return float("nan"), float("nan")
+        found = float("nan"), float("nan")
+        for threshold, tpr, fpr in reversed(
+            list(zip(self.thresholds, self.tpr, self.fpr, strict=True))
+        ):
+            if not tpr >= wanted:
+                break
+            found = threshold, fpr
+        return found
 
 
 def closures(answer: Array, truth: Array, thresholds: Sequence[float]) -> Closures:

@@ -56,7 +56,7 @@ def regions_table(figures: Figures) -> str:
 
 
 def closures_table(figures: Figures) -> str:
-    """TPR and FPR at three thresholds, and the FPR where the TPR is 0.98."""
+    """TPR and FPR at three thresholds, and the FPR from where on the TPR is 0.98."""
     rows = []
     for what, found in figures.closures.items():
         for system, rates in found.items():
@@ -71,7 +71,7 @@ def closures_table(figures: Figures) -> str:
                 ]
             )
     titles = ["closure", "system", "TPR / FPR at 1 mm", "at 2 mm", "at 3 mm"]
-    return markdown_table([*titles, "FPR where TPR ≥ 0.98"], rows)
+    return markdown_table([*titles, "FPR from where TPR ≥ 0.98"], rows)
 
 
 def edits_table(outcomes: Sequence[Outcome]) -> str:
