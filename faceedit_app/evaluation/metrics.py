@@ -87,7 +87,7 @@ class Closures:
     actual: tuple[int, ...]
 
     def fpr_at(self, wanted: float) -> tuple[float, float]:
-        """The smallest threshold from which on the TPR stays at `wanted` or more, and the FPR there.
+        """The smallest threshold from which on the TPR stays `wanted` or more, and the FPR there.
 
         NaN, NaN if there is none.
         """
