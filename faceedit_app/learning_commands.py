@@ -145,7 +145,8 @@ def experiment(
 ) -> None:
     """Repeat the paper's experiments and ours; each writes its part of the report."""
     require("torch", extra="training")
-    from faceedit_app.evaluation.experiments import Setting, run_experiment
+    from faceedit_app.evaluation.experiments import run_experiment
+    from faceedit_app.evaluation.setting import Setting
 
     with Progress(console=Console(stderr=True)) as progress:
         setting = Setting(
