@@ -170,10 +170,10 @@ def trigger(window: MainWindow, command: str) -> None:
     window.actions_[command].trigger()
 
 
-def drop(target: QWidget, path: Path) -> None:
-    """Drop a file on a widget; what it does not want goes to the widgets around it."""
+def drop(target: QWidget, *paths: Path) -> None:
+    """Drop files on a widget; what it does not want goes to the widgets around it."""
     data = QMimeData()
-    data.setUrls([QUrl.fromLocalFile(str(path))])
+    data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
     buttons, keys = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
     enter = QDragEnterEvent(QPoint(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
     QApplication.sendEvent(target, enter)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt
 from PySide6.QtGui import (
     QContextMenuEvent,
     QImage,
@@ -163,6 +163,13 @@ class Waveform(QWidget):
             self._let_go()
         if not event.buttons():
             self._drag, self._scrubs = None, False
+
+    def event(self, event: QEvent) -> bool:
+        """During a drag Esc is not the window's."""
+        if event.type() == QEvent.Type.ShortcutOverride and self._grabbed is not None:
+            event.accept()
+            return True
+        return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Esc drops the drag."""
