@@ -5,12 +5,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test check lint format lock character demo-take clean help
+.PHONY: run test check lint format lock package character demo-take clean help
 
 help:
 	@echo "make run    set up what is missing, then open FaceEdit on the demo take"
 	@echo "make test   set up what is missing, then run all tests"
 	@echo "make check  linters, types and formatting only"
+	@echo "make package  wheel, application, archive and .deb into dist/, each tried out"
 
 run: $(READY)
 	$(BIN)/faceedit --demo
@@ -40,6 +41,25 @@ $(READY): pyproject.toml requirements.lock packaging/system-packages.sh
 lock:
 	$(BIN)/python -m pip freeze --exclude-editable --exclude faceedit \
 		| grep -v '^-' | sed 's/+cpu$$//' > requirements.lock
+
+# What is downloaded (docs/releasing.md). The application is made from the wheel, in an environment
+# of its own without what only training and tests need; then each is tried on a virtual screen,
+# and must export what the source install exports.
+PACK := build/venv
+PIP := $(PACK)/bin/python -m pip --disable-pip-version-check --quiet
+TRY := $(PYTHON) packaging/smoke_test.py
+
+package: $(READY)
+	rm -rf build dist
+	$(PYTHON) -m venv $(PACK)
+	$(PIP) install -r packaging/requirements.txt
+	$(PACK)/bin/python -m build --outdir dist .
+	$(PIP) install -c requirements.lock dist/faceedit-*.whl
+	$(PACK)/bin/python packaging/build.py
+	$(TRY) $(PACK)/bin/faceedit --reference $(BIN)/faceedit
+	$(TRY) dist/faceedit/faceedit --reference $(BIN)/faceedit --starts 5
+	if [ "$$(id -u)" = 0 ] && command -v debootstrap; then \
+		sh packaging/linux/try-deb.sh dist/faceedit_*.deb $(BIN)/faceedit; fi
 
 character: $(READY)
 	$(BIN)/python -m assets.builder

@@ -10,6 +10,7 @@ from faceedit_app.ui.palette import ACCENT, BACKGROUND, FAINT, ORANGE, TEXT
 
 _SCALES = (1.0, 1.25, 1.5, 2.0, 3.0)
 _STROKE = 1.5
+APP_GRID = 64
 
 
 def icon(name: str, color: str = TEXT) -> QIcon:
@@ -29,32 +30,37 @@ def picture(name: str, color: str, size: int, ratio: float) -> QPixmap:
 
 
 def app_icon() -> QIcon:
-    """FaceEdit's own icon: a curve, its edit, and the point that is dragged."""
+    """FaceEdit's own icon."""
     out = QIcon()
     for size in (16, 24, 32, 48, 64, 128, 256):
         pixmap = QPixmap(size, size)
         pixmap.fill(Qt.GlobalColor.transparent)
         painter = QPainter(pixmap)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.scale(size / 64, size / 64)
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(BACKGROUND))
-        painter.drawRoundedRect(QRectF(2, 2, 60, 60), 14, 14)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        for color, lift in ((FAINT, 0.0), (ACCENT, 20.0)):
-            path = QPainterPath(QPointF(8, 44))
-            path.cubicTo(24, 44, 22, 36 - lift, 32, 36 - lift)
-            path.cubicTo(42, 36 - lift, 40, 44, 56, 44)
-            pen = QPen(QColor(color), 5)
-            pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-            painter.setPen(pen)
-            painter.drawPath(path)
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(ORANGE))
-        painter.drawEllipse(QPointF(32, 16), 6.5, 6.5)
+        painter.scale(size / APP_GRID, size / APP_GRID)
+        paint_app_icon(painter)
         painter.end()
         out.addPixmap(pixmap)
     return out
+
+
+def paint_app_icon(painter: QPainter) -> None:
+    """A curve, its edit, and the point that is dragged, on a grid of `APP_GRID` units."""
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(BACKGROUND))
+    painter.drawRoundedRect(QRectF(2, 2, 60, 60), 14, 14)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    for color, lift in ((FAINT, 0.0), (ACCENT, 20.0)):
+        path = QPainterPath(QPointF(8, 44))
+        path.cubicTo(24, 44, 22, 36 - lift, 32, 36 - lift)
+        path.cubicTo(42, 36 - lift, 40, 44, 56, 44)
+        pen = QPen(QColor(color), 5)
+        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+        painter.setPen(pen)
+        painter.drawPath(path)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(ORANGE))
+    painter.drawEllipse(QPointF(32, 16), 6.5, 6.5)
 
 
 def _pixmap(drawing: Drawing, color: str, scale: float) -> QPixmap:

@@ -10,8 +10,8 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
+from types import TracebackType
 
 from PySide6.QtCore import QEvent, QObject, QTimer
 from PySide6.QtWidgets import QApplication
@@ -45,6 +45,7 @@ class _Session(QObject):
             "frozen": bool(getattr(sys, "frozen", False)),
             "ready": time.time(),
         }
+        sys.excepthook = self._unexpected
         window.installEventFilter(self)
         window.settled.connect(self._settled)
 
@@ -60,7 +61,7 @@ class _Session(QObject):
 
     def _settled(self) -> None:
         self._note("settled")
-        QTimer.singleShot(_UNHURRIED, lambda: self._or_give_up(self._edit))
+        QTimer.singleShot(_UNHURRIED, self._edit)
 
     def _edit(self) -> None:
         document = self._window.document
@@ -70,7 +71,7 @@ class _Session(QObject):
         self._window.timeline.go_to_time((edit.start + edit.end) / 2)
         document.session.add(edit)
         document.changed.emit()
-        QTimer.singleShot(_UNHURRIED, lambda: self._or_give_up(self._finish))
+        QTimer.singleShot(_UNHURRIED, self._finish)
 
     def _finish(self) -> None:
         window, document = self._window, self._window.document
@@ -92,14 +93,14 @@ class _Session(QObject):
         self._report()
         window.close()
 
-    def _or_give_up(self, step: Callable[[], None]) -> None:
-        """Take a step; what goes wrong ends the process instead of asking someone."""
-        try:
-            step()
-        except Exception as error:
-            self._seen["error"] = f"{type(error).__name__}: {error}"
-            self._report()
-            QApplication.exit(1)
+    def _unexpected(
+        self, kind: type[BaseException], error: BaseException, trace: TracebackType | None
+    ) -> None:
+        """What goes wrong ends the process, instead of asking someone who is not there."""
+        sys.__excepthook__(kind, error, trace)
+        self._seen["error"] = f"{kind.__name__}: {error}"
+        self._report()
+        QApplication.exit(1)
 
     def _report(self) -> None:
         text = json.dumps(self._seen, indent=2) + "\n"

@@ -1,0 +1,147 @@
+"""The licences of everything in the bundle, in one text.
+
+Each file that goes in is traced to what it came with: a distribution from the package index,
+Python itself, or a package of the Linux distribution. A file without a licence stops the build.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.metadata as metadata
+import re
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+_LINE = "=" * 78
+_LICENCE_FILE = re.compile(r"(^|[-_.])(licen[cs]es?|copying|notice|copyright|authors)\b", re.I)
+_COMMON = Path("/usr/share/common-licenses")
+# Licence texts that wheels name without bringing them along.
+_SPOKEN_OF = {"LGPL": "LGPL-3", "GPL": "GPL-3"}
+OURS = "faceedit"
+
+
+class Unlicensed(Exception):
+    """A file of unknown origin, or one that came without a licence."""
+
+
+def collect(sources: Iterable[Path]) -> str:
+    """The text of THIRD_PARTY_LICENSES.
+
+    Args:
+        sources: the files that go into the bundle, where they are now.
+
+    Raises:
+        Unlicensed: nobody knows under which licence a file is.
+    """
+    parts: dict[str, str] = {"PyInstaller (its starter)": _of_distribution("pyinstaller")}
+    for source in sorted(set(sources)):
+        title, text = _origin(source)
+        if title and title not in parts:
+            parts[title] = text()
+    listing = "\n".join(f"  {title}" for title in sorted(parts, key=str.lower))
+    head = f"FaceEdit is under the MIT licence. With it come, each under its own:\n\n{listing}\n"
+    bodies = [
+        f"\n{_LINE}\n{title}\n{_LINE}\n\n{parts[title].strip()}\n"
+        for title in sorted(parts, key=str.lower)
+    ]
+    return head + "".join(bodies)
+
+
+def _origin(source: Path) -> tuple[str, Callable[[], str]]:
+    """What a file came with, and how to get the text of its licence; "" for our own files."""
+    owner = _owners().get(source.absolute()) or _owners().get(source.resolve())
+    if owner is not None:
+        if owner == OURS:
+            return "", str
+        version = metadata.version(owner)
+        return f"{owner} {version}", lambda: _of_distribution(owner)
+    if source.name.startswith("libpython") or any(
+        source.resolve().is_relative_to(folder) for folder in _standard_library()
+    ):
+        return f"Python {sys.version.split()[0]}", _of_python
+    if "packaging" in source.parts:  # made by the build: libraries of Python, stripped
+        return f"Python {sys.version.split()[0]}", _of_python
+    if sys.platform.startswith("linux"):
+        package = _debian_package(source)
+        return f"{package} (Debian)", lambda: _of_debian(package)
+    raise Unlicensed(f"{source}: of unknown origin")
+
+
+@functools.cache
+def _owners() -> dict[Path, str]:
+    """Installed files and the distribution that each came with."""
+    found: dict[Path, str] = {}
+    for distribution in metadata.distributions():
+        name = distribution.metadata["Name"]
+        for file in distribution.files or []:
+            path = Path(str(distribution.locate_file(file)))
+            found[path.absolute()] = name
+            found[path.resolve()] = name
+    return found
+
+
+@functools.cache
+def _standard_library() -> list[Path]:
+    return [Path(sysconfig.get_path(key)).resolve() for key in ("stdlib", "platstdlib")]
+
+
+def _of_distribution(name: str) -> str:
+    distribution = metadata.distribution(name)
+    about = distribution.metadata
+    declared = about.get("License-Expression") or about.get("License") or ""
+    classifiers = [c for c in about.get_all("Classifier") or [] if c.startswith("License")]
+    head = [declared.strip()] if declared and "\n" not in declared.strip() else classifiers
+    texts = [declared] if "\n" in declared.strip() else []
+    for file in distribution.files or []:
+        if _LICENCE_FILE.search(file.name) and file.suffix not in (".py", ".pyc", ".so"):
+            texts.append(Path(str(distribution.locate_file(file))).read_text("utf-8", "replace"))
+    if not texts:
+        texts = [
+            (_COMMON / common).read_text("utf-8")
+            for word, common in _SPOKEN_OF.items()
+            if (_COMMON / common).exists() and any(word in line for line in head)
+        ]
+    if not (head or texts):
+        raise Unlicensed(f"{name}: says nothing of a licence")
+    urls = [f"Source: {u}" for u in about.get_all("Project-URL") or [] if "ource" in u][:1]
+    author = about.get("Author") or about.get("Author-email") or ""
+    by = [f"By {author}"] if author and not texts else []
+    return "\n".join([*head, *by, *urls, "", *dict.fromkeys(texts)])
+
+
+def _of_python() -> str:
+    for folder in (*_standard_library(), Path(sys.base_prefix)):
+        for name in ("LICENSE.txt", "LICENSE"):
+            if (folder / name).is_file():
+                return (folder / name).read_text("utf-8")
+    debian = Path(f"/usr/share/doc/python{sys.version_info[0]}.{sys.version_info[1]}/copyright")
+    if debian.is_file():
+        return debian.read_text("utf-8")
+    raise Unlicensed("Python: its licence is not where it usually is")
+
+
+@functools.cache
+def _debian_package(source: Path) -> str:
+    """The Debian package of a shared library."""
+    for path in dict.fromkeys((str(source), str(source.resolve()), f"/usr{source}")):
+        for some in (path, path.removeprefix("/usr")):
+            done = subprocess.run(["dpkg-query", "-S", some], capture_output=True, text=True)
+            if done.returncode == 0:
+                return done.stdout.split(":")[0]
+    raise Unlicensed(f"{source}: of unknown origin")
+
+
+def _of_debian(package: str) -> str:
+    path = Path("/usr/share/doc") / package / "copyright"
+    if not path.is_file():
+        raise Unlicensed(f"{package}: has no copyright file")
+    text = path.read_text("utf-8", "replace")
+    named = sorted(set(re.findall(r"/usr/share/common-licenses/([\w.+-]+\w)", text)))
+    return text + "".join(
+        f"\n--- {name}\n\n{(_COMMON / name).read_text('utf-8')}"
+        for name in named
+        if name.startswith(("LGPL", "MPL")) and (_COMMON / name).is_file()
+    )
