@@ -72,6 +72,12 @@ class Document(QObject):
             self.session.preview_replace(index, edit)
             self.previewed.emit()
 
+    def preview_list(self, edits: Sequence[Edit]) -> None:
+        """Show the take with another list of edits: a gesture in progress."""
+        if self.session is not None:
+            self.session.preview_list(edits)
+            self.previewed.emit()
+
     def preview(self, *edits: Edit) -> None:
         """Show the take with more edits: they are proposed."""
         if self.session is not None:

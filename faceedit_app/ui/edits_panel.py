@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QSignalBlocker, Qt, QTimer
+from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt, QTimer
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -52,6 +52,7 @@ class EditsPanel(QWidget):
         self.percent, self.title = QLabel(), QLabel()
         self._pages = QStackedWidget()
         self._showing = False  # our own selection of the range, not the user's
+        self._strengthening = False  # what floats is the slider's
         self.is_tied = False  # the range on the curves is the selected edit's
         self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
         self._gesture = QTimer(self, singleShot=True, interval=_KEYS_MS)
@@ -59,6 +60,7 @@ class EditsPanel(QWidget):
         self._build()
         selection = self.list.selectionModel()
         selection.currentChanged.connect(self._chosen)
+        selection.selectionChanged.connect(self._sync)
         timeline.selection_changed.connect(self._other_range)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
@@ -74,6 +76,7 @@ class EditsPanel(QWidget):
         view.setAccessibleName("Edits")
         view.setMouseTracking(True)
         view.setUniformItemSizes(True)
+        view.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         view.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
         view.setDefaultDropAction(Qt.DropAction.MoveAction)
         trigger = QAbstractItemView.EditTrigger
@@ -123,6 +126,12 @@ class EditsPanel(QWidget):
         row = self.list.currentIndex().row()
         return row if 0 <= row < len(self.model.edits) else None
 
+    @property
+    def rows(self) -> list[int]:
+        """Rows of all edits that are selected."""
+        chosen = {index.row() for index in self.list.selectionModel().selectedIndexes()}
+        return sorted(row for row in chosen if row < len(self.model.edits))
+
     def select(self, row: int | None) -> None:
         """Select an edit, or none."""
         if row is None:
@@ -131,24 +140,37 @@ class EditsPanel(QWidget):
         else:
             self.list.setCurrentIndex(self.model.index(row))
 
-    def select_last(self) -> None:
-        """Select the newest edit, to be weakened; the range on the curves stays the user's."""
-        count = len(self.model.edits)
-        if count:
-            with QSignalBlocker(self.list.selectionModel()):
-                self.list.setCurrentIndex(self.model.index(count - 1))
-            self.is_tied = False
-            self._sync()
-            self.list.scrollToBottom()
+    def select_new(self, count: int = 1) -> None:
+        """Select the newest edits, to be weakened; the range on the curves stays the user's."""
+        rows = range(max(len(self.model.edits) - count, 0), len(self.model.edits))
+        with QSignalBlocker(self.list.selectionModel()):
+            self._select_rows(list(rows))
+        self.is_tied = False
+        self._sync()
+        self.list.viewport().update()
+
+    def _select_rows(self, rows: list[int]) -> None:
+        """Select these rows, the first of which is the current one."""
+        if not rows:
+            return
+        self.list.setCurrentIndex(self.model.index(rows[0]))
+        first, last = self.model.index(rows[0]), self.model.index(rows[-1])
+        if len(rows) == rows[-1] - rows[0] + 1:
+            spans = QItemSelection(first, last)
+        else:
+            spans = QItemSelection()
+            for row in rows:
+                spans.select(self.model.index(row), self.model.index(row))
+        flag = QItemSelectionModel.SelectionFlag
+        self.list.selectionModel().select(spans, flag.ClearAndSelect)
 
     def refresh(self) -> None:
         """Show the list as it is now; a new edit is not selected, a changed one stays so."""
-        row = self.current if self.list.model().rowCount() else None
-        selection = self.list.selectionModel()
-        with QSignalBlocker(selection):
+        row, rows = self.current, self.rows
+        with QSignalBlocker(self.list.selectionModel()):
             self.model.refresh()
             if row is not None and row < len(self.model.edits):
-                self.list.setCurrentIndex(self.model.index(row))
+                self._select_rows([row] if row not in rows else rows)
         count = len(self.model.edits)
         self.title.setText(f"Edits  {count}" if count else "Edits")
         self._pages.setCurrentIndex(1 if count else 0)
@@ -200,30 +222,24 @@ class EditsPanel(QWidget):
     # --- changing it -------------------------------------------------------------------------
 
     def _strengthen(self, percent: int) -> None:
-        row = self.current
-        if row is None:
+        rows = self.rows
+        if not rows:
             return
         self.percent.setText(f"{percent} %")
-        edit = replace(self.model.edits[row], strength=percent / 100)
-        self._document.preview_replace(row, edit)
+        edits = list(self.model.edits)
+        for row in rows:
+            edits[row] = replace(edits[row], strength=percent / 100)
+        self._strengthening = True
+        self._document.preview_list(edits)
         if not self.strength.isSliderDown():
             self._gesture.start()
 
     def settle(self) -> None:
         """Bring a gesture on the slider to its end: one undo step."""
-        pending = self._gesture.isActive() or not self.strength.isSliderDown()
         self._gesture.stop()
-        session = self._document.session
-        if pending and session is not None and session.is_floating and self._strengthens:
+        if self._strengthening:
+            self._strengthening = False
             self._document.commit()
-
-    @property
-    def _strengthens(self) -> bool:
-        """Whether what floats is the slider's."""
-        row = self.current
-        if row is None:
-            return False
-        return round(100 * self.model.edits[row].strength) != self.strength.value()
 
     def reshape(self, start: float, end: float, fade_in: float, fade_out: float) -> None:
         """The edges of the selected edit's range are being dragged."""
@@ -234,19 +250,22 @@ class EditsPanel(QWidget):
         self._document.preview_replace(row, replace(edit, falloff=fade_in, falloff_out=fade_out))
 
     def delete(self) -> None:
-        """Take the selected edit out."""
-        row = self.current
-        if row is not None:
-            self._document.act(lambda session: session.remove(row))
+        """Take the selected edits out."""
+        rows = self.rows
+        if rows:
+            self._document.act(lambda session: session.remove(*rows))
             left = len(self.model.edits)
-            self.select(min(row, left - 1) if left else None)
+            self.select(min(rows[0], left - 1) if left else None)
 
     def toggle(self) -> None:
-        """Switch the selected edit on or off."""
-        row = self.current
-        if row is not None:
-            on = not self.model.edits[row].enabled
-            self._document.act(lambda session: session.set_enabled(row, on))
+        """Switch the selected edits on or off."""
+        rows, edits = self.rows, list(self.model.edits)
+        if rows:
+            on = not edits[rows[0]].enabled
+            for row in rows:
+                edits[row] = replace(edits[row], enabled=on)
+            self._document.preview_list(edits)
+            self._document.commit()
 
     def rename(self) -> None:
         """Type another name."""

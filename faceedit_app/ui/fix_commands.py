@@ -134,7 +134,7 @@ class FixCommands(QObject):
         self._document.act(lambda session: session.add(*edits))
         editor = self._editor()
         if editor is not None:
-            editor.edits.select_last()
+            editor.edits.select_new(len(edits))
         start, end = min(e.start for e in edits), max(e.end for e in edits)
         self.told.emit(f"{name}: {start:.2f} to {end:.2f} s; its strength is beside the list")
 
@@ -231,7 +231,7 @@ class FixCommands(QObject):
         editor = self._editor()
         if editor is not None:
             editor.proposal.accept()
-            editor.edits.select_last()
+            editor.edits.select_new()
             editor.problems.search()
 
     def discard(self) -> None:

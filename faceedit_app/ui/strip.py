@@ -64,7 +64,7 @@ class SettingsStrip(QWidget):
         row.addWidget(self.edits, 1)
         row.addWidget(
             segments(
-                (self._actions["preserve"], "Preserve the take"),
+                (self._actions["preserve"], "Preserve"),
                 (self._actions["resynthesize"], "Resynthesize"),
             )
         )
