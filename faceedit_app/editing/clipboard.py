@@ -109,19 +109,18 @@ def simplify(
         values: (N,) mm.
         tolerance: mm by which straight lines between the points may miss the curve.
     """
+    # Ramer, Douglas and Peucker, with the distance along the value axis, all runs at a time:
+    # each run that misses the curve is cut where it misses it most.
     keep = np.zeros(len(seconds), np.bool_)
     keep[[0, -1]] = True
-    open_runs = [(0, len(seconds) - 1)]
-    while open_runs:  # Ramer, Douglas and Peucker, with the distance along the value axis
-        first, last = open_runs.pop()
-        if last - first < 2:
-            continue
-        line = np.interp(seconds[first : last + 1], seconds[[first, last]], values[[first, last]])
-        off = np.abs(values[first : last + 1] - line)
-        worst = int(off.argmax())
-        if off[worst] > tolerance:
-            keep[first + worst] = True
-            open_runs += [(first, first + worst), (first + worst, last)]
+    while True:
+        ends = np.flatnonzero(keep)
+        off = np.abs(values - np.interp(seconds, seconds[ends], values[ends]))
+        worst = np.maximum.reduceat(off, ends)
+        missed = (off == np.repeat(worst, np.diff(ends, append=len(off)))) & (off > tolerance)
+        if not missed.any():
+            break
+        keep |= missed
     # A tenth of a micrometre and a microsecond: files stay readable.
     return tuple(
         (round(float(t), 6), round(float(v), 4))

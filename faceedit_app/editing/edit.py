@@ -104,11 +104,24 @@ class Edit:
             raise ValueError(f"a {self.op} has no points")
         if not 1 <= len(self.points) <= MOST_POINTS:
             raise ValueError(f"a {self.op} needs 1 to {MOST_POINTS} points")
-        points = np.array(self.points, np.float64)
-        if not (np.isfinite(points).all() and np.abs(points).max() <= LARGEST):
+        if not (np.isfinite(self.polyline).all() and np.abs(self.polyline).max() <= LARGEST):
             raise ValueError(f"its points must lie between -{LARGEST:.0f} and {LARGEST:.0f}")
-        if not (np.diff(points[:, 0]) > 0).all():
+        if not (np.diff(self.polyline[0]) > 0).all():
             raise ValueError("its points are not in order of time")
+
+    @cached_property
+    def polyline(self) -> NDArray[np.float64]:
+        """(2, P): the seconds and the millimetres of `points`."""
+        return np.ascontiguousarray(np.array(self.points, np.float64).T)
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(
+            (self.controls, self.op, self.start, self.end, self.falloff, self.value, self.points)
+        )
+
+    def __hash__(self) -> int:
+        return self._hash  # once: a drawn edit may have thousands of points
 
     @property
     def fade_out(self) -> float:

@@ -149,8 +149,7 @@ def _smooth(curve: Array, rows: slice, edit: Edit, rate: float) -> Array:
 
 
 def _drawn(edit: Edit, times: Array) -> Array:
-    seconds, millimetres = np.array(edit.points).T
-    drawn: Array = np.interp(times, seconds, millimetres)
+    drawn: Array = np.interp(times, *edit.polyline)
     return drawn
 
 
