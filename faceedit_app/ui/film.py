@@ -158,7 +158,7 @@ class FilmPane(QWidget):
         self.screen_ = Screen(media, timeline)
         self.name = Name()
         self.offset = OffsetBox("film")
-        self.offset.setFixedWidth(96)
+        self.offset.setFixedWidth(86)
         self.offset.valueChanged.connect(media.move_film)
         remove = remove_button("film")
         remove.clicked.connect(media.remove_film)
@@ -185,4 +185,5 @@ class FilmPane(QWidget):
         self.setVisible(placed is not None)
         if placed is not None:
             self.name.show_name(placed.path.name, str(placed.path))
+            self.screen_.setToolTip(str(placed.path))
             self.offset.show_offset(placed.offset)

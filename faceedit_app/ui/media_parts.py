@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QSizePolicy, QToolButton
 
-from faceedit_app.ui.icons import icon
+from faceedit_app.ui.icons import GRID, icon
 from faceedit_app.ui.palette import MUTED
+
+
+_LEAST = 48  # pixels below which a name is not begun
 
 
 class OffsetBox(QDoubleSpinBox):
@@ -61,6 +64,8 @@ class Name(QLabel):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """As much of it as there is room for."""
+        if self.width() < _LEAST:
+            return  # three letters are no name; the tooltip has it
         painter = QPainter(self)
         mode = Qt.TextElideMode.ElideMiddle
         text = self.fontMetrics().elidedText(self._name, mode, self.width())
@@ -77,5 +82,6 @@ def remove_button(what: str) -> QToolButton:
     button.setToolTip(f"Remove {what}")
     button.setAccessibleName(f"Remove {what}")
     button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-    button.setFixedSize(22, 22)
+    button.setIconSize(QSize(GRID, GRID))
+    button.setFixedSize(26, 26)
     return button
