@@ -82,7 +82,7 @@ def test_every_focusable_widget_has_a_name_for_screen_readers(window: MainWindow
     assert window.editor is not None
     for widget in (
         window.editor.strip.natural,
-        window.editor.transport.falloff,
+        window.editor.curves.fields.fade_in,
         window.editor.transport.speed,
         window.editor.face.viewport,
     ):
@@ -117,7 +117,7 @@ def test_arrows_move_a_slider_that_has_the_focus(window: MainWindow) -> None:
 
 def test_digits_typed_into_the_falloff_are_no_shortcuts(window: MainWindow) -> None:
     assert window.editor is not None
-    box = window.editor.transport.falloff
+    box = window.editor.curves.fields.fade_in
     box.setFocus()
     box.selectAll()
     QTest.keyClicks(box, "0.50")
@@ -144,10 +144,10 @@ def test_selection_is_marked_at_the_playhead(window: MainWindow) -> None:
 
 def test_loop_and_speed(window: MainWindow) -> None:
     assert window.editor is not None
-    press(window, Qt.Key.Key_L)
+    window.actions_["loop"].trigger()
     assert window.playback.loop
     assert window.actions_["loop"].isChecked()
-    press(window, Qt.Key.Key_L)
+    window.actions_["loop"].trigger()
     assert not window.actions_["loop"].isChecked()
     window.editor.transport.speed.setCurrentIndex(0)
     assert window.playback.speed == 0.25
@@ -177,3 +177,34 @@ def test_the_clock_shows_the_takes_own_timecode(window: MainWindow) -> None:
     window.timeline.go_to_frame(30)
     assert transport.frame.text() == "frame 31 / 180"
     assert transport.seconds.text().startswith("0:00.500 / ")
+
+
+def test_the_time_is_shown_in_the_unit_that_was_clicked(window: MainWindow) -> None:
+    assert window.editor is not None
+    transport, ruler = window.editor.transport, window.editor.curves.ruler
+    pictures = {bytes(ruler.grab().toImage().constBits())}
+    for unit, label in (("frames", transport.frame), ("timecode", transport.clock)):
+        QTest.mouseClick(label, Qt.MouseButton.LeftButton)
+        assert window.timeline.clock.unit == unit
+        assert window.actions_[f"unit_{unit}"].isChecked()
+        assert label.objectName() == "clock"
+        pictures.add(bytes(ruler.grab().toImage().constBits()))
+    assert len(pictures) == 3
+    window.actions_["unit_seconds"].trigger()
+    assert transport.frame.objectName() == "caption"
+
+
+def test_j_k_and_l(window: MainWindow) -> None:
+    window.timeline.go_to_time(1.5)
+    press(window, Qt.Key.Key_L)
+    assert window.playback.playing
+    assert window.playback.pace == 1
+    press(window, Qt.Key.Key_L)
+    assert window.playback.pace == 2
+    press(window, Qt.Key.Key_J)
+    assert window.playback.pace == -1
+    press(window, Qt.Key.Key_K)
+    assert not window.playback.playing
+    press(window, Qt.Key.Key_Slash)
+    assert window.playback.playing
+    window.playback.pause()

@@ -233,3 +233,43 @@ def test_without_a_device_the_wall_clock_plays(
     assert frame(playback) == 25
     playback.pause()
     assert voice.stops == 0
+
+
+def test_backwards_from_the_end_to_the_start(playback: Playback, clock: Clock) -> None:
+    playback._timeline.go_to_frame(99)
+    playback.shuttle(-1)
+    pass_time(playback, clock, 0.5)
+    assert frame(playback) == 74
+    playback.shuttle(-1)
+    pass_time(playback, clock, 0.5)
+    assert frame(playback) == 24
+    pass_time(playback, clock, 9.0)
+    assert frame(playback) == 0
+    assert not playback.playing
+
+
+def test_faster_and_faster(playback: Playback, clock: Clock) -> None:
+    for pace in (1, 2, 4, 4):
+        playback.shuttle(1)
+        assert playback.pace == pace
+    pass_time(playback, clock, 0.25)
+    assert frame(playback) == 50
+    playback.pause()
+    playback.play()
+    assert playback.pace == 1
+
+
+def test_around_the_selection_and_back(playback: Playback, clock: Clock) -> None:
+    playback._timeline.select((0.8, 1.0))
+    playback._timeline.go_to_frame(5)
+    playback.play_around()
+    assert frame(playback) == 15
+    pass_time(playback, clock, 1.1)
+    assert frame(playback) == 70
+    pass_time(playback, clock, 0.2)
+    assert not playback.playing
+    assert frame(playback) == 5
+    playback.play_around()
+    playback._timeline.go_to_frame(40)  # the user goes elsewhere
+    playback.pause()
+    assert frame(playback) == 40

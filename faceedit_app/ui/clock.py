@@ -1,8 +1,10 @@
-"""Time as people read it: the source's timecode, seconds or frames, as they choose."""
+"""Time as people read it: seconds, frames, or the recording's timecode, as they choose."""
 
 from __future__ import annotations
 
 from enum import StrEnum
+
+from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timing import format_time
@@ -16,12 +18,39 @@ class Unit(StrEnum):
     TIMECODE = "timecode"
 
 
-def clock(clip: Clip, frame: int, unit: Unit) -> str:
-    """When a frame is. People count frames from 1; a take without timecode has seconds."""
-    match unit:
-        case Unit.FRAMES:
-            return f"frame {frame + 1}"
-        case Unit.TIMECODE if clip.timecodes:
-            return clip.timecodes[frame]
-        case _:
-            return format_time(float(clip.times[frame]))
+class Clock(QObject):
+    """The unit that times are shown in.
+
+    Signals:
+        changed(): it is another one.
+    """
+
+    changed = Signal()
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.unit = Unit.SECONDS
+
+    def choose(self, unit: Unit) -> None:
+        """Show times in another unit."""
+        if unit != self.unit:
+            self.unit = unit
+            self.changed.emit()
+
+
+def label(clip: Clip, seconds: float, unit: Unit) -> str:
+    """What stands at a time of the ruler, where its own seconds do not: a frame or a timecode."""
+    frame = clip.frame_at(seconds)
+    if unit is Unit.TIMECODE and clip.timecodes:
+        return clip.timecodes[frame].partition(".")[0]
+    return str(frame + 1)  # people count frames from 1
+
+
+def times(clip: Clip, frame: int) -> tuple[str, str, str]:
+    """When a frame is: as the source tells it, in seconds, and counted from 1."""
+    seconds = format_time(float(clip.times[frame]))
+    return (
+        clip.timecodes[frame] if clip.timecodes else seconds,
+        f"{seconds} / {format_time(clip.duration)}",
+        f"frame {frame + 1} / {len(clip)}",
+    )

@@ -258,6 +258,17 @@ def _muted(filled: QPainterPath, stroked: QPainterPath) -> None:
     _lines(stroked, (14.4, 6.0), (10.4, 10.0))
 
 
+def _zoom_out(filled: QPainterPath, stroked: QPainterPath) -> None:
+    stroked.addEllipse(QPointF(6.8, 6.8), 4.6, 4.6)
+    _lines(stroked, (10.3, 10.3), (14.0, 14.0))
+    _lines(stroked, (4.8, 6.8), (8.8, 6.8))
+
+
+def _zoom_in(filled: QPainterPath, stroked: QPainterPath) -> None:
+    _zoom_out(filled, stroked)
+    _lines(stroked, (6.8, 4.8), (6.8, 8.8))
+
+
 def _down(filled: QPainterPath, stroked: QPainterPath) -> None:
     _lines(stroked, (3.5, 6.0), (8.0, 10.5), (12.5, 6.0))
 
@@ -314,6 +325,8 @@ DRAWINGS: dict[str, Drawing] = {
     "trash": _trash,
     "split": _split,
     "tick": _tick,
+    "zoom_in": _zoom_in,
+    "zoom_out": _zoom_out,
     "down": _down,
     "up": _up,
     "save": _save,

@@ -6,9 +6,9 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QSizePolicy, QToolButton
 
-from faceedit_app.ui.icons import GRID, icon
+from faceedit_app.ui.drawings import GRID
+from faceedit_app.ui.icons import icon
 from faceedit_app.ui.palette import MUTED
-
 
 _LEAST = 48  # pixels below which a name is not begun
 

@@ -15,6 +15,8 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from faceedit_app.ui.timeline import Timeline
 
 SPEEDS = (0.25, 0.5, 1.0)
+FASTEST = 4.0  # times the speed, with J and L
+RUN_UP = 0.5  # seconds before and after what is played around
 _TICK_MS = 8  # finer than any display; a tick without a new frame costs nothing
 
 
@@ -60,6 +62,9 @@ class Playback(QObject):
         self.voice: Voice | None = None
         self._is_heard = False
         self._speed = 1.0
+        self._shuttle = 1.0  # times the speed; below 0 backwards
+        self._around: tuple[float, float] | None = None  # seconds that are played once
+        self._came_from = 0  # the frame to go back to after that
         self._loop = False
         # Where the playhead was (seconds) when the clock showed what.
         self._anchor = (0.0, 0.0)
@@ -82,8 +87,13 @@ class Playback(QObject):
 
     @property
     def speed(self) -> float:
-        """Seconds of the take per second on the wall."""
+        """Seconds of the take per second on the wall, as chosen."""
         return self._speed
+
+    @property
+    def pace(self) -> float:
+        """Seconds of the take per second on the wall, as played: below 0 backwards."""
+        return self._speed * self._shuttle
 
     def set_loop(self, loop: bool) -> None:
         """Repeat the selection, or the whole take."""
@@ -108,6 +118,7 @@ class Playback(QObject):
         """Play on from the playhead; from the start when it stands at the end."""
         if self.playing or self._timeline.frames < 2:
             return
+        self._shuttle, self._around = 1.0, None
         first, last = self._range()
         now = self._timeline.time
         outside = self._loop and not first <= now < last
@@ -117,8 +128,39 @@ class Playback(QObject):
         self.resync()
         self.playing_changed.emit(True)
 
+    def shuttle(self, direction: int) -> None:
+        """Play forwards (1) or backwards (-1); again is twice as fast, up to four times."""
+        if self._timeline.frames < 2:
+            return
+        faster = self.playing and self._shuttle * direction > 0
+        if not self.playing:
+            frame = self._timeline.frame
+            self.play()  # from the last frame that would start over
+            if direction < 0:
+                self._timeline.go_to_frame(frame)
+        self._around = None
+        self._shuttle = min(2 * abs(self._shuttle), FASTEST) * direction if faster else direction
+        self.resync()
+
+    def play_around(self) -> None:
+        """Play the selection, else the playhead's surroundings, once with a run-up; then return."""
+        line = self._timeline
+        if line.frames < 2:
+            return
+        self.pause()
+        came_from = line.frame
+        first, last = line.selection or (line.time - RUN_UP, line.time + RUN_UP)
+        if line.selection is not None:
+            first, last = first - RUN_UP, last + RUN_UP
+        around = max(first, 0.0), min(last, line.duration)
+        self._go_to(around[0])
+        self.play()
+        self._around, self._came_from = around, came_from
+        self.resync()
+
     def pause(self) -> None:
         """Stop where the playhead is."""
+        self._around = None
         if self.playing:
             self._timer.stop()
             if self._is_heard and self.voice is not None:
@@ -130,18 +172,27 @@ class Playback(QObject):
         """Start clock and sound anew from the playhead, if it is playing."""
         if not self.playing:
             return
-        now, loop = self._timeline.time, self._range() if self._loop else None
+        repeats = self._loop and self._around is None
+        now, loop = self._timeline.time, self._range() if repeats else None
         voice = self.voice
-        self._is_heard = voice is not None and voice.start(now, self._speed, loop)
+        if voice is not None and self._is_heard:
+            voice.stop()
+        can_be_heard = voice is not None and 0 < self.pace <= 1
+        self._is_heard = can_be_heard and voice is not None and voice.start(now, self.pace, loop)
         self._anchor = (now, self._now())
 
     def tick(self) -> None:
         """Bring the playhead to where the clock says it is."""
         (began, at), clock = self._anchor, self._now()
-        now = began + (clock - at) * self._speed
+        now = began + (clock - at) * self.pace
         first, last = self._range()
-        if now < last:
+        if self._shuttle < 0:
+            self._tick_back(now, first, last)
+        elif now < last:
             self._go_to(now)
+        elif self._around is not None:
+            self.pause()
+            self._timeline.go_to_frame(self._came_from)
         elif self._loop:
             # A late tick keeps its place in the beat; the sound has repeated by itself.
             now = first + (now - last) % max(last - first, 1e-6)
@@ -151,8 +202,20 @@ class Playback(QObject):
             self._go_to(last)
             self.pause()
 
+    def _tick_back(self, now: float, first: float, last: float) -> None:
+        if now > first:
+            self._go_to(now)
+        elif self._loop:
+            self._anchor = (last, self._now())
+            self._go_to(last)
+        else:
+            self._go_to(first)
+            self.pause()
+
     def _range(self) -> tuple[float, float]:
         """The seconds that are played."""
+        if self._around is not None:
+            return self._around
         selection = self._timeline.selection
         if self._loop and selection is not None and selection[1] > selection[0]:
             return selection

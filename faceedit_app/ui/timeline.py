@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.clip import Clip
+from faceedit_app.ui.clock import Clock
 
 SHORTEST_VIEW = 0.1
 DEFAULT_FALLOFF = 0.2
@@ -34,6 +35,7 @@ class Timeline(QObject):
         self.view = (0.0, 1.0)
         self.selection: tuple[float, float] | None = None
         self.falloff = self.falloff_out = DEFAULT_FALLOFF
+        self.clock = Clock(self)
 
     @property
     def duration(self) -> float:
@@ -52,7 +54,7 @@ class Timeline(QObject):
 
     def open(self, clip: Clip) -> None:
         """Start at the beginning of another clip, all of it visible, nothing selected."""
-        self._clip = clip
+        self._clip, self.frame = clip, 0
         self.select(None)
         self.show_range(0.0, self.duration)
         self.frame = -1

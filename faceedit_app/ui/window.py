@@ -23,6 +23,7 @@ from faceedit_app.media import is_media
 from faceedit_app.ui import dialogs, loading
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.banner import Banner
+from faceedit_app.ui.clock import Unit
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.edit_commands import EditCommands
 from faceedit_app.ui.edits_panel import EditsPanel
@@ -167,6 +168,8 @@ class MainWindow(QMainWindow):
         self.start_page.chosen.connect(self.files.open_if_saved)
         menu = self.actions_.recent_menu
         menu.aboutToShow.connect(lambda: self.files.fill_recent(menu))
+        self.timeline.clock.changed.connect(self._show_unit)
+        self._show_unit()
         presets = self.actions_.presets_menu
         presets.aboutToShow.connect(lambda: self.fixes.fill_presets(presets))
         self.fixes.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
@@ -320,6 +323,10 @@ class MainWindow(QMainWindow):
         if self.editor is not None:
             face = self.editor.face
             face.set_tracked(not face.shows_tracked if tracked is None else tracked)
+
+    def _show_unit(self) -> None:
+        for unit in Unit:
+            self.actions_[f"unit_{unit}"].setChecked(unit is self.timeline.clock.unit)
 
     def _glance(self, glancing: bool) -> None:
         if self.editor is not None:

@@ -140,7 +140,8 @@ class Interaction(QObject):
         elif self.drag is not None:
             self._drag_to(event)
             if self.is_dragging:
-                self._preview_soon()
+                self._preview_soon()  # and marks with it: all plots are painted once, not twice
+                return
         elif self._pan is not None:
             self._timeline.show_range(*self._pan.moved(event.position().x()))
         else:

@@ -17,6 +17,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QToolTip, QWidget
 
 from faceedit_app.core.clip import Clip
+from faceedit_app.ui.clock import Unit, label
 from faceedit_app.ui.curves import paint, style
 from faceedit_app.ui.curves.axes import Scale, Tick, frame_ticks, time_ticks
 from faceedit_app.ui.curves.gestures import (
@@ -42,6 +43,7 @@ class Ruler(QWidget):
         self._clip: Clip | None = None
         self._marks = paint.Marks()
         self._drag: RulerDrag | Pan | None = None
+        timeline.clock.changed.connect(self.update)
         self.setFixedHeight(style.RULER_HEIGHT)
         self.setObjectName("ruler")
         self.setAccessibleName("Time ruler")
@@ -149,11 +151,16 @@ class Ruler(QWidget):
 
     def _paint_times(self, painter: QPainter, scale: Scale, has_frames: bool) -> None:
         """Seconds; where frames are marked, those take the place of the ticks."""
-        labelled, between = time_ticks(scale.view, scale.width, style.TIME_SPACING)
+        unit = self._timeline.clock.unit
+        room = style.TIMECODE_SPACING if unit is Unit.TIMECODE else style.TIME_SPACING
+        labelled, between = time_ticks(scale.view, scale.width, room)
         if not has_frames:
             painter.setPen(QPen(style.color(style.TICK), 0))
             self._paint_ticks(painter, scale, between, 4)
             self._paint_ticks(painter, scale, [tick.at for tick in labelled], 9)
+        if unit is not Unit.SECONDS and self._clip is not None:
+            clip = self._clip
+            labelled = [Tick(tick.at, label(clip, tick.at, unit)) for tick in labelled]
         self._paint_labels(painter, scale, labelled, 3.0, 0.88, style.LABEL)
 
     def _paint_frames(self, painter: QPainter, scale: Scale, ticks: list[Tick]) -> None:

@@ -39,6 +39,7 @@ ROW_GAP = 2
 RIGHT_MARGIN = 8
 VALUE_SPACING = 19  # pixels between the numbers of the value axis
 TIME_SPACING = 74  # pixels between the numbers of the time axis
+TIMECODE_SPACING = 106
 
 # Alpha of the bands, 0..255: a drag's own plot, the other plots, and what hovering would edit.
 STRONG, WEAK, HOVER = 72, 34, 40
