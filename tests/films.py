@@ -58,6 +58,7 @@ def make_film(
     sound: float | None = None,
     rotation: int = 0,
     codec: str = "libx264",
+    timecode: str = "",
 ) -> Path:
     """A film whose pictures carry their numbers.
 
@@ -78,6 +79,8 @@ def make_film(
         stream.codec_context.gop_size = gop
         stream.codec_context.max_b_frames = b_frames
         tape = out.add_stream("aac", rate=8000, layout="mono") if sound is not None else None
+        if timecode:
+            stream.metadata["timecode"] = timecode
         if rotation:
             # What is stored is turned the other way.
             stream.set_display_rotation(rotation)

@@ -346,6 +346,30 @@ def test_sound_and_picture_of_a_film_move_together(bench: Bench, devices: list[F
     assert editor.film.offset.value() == 0.3
 
 
+@pytest.mark.parametrize(
+    ("timecode", "offset"), [("{}", 0.0), ("{}:15", 0.5), ("03:00:00:00", 0.0), ("", 0.0)]
+)
+def test_a_film_with_timecode_is_placed_by_it(
+    bench: Bench, devices: list[FakeOutput], timecode: str, offset: float
+) -> None:
+    window = bench.editing()
+    session = window.document.session
+    assert session is not None
+    assert session.take.clip.timecodes is not None
+    first = session.take.clip.timecodes[0]
+    whole_second = first[:8]
+    spelled = timecode.format(whole_second if ":15" in timecode else whole_second + ":00")
+    film = make_film(bench.folder / "b.mov", 60, 30, sound=1.0, timecode=spelled)
+    window.media.add(film)
+    settle(bench, window)
+    begun = float(first[9:]) / 60  # seconds within the take's first second
+    assert window.media.film is not None
+    expected = offset - begun if spelled and "03:" not in spelled else 0.0
+    assert window.media.film.offset == pytest.approx(expected, abs=1e-3)
+    assert window.media.sound is not None
+    assert window.media.sound.offset == window.media.film.offset
+
+
 def test_a_film_that_vanishes_says_so(bench: Bench, devices: list[FakeOutput]) -> None:
     path = make_film(bench.folder / "a.mp4", 300, 30, gop=10)
     window = with_media(bench, path)

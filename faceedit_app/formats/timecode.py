@@ -126,6 +126,16 @@ def derive_timing(texts: Sequence[str]) -> Timing:
     return Timing(timing.times, timing.rate, base, notes + timing.notes)
 
 
+def time_of_day(text: str, base: int) -> float | None:
+    """Seconds since midnight of a timecode that counts `base` frames; None if it is none."""
+    try:
+        stamps = parse_timecodes([text])
+    except BadTimecode:
+        return None
+    second = base / 1.001 if stamps.drop else float(base)
+    return float(_count_frames(stamps, base)[0]) / second
+
+
 def derive_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
     """How many frames the timecode counts in a second, with a remark where that is a guess."""
     frames, seconds = stamps.frames, np.diff(stamps.clock)

@@ -63,6 +63,7 @@ class Film:
         times: (F,) float64 seconds from the first picture at which pictures are shown; the
             distances may differ (phones record with a varying rate).
         rate: pictures per second on average.
+        timecode: of the first picture, as the file spells it, if it has one.
     """
 
     def __init__(self, path: Path, stopped: Callable[[], bool] | None = None) -> None:
@@ -78,6 +79,7 @@ class Film:
         """
         self.path = path
         with opened(path) as container:
+            self.timecode = _timecode(container)
             self._index = _indexed(path, container, stopped)
             if not _EXACT & set(container.format.name.split(",")):
                 self._index = self._index.without_jumps()
@@ -222,6 +224,14 @@ def _indexed(path: Path, container: InputContainer, stopped: Callable[[], bool] 
         if packet.is_keyframe:
             keys.append((packet.pts, packet.pts if packet.dts is None else packet.dts))
     return _made_index(path, float(stream.time_base), shown, keys)
+
+
+def _timecode(container: InputContainer) -> str | None:
+    """Cameras write it to the film's stream, to one of its own, or to the file."""
+    for holder in (film_stream(container), *container.streams, container):
+        if text := holder.metadata.get("timecode"):
+            return str(text)
+    return None
 
 
 def _decoded_index(path: Path, stopped: Callable[[], bool] | None) -> _Index:

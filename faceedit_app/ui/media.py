@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.formats.timecode import time_of_day
 from faceedit_app.media import beside
 from faceedit_app.ui.loading import Background
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:  # PyAV comes with these; it is loaded with the first file
     from faceedit_app.media.sound import Sound
 
 Item = TypeVar("Item")
+_NEAR = 60.0  # seconds after the take's beginning at which a film may be found by timecode
 _FAR = 24 * 3600.0  # seconds; an offset beyond is a slip of the hand
 
 
@@ -62,19 +64,26 @@ class Media(QObject):
         self._background = background
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
+        self._began: float | None = None
         self._found = ""  # what to say when all is read
         self._job = 0  # what is read for an earlier take is not wanted any more
         self.pending = 0
 
     # --- open --------------------------------------------------------------------------------
 
-    def follow(self, take: Path) -> None:
-        """Another take is open: let go of the last one's, and take what lies beside this one."""
+    def follow(self, take: Path, began: float | None = None) -> None:
+        """Another take is open: let go of the last one's, and take what lies beside this one.
+
+        Args:
+            began: its first timecode as seconds since midnight. A film with timecode is placed
+                by it.
+        """
         self.clear()
+        self._began = began
         sound, film = beside(take)
         found = [path for path in (film, sound) if path is not None]
         if film is not None:
-            self._read_film(film, 0.0, self.missed.emit)
+            self._read_film(film, None, self.missed.emit)
         if found:
             self._read_sound(sound or found[0], 0.0, self.missed.emit)
             names = " and ".join(path.name for path in found)
@@ -93,7 +102,7 @@ class Media(QObject):
     def _add(self, path: Path, has_sound: bool, has_film: bool) -> None:
         self.told.emit(f"Opening {path.name}…")
         if has_film:
-            self._read_film(path, 0.0, self.failed.emit)
+            self._read_film(path, None, self.failed.emit)
         # A sound file of its own is there for a reason.
         own = self.sound is not None and self.sound.path != self._film_path
         if has_sound and not (has_film and own):
@@ -103,7 +112,10 @@ class Media(QObject):
     def _film_path(self) -> Path | None:
         return self.film.path if self.film is not None else None
 
-    def _read_film(self, path: Path, offset: float, failed: Callable[[object], None]) -> None:
+    def _read_film(
+        self, path: Path, offset: float | None, failed: Callable[[object], None]
+    ) -> None:
+        """Place a film at `offset`, or where its timecode says."""
         job = self._job
 
         def read() -> Film:
@@ -113,11 +125,24 @@ class Media(QObject):
 
         def done(film: Film) -> None:
             if job == self._job:
-                self.film = Placed(film, path, offset)
+                at = self._by_timecode(film) if offset is None else offset
+                self.film = Placed(film, path, at)
                 self.film_changed.emit()
+                self._place(at, path)  # its sound may have been there first
                 self._tell(path)
 
         self._run(read, done, failed)
+
+    def _by_timecode(self, film: Film) -> float:
+        """Where the film begins in the take if both tell the time of day, else at 0."""
+        if self._began is None or film.timecode is None:
+            return 0.0
+        begins = time_of_day(film.timecode, round(film.rate))
+        if begins is None:
+            return 0.0
+        offset = round(begins - self._began, 4)
+        # Clocks that were not set alike would only carry it out of sight.
+        return offset if -film.duration < offset < _NEAR else 0.0
 
     def _read_sound(self, path: Path, offset: float, failed: Callable[[object], None]) -> None:
         job = self._job

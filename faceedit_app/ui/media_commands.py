@@ -8,6 +8,8 @@ from pathlib import Path
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QWidget
 
+from faceedit_app.formats.take import Take
+from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
 from faceedit_app.ui import dialogs
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.media import Media
@@ -62,9 +64,12 @@ class MediaCommands(QObject):
             self._store.set_folder("media", path.resolve().parent)
             self._media.add(path)
 
-    def follow(self, take: Path) -> None:
+    def follow(self, take: Take) -> None:
         """A take is open: take what lies beside it, then what was dropped with it."""
-        self._media.follow(take)
+        codes, began = take.clip.timecodes, None
+        if codes:
+            began = time_of_day(codes[0], derive_base(parse_timecodes(codes))[0])
+        self._media.follow(take.path, began)
         dropped, self._dropped = self._dropped, []
         for path in dropped:
             self._media.add(path)

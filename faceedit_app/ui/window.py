@@ -284,7 +284,7 @@ class MainWindow(QMainWindow):
         self.setWindowTitle(f"{session.take.path.name}[*] – FaceEdit")
         self._mark_modified()
         self._open_face()
-        self.media_commands.follow(session.take.path)
+        self.media_commands.follow(session.take)
 
     def _mark_modified(self) -> None:
         self.setWindowModified(not self.document.is_clean)
