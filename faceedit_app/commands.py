@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 import typer
 
 from faceedit_app import __version__
+from faceedit_app.bench.command import bench
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import shipped
 from faceedit_app.learning_commands import evaluate, experiment, statistics, synthesize, train
@@ -139,7 +140,7 @@ def _size(text: str) -> tuple[int, int]:
     return width, height
 
 
-for _command in (train, evaluate, experiment, synthesize, statistics):
+for _command in (bench, train, evaluate, experiment, synthesize, statistics):
     app.command()(_command)
 
 

@@ -54,6 +54,12 @@ class RegionAnswer:
         if probe.shape[2] != len(self.channels):
             raise ValueError(f"answers {probe.shape[2]} channels, not {len(self.channels)}")
 
+    @property
+    def products(self) -> float:
+        """Multiplications for one frame of the full system's answer."""
+        nets = (self._regressor, self._autoencoder, self._adapted)
+        return sum(net.products for net in nets if net is not None)
+
     def __call__(self, controls: Floats, naturalness: float) -> Floats:
         """(B, T, C) mm -> (B, T, K) weights; naturalness 0 = regressor, 1 = full system.
 

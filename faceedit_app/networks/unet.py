@@ -51,6 +51,11 @@ class _Convolution:
         self.edge: Floats = (-shift / scale).astype(np.float32)
         self.outputs = len(weight)
 
+    @property
+    def products(self) -> int:
+        """Multiplications for one frame."""
+        return 3 * int(self._at.size)
+
     def __call__(self, padded: Floats, out: Floats, scratch: Floats) -> None:
         """Write the (T, O) result to `out`: three products, and no copy of the input."""
         np.matmul(padded[:-2], self._before, out=out)
@@ -147,6 +152,15 @@ class UNet:
         self.up = [pair(f"up.{i}") for i in range(levels - 1)]  # the coarsest first
         self.out = _Convolution(parameters, f"{name}.out")
         self._passes: dict[int, _Pass] = {}
+
+    @property
+    def products(self) -> float:
+        """Multiplications for one frame."""
+        deepest = len(self.down) - 1
+        levels = [(pair, i) for i, pair in enumerate(self.down)]
+        levels += [(pair, deepest - 1 - i) for i, pair in enumerate(self.up)]
+        inner = sum(c.products / (1 << level) for pair, level in levels for c in pair)
+        return inner + self.out.products
 
     def __call__(self, x: Floats) -> Floats:
         """(T, I) -> (T, O), overwritten by the next call; T is a multiple of the coarsest scale."""

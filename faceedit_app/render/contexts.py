@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import os
 import sys
 from typing import Any
@@ -44,6 +45,30 @@ def choose_backend() -> str:
     return chosen
 
 
+def lean_pyrender() -> None:
+    """Let pyrender's parts be imported without the rest of it, of which we need nothing.
+
+    The package itself imports trimesh, networkx, half of scipy and pyglet, more than half a second
+    of the start. Whoever asks the package for one of its names still gets it.
+    """
+    if "pyrender" in sys.modules:
+        return
+    spec = importlib.util.find_spec("pyrender")
+    if spec is None or spec.loader is None:
+        return  # the import that follows says so
+    package, loader = importlib.util.module_from_spec(spec), spec.loader
+
+    def complete(name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if package.__dict__.pop("__getattr__", None) is not None:
+            loader.exec_module(package)
+        return getattr(package, name)
+
+    package.__dict__["__getattr__"] = complete
+    sys.modules["pyrender"] = package
+
+
 def open_context(backend: str, width: int, height: int) -> Any:
     """A pyrender `Platform` with a live context, made current. Call `choose_backend` first.
 
@@ -51,6 +76,7 @@ def open_context(backend: str, width: int, height: int) -> Any:
         Exception: whatever the driver or PyOpenGL raises; `open_renderer` turns it into a line.
     """
     platform: Any
+    lean_pyrender()
     if backend == "egl":
         from faceedit_app.render.egl import SharedDisplayEgl
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from OpenGL import GL
-from pyrender import Primitive
+from pyrender.primitive import Primitive
 from pyrender.renderer import Renderer
 from pyrender.shader_program import ShaderProgramCache
 

@@ -141,8 +141,11 @@ class Viewport(QWidget):
             self._draw()
         painter = QPainter(self)
         if self._image is not None:
-            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
-            painter.drawImage(QRectF(self.rect()), self._image)
+            if self._image.size() == QSize(*self._pixels()):
+                painter.drawImage(self.rect(), self._image)  # pixel by pixel
+            else:
+                painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+                painter.drawImage(QRectF(self.rect()), self._image)
             return
         painter.fillRect(self.rect(), QColor(PANEL))
 

@@ -1,0 +1,1 @@
+"""`faceedit bench`: how long the window takes from the mouse to the picture, on this machine."""

@@ -1,0 +1,152 @@
+"""What the user waits for: a drag, wide edits at any length of take, playback."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from faceedit_app.bench.clocks import Stages, Times, repeat
+from faceedit_app.bench.desk import Desk, Heartbeat, long_take
+from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing import solve
+from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+from faceedit_app.networks.engine import Engine
+from faceedit_app.render.renderer import FaceRenderer
+from faceedit_app.render.surface import NormalSolver
+from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves.plot import CurvePlot
+from faceedit_app.ui.viewport import Viewport
+
+FRAMES = 202  # the paper's
+STAGES = ("controls", "networks", "curves", "plots", "deform", "draw")
+LIDS, MOUTH = ("left_eyelid", "right_eyelid"), "mouth_opening"
+
+
+def drag(desk: Desk, times: int) -> dict[str, Any]:
+    """Measure 1: the mouth is dragged over a whole take in which the lids are edited too.
+
+    So all networks of all three regions answer, for all 202 frames, at each step.
+    """
+    session = desk.open(long_take(FRAMES))
+    clip = session.take.clip
+    session.add(Edit(LIDS, Op.OFFSET, 0.0, clip.duration, 0.0, -1.0))
+    desk.window.document.changed.emit()
+    desk.window.timeline.show_range(0.0, clip.duration)
+    desk.window.timeline.select((0.0, clip.duration))
+    desk.press(MOUTH, clip.duration / 2)
+    once = desk.dragged(MOUTH)
+    for _ in range(20):
+        once()
+    steps = [(once(), desk.worked) for _ in range(times)]
+    whole, worked = (Times(column) for column in zip(*steps, strict=True))
+    stages = Stages()
+    accounts = (
+        ("controls", EditSession, "preview"),
+        ("curves", solve.Solver, "solve"),
+        ("controls", solve, "request"),
+        ("controls", solve._Part, "wanted"),
+        ("networks", Engine, "answer"),
+        ("plots", CurvesPanel, "refresh"),
+        ("plots", CurvePlot, "paintEvent"),
+        ("draw", Viewport, "paintEvent"),
+        ("draw", FaceRenderer, "draw"),
+        ("deform", Rig, "vertices"),
+        ("deform", NormalSolver, "__call__"),
+    )
+    with stages.watching(*accounts):
+        watched = sum(once() for _ in range(times))
+    desk.give_up()
+    parts = {stage: 1e3 * stages.seconds.get(stage, 0.0) / times for stage in STAGES}
+    return {
+        "drag": whole.summary() | {"processors": worked.median, "repetitions": times},
+        "stages": parts | {"window": watched / times - sum(parts.values())},
+    }
+
+
+def networks(engine: Engine, times: int) -> Times:
+    """The three regions' networks on 202 frames, as the paper measures them."""
+    demo = long_take(FRAMES).clip
+    curves = np.random.default_rng(0).normal(30.0, 3.0, (1, len(demo), 8))
+    return repeat(lambda: [engine.answer(region.id, curves, 1.0) for region in REGIONS], times)
+
+
+def lengths(desk: Desk, frames: tuple[int, ...], times: int) -> dict[str, Any]:
+    """Measure 2: one local edit, and one of the whole take, at several lengths."""
+    return {str(count): _length(desk, count, times) for count in frames}
+
+
+def _length(desk: Desk, frames: int, times: int) -> dict[str, Any]:
+    session = desk.open(long_take(frames))
+    line, clip = desk.window.timeline, session.take.clip
+    moment = line.time
+    desk.press(MOUTH, moment)
+    once = desk.dragged(MOUTH)
+    for _ in range(10):
+        once()
+    local = Times([once() for _ in range(times)])
+    desk.give_up()
+    line.show_range(0.0, clip.duration)
+    desk.settle()
+    desk.press(MOUTH, moment)
+    overview = Times([once() for _ in range(max(times // 4, 2))])
+    desk.give_up()
+    line.show_range(moment - 4.0, moment + 4.0)
+    return {
+        "local": local.summary(),
+        "local_overview": overview.summary(),
+        "whole": _whole(desk, moment),
+    }
+
+
+def _whole(desk: Desk, moment: float) -> dict[str, float]:
+    line, clip = desk.window.timeline, desk.session.take.clip
+    line.select((0.0, clip.duration))
+    desk.settle()
+    desk.press(MOUTH, moment)
+    beat, began = Heartbeat(desk.window), time.perf_counter()
+    first = desk.dragged(MOUTH)()
+    desk.release(MOUTH)
+    complete = 1e3 * (time.perf_counter() - began)
+    blocked = beat.stop()
+    desk.window.document.undo()
+    desk.press(MOUTH, moment)
+    desk.dragged(MOUTH)()
+    began = time.perf_counter()
+    desk.editor.curves.cancel_drag()
+    cancelled = 1e3 * (time.perf_counter() - began)
+    desk.settle()
+    line.select(None)
+    return {
+        "visible": first,
+        "complete": complete,
+        "longest_block": blocked,
+        "cancel": cancelled,
+    }
+
+
+def playback(desk: Desk, size: int, seconds: float) -> dict[str, float]:
+    """Measure 3: a take of 60 fps, with its curves and the playhead moving."""
+    desk.open(long_take(round(60 * (seconds + 2)), 60.0), size)
+    window, viewport = desk.window, desk.editor.face.viewport
+    window.timeline.show_range(0.0, 8.0)
+    window.timeline.go_to_frame(0)
+    desk.settle()
+    window.playback.play()
+    _run(desk, 0.3)
+    draws, frame, began = viewport.draws, window.timeline.frame, time.perf_counter()
+    _run(desk, seconds)
+    took = time.perf_counter() - began
+    window.playback.pause()
+    shown, passed = viewport.draws - draws, window.timeline.frame - frame
+    return {"fps": shown / took, "frames": passed, "dropped": max(passed - shown, 0)}
+
+
+def _run(desk: Desk, seconds: float) -> None:
+    until = time.perf_counter() + seconds
+    while time.perf_counter() < until:
+        desk.app.processEvents()
+        time.sleep(0.0002)  # as an event loop that waits
