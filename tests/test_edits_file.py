@@ -160,7 +160,7 @@ BAD_FILES: dict[str, tuple[bytes, str]] = {
     "empty": (b"", "not JSON"),
     "PNG": (b"\x89PNG\r\n\x1a\n\x00\xff", "no edits file"),
     "cut off": (b'{"version": 1,\n "edits": [', "line 2"),
-    "list": (b"[]", '"edits"'),
+    "list": (b"[]", "no edits file"),
     "edits are an object": (b'{"version": 1, "edits": {}}', '"edits"'),
     "no version": (b'{"edits": []}', "version None"),
     "later version": (b'{"version": 2, "edits": []}', "version 2"),

@@ -120,7 +120,7 @@ GOOD: dict[str, Any] = {
     "edits": [],
 }
 BAD: dict[str, tuple[Any, str]] = {
-    "list": ([], "not a FaceEdit project"),
+    "list": ([], "is no FaceEdit project"),
     "no version": ({}, "version None"),
     "later version": (GOOD | {"version": 2}, "update FaceEdit"),
     "unknown field": (GOOD | {"camera": 1}, "unknown field 'camera'"),

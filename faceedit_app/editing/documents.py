@@ -14,7 +14,7 @@ def read_document(path: Path, kind: str, version: int) -> dict[str, Any]:
 
     Args:
         path: the file.
-        kind: what it should be, with its article, such as "an edits file".
+        kind: what it should be, such as "edits file".
         version: the only one that this FaceEdit knows.
 
     Raises:
@@ -28,12 +28,12 @@ def read_document(path: Path, kind: str, version: int) -> dict[str, Any]:
         ) from error
     except json.JSONDecodeError as error:
         raise FileError(
-            path, f"is not JSON ({error.msg})", f"choose {kind}", error.lineno
+            path, f"is not JSON ({error.msg})", f"choose another {kind}", error.lineno
         ) from error
     except (ValueError, RecursionError) as error:  # no UTF-8, or numbers or lists without end
-        raise FileError(path, f"is not {kind}", f"choose {kind} (JSON)") from error
+        raise FileError(path, f"is no {kind}", "choose one that FaceEdit saved") from error
     if not isinstance(document, dict):
-        raise FileError(path, f"is not {kind}", f"choose {kind} (JSON)")
+        raise FileError(path, f"is no {kind}", "choose one that FaceEdit saved")
     if document.get("version") != version:
         raise FileError(
             path,

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
+from faceedit_app.editing.documents import read_document
 
 VERSION = 1
 # Far beyond any take and any face, and far below where sums stop being numbers.
@@ -282,26 +283,9 @@ def read_edits(path: Path | str) -> tuple[Edit, ...]:
         FileError: it cannot be read, is no edits file, or an edit in it is not usable.
     """
     path = Path(path)
-    try:
-        document = json.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise FileError(
-            path, f"cannot be read ({(error.strerror or '').lower()})", "check the path"
-        ) from error
-    except json.JSONDecodeError as error:
-        raise FileError(
-            path, f"is not JSON ({error.msg})", "save the edits again", error.lineno
-        ) from error
-    except (ValueError, RecursionError) as error:  # no UTF-8, or numbers or lists without end
-        raise FileError(path, "is no edits file", "choose an edits file (JSON)") from error
-    if not isinstance(document, dict) or not isinstance(document.get("edits"), list):
+    document = read_document(path, "edits file", VERSION)
+    if not isinstance(document.get("edits"), list):
         raise FileError(path, 'has no list of "edits"', "choose an edits file saved by FaceEdit")
-    if document.get("version") != VERSION:
-        raise FileError(
-            path,
-            f"has version {document.get('version')!r}, this FaceEdit reads version {VERSION}",
-            "update FaceEdit",
-        )
     edits = []
     for number, entry in enumerate(document["edits"], start=1):
         try:

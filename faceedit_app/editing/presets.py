@@ -97,7 +97,7 @@ def read_preset(path: Path, own: bool = False) -> Preset:
     Raises:
         FileError: it cannot be read or is none.
     """
-    document = read_document(path, "a preset", VERSION)
+    document = read_document(path, "preset", VERSION)
     try:
         return _from_document(document, path, own)
     except (ValueError, TypeError, KeyError) as error:

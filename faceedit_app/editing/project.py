@@ -111,7 +111,7 @@ def read_project(path: Path | str) -> Project:
         FileError: it cannot be read, is no project, or something in it is not usable.
     """
     path = Path(path).absolute()
-    document = read_document(path, "a FaceEdit project", VERSION)
+    document = read_document(path, "FaceEdit project", VERSION)
     try:
         return _from_document(document, path)
     except ValueError as error:
