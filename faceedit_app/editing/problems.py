@@ -138,7 +138,7 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
         ids = tuple(CONTROL_IDS[i] for i in which)
         amount = float(np.abs(ripple[first : last + 1, which]).max())
         edit = Edit(ids, Op.SMOOTH, start, end, 0.15, STEADIED, name="Steady the curve")
-        message = f"{describe_controls(ids)} shakes by up to {amount:.1f} mm"
+        message = f"Shaking by up to {amount:.1f} mm: {describe_controls(ids)}"
         found.append(Problem(Kind.JITTER, start, end, ids, message, (edit,)))
     return found
 
@@ -178,7 +178,9 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
             else ()
         )
         frames = "1 frame is" if missing == 1 else f"{missing} frames are"
-        message = f"{frames} missing" + (f"; {describe_controls(moved)} jumps" if moved else "")
+        message = f"{frames} missing" + (
+            f"; a jump in: {describe_controls(moved)}" if moved else ""
+        )
         found.append(Problem(Kind.DROPPED, start, end, moved, message, fix))
     return found
 
