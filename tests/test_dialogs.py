@@ -37,7 +37,7 @@ def when_asked(act: Callable[[QDialog], None]) -> None:
     ("label", "answer"),
     [
         ("Export…", dialogs.Unsaved.EXPORT),
-        ("Save edits…", dialogs.Unsaved.SAVE),
+        ("Save project…", dialogs.Unsaved.SAVE),
         ("Discard", dialogs.Unsaved.DISCARD),
         ("Cancel", dialogs.Unsaved.CANCEL),
     ],

@@ -179,9 +179,9 @@ def test_closing_asks_about_edits(bench: Bench) -> None:
     assert window.isVisible()
     bench.answers |= {"unsaved": Unsaved.EXPORT, "export": None}
     assert not window.close()
-    bench.answers |= {"unsaved": Unsaved.SAVE, "save_edits": bench.folder / "edits.json"}
+    bench.answers |= {"unsaved": Unsaved.SAVE, "save_project": bench.folder / "p.faceedit"}
     assert window.close()
-    assert (bench.folder / "edits.json").exists()
+    assert (bench.folder / "p.faceedit").exists()
 
 
 def test_opening_another_take_asks_about_edits(bench: Bench) -> None:

@@ -18,6 +18,7 @@ from takes import make_livelink_csv
 
 from faceedit_app import render
 from faceedit_app.core.errors import FileError, Unavailable
+from faceedit_app.editing import journal
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.ui import dialogs, loading
 from faceedit_app.ui.store import Store
@@ -61,7 +62,8 @@ class Bench:
         self.renderers: list[FakeRenderer] = []
         self.take = make_livelink_csv(folder / "take.csv", seconds=3.0)
         monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
-        for name in ("open", "export", "save_edits", "load_edits", "unsaved"):
+        monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
+        for name in ("open", "export", "save_edits", "load_edits", "save_project", "unsaved"):
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
         monkeypatch.setattr(loading, "load_character", shipped_rig)
         monkeypatch.setattr(loading, "prepare_renderer", lambda: None)

@@ -46,15 +46,20 @@ class Command:
 
 # fmt: off
 COMMANDS: tuple[Command, ...] = (
-    Command("open", "File", "&Open…", ("Ctrl+O",), "Open a tracked take (CSV)", "open",
+    Command("open", "File", "&Open…", ("Ctrl+O",), "Open a tracked take (CSV) or a project", "open",
             needs_take=False),
     Command("open_demo", "File", "Open &demo take", (), "Open the take that ships with FaceEdit",
             needs_take=False),
     Command("recent", "File", "Open &recent", needs_take=False),
+    Command("save", "File", "&Save project", ("Ctrl+S",),
+            "Save the take's edits, view, sound and film as a project", "save",
+            starts_group=True),
+    Command("save_as", "File", "Save project &as…", ("Ctrl+Shift+S",),
+            "Save the project under another name"),
     Command("export", "File", "&Export…", ("Ctrl+E",),
             "Write the edited take in the format of its source", "export", starts_group=True),
-    Command("save_edits", "File", "&Save edits…", ("Ctrl+S",),
-            "Save the list of edits, to load it again or for “faceedit apply”"),
+    Command("save_edits", "File", "Save list of edi&ts…", (),
+            "Save the list of edits, to load it for another take or for “faceedit apply”"),
     Command("load_edits", "File", "&Load edits…", (), "Add the edits of a file to this take"),
     Command("add_media", "File", "Add sound or f&ilm…", ("Ctrl+Shift+O",),
             "Put a recording beside the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum, auto
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.media import ENDINGS
 
+if TYPE_CHECKING:
+    from faceedit_app.editing.journal import Pending
+
 TAKES = "Takes (*.csv);;All files (*)"
+OPENED = "Takes and projects (*.csv *.faceedit);;All files (*)"
+PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
 
@@ -24,14 +31,75 @@ class Unsaved(Enum):
     CANCEL = auto()
 
 
+class Recover(Enum):
+    """What to do about edits that a crash left behind."""
+
+    RECOVER = auto()
+    DISCARD = auto()
+    LATER = auto()
+
+
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    return _chosen(QFileDialog.getOpenFileName(parent, "Open a take", str(folder), TAKES))
+    return _chosen(
+        QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), OPENED)
+    )
 
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the edited take."""
     return _save_name(parent, "Export the edited take", suggestion, TAKES)
+
+
+def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save the project."""
+    return _save_name(parent, "Save the project", suggestion, PROJECTS)
+
+
+def ask_take_of_project(
+    parent: QWidget, message: str, choices: Sequence[Path], folder: Path
+) -> Path | None:
+    """Which take a project is about, now that its own is changed or gone."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("FaceEdit")
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setText(message)
+    box.setInformativeText("Which take shall the edits be applied to?")
+    role = QMessageBox.ButtonRole
+    paths = {box.addButton(f"Use {path.name}", role.AcceptRole): path for path in choices[:3]}
+    for button, path in paths.items():
+        button.setToolTip(str(path))
+    look = box.addButton("Look for it…", role.ActionRole)
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    if box.clickedButton() is look:
+        return _chosen(
+            QFileDialog.getOpenFileName(parent, "The project's take", str(folder), TAKES)
+        )
+    return next((path for button, path in paths.items() if button is box.clickedButton()), None)
+
+
+def ask_recover(parent: QWidget, pending: Pending) -> Recover:
+    """What to do about edits of a session that ended without closing."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("FaceEdit")
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setText(f"FaceEdit ended unexpectedly while {pending.take.name} was edited.")
+    steps = "1 step" if pending.gestures == 1 else f"{pending.gestures} steps"
+    when = QDateTime.fromSecsSinceEpoch(int(pending.when)).toString("yyyy-MM-dd HH:mm")
+    box.setInformativeText(f"{steps} that were not saved can be brought back, up to {when}.")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("Recover", role.AcceptRole): Recover.RECOVER,
+        box.addButton("Discard", role.DestructiveRole): Recover.DISCARD,
+    }
+    later = box.addButton("Ask later", role.RejectRole)
+    box.setEscapeButton(later)
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), Recover.LATER)
 
 
 def ask_save_edits(parent: QWidget, suggestion: Path) -> Path | None:
@@ -68,7 +136,7 @@ def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
     role = QMessageBox.ButtonRole
     choices = {
         box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,
-        box.addButton("Save edits…", role.AcceptRole): Unsaved.SAVE,
+        box.addButton("Save project…", role.AcceptRole): Unsaved.SAVE,
         box.addButton("Discard", role.DestructiveRole): Unsaved.DISCARD,
     }
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))

@@ -12,6 +12,8 @@ from faceedit_app.core.regions import CONTROL_IDS
 
 if TYPE_CHECKING:  # torch comes with these; the window is there before it
     from faceedit_app.editing.edit import Edit
+    from faceedit_app.editing.journal import Journal
+    from faceedit_app.editing.project import Media, View
     from faceedit_app.editing.session import EditSession
     from faceedit_app.editing.solve import Settings
     from faceedit_app.networks.engine import Engine
@@ -40,18 +42,51 @@ class Document(QObject):
         self.session: EditSession | None = None
         self.engine: Engine | None = None
         self.path: Path | None = None
+        self.project: Path | None = None
+        self.keeps_journal = False
+        self._journal: Journal | None = None
 
     @property
     def is_clean(self) -> bool:
         """Whether nothing would be lost by closing."""
         return self.session is None or self.session.is_exported
 
-    def adopt(self, session: EditSession) -> None:
-        """Open a take that has been read."""
+    def adopt(self, session: EditSession, project: Path | None = None) -> None:
+        """Open a take that has been read, and the project that it belongs to."""
         if self.engine is not None and not session.has_engine:
             session.use_engine(self.engine)
-        self.session, self.path = session, session.take.path
+        self.close_journal()
+        self.session, self.path, self.project = session, session.take.path, project
+        if self.keeps_journal:
+            self._open_journal(session)
         self.opened.emit()
+
+    def _open_journal(self, session: EditSession) -> None:
+        """Write down every finished gesture from now on; what is not saved yet, at once."""
+        from faceedit_app.editing.journal import Journal
+
+        self._journal = Journal(session.take.path, self.project)
+        session.on_finished = self._journal.record
+        if not session.is_exported:
+            self._journal.record(session.state)
+
+    @property
+    def journal_note(self) -> str:
+        """Why gestures cannot be written down; empty if all is well."""
+        return self._journal.note if self._journal is not None else ""
+
+    def close_journal(self) -> None:
+        """Nothing needs to be recovered: all is saved, or not wanted."""
+        if self._journal is not None:
+            if self.session is not None:
+                self.session.on_finished = None
+            self._journal.close()
+            self._journal = None
+
+    def _is_saved(self) -> None:
+        if self._journal is not None:
+            self._journal.saved(self.project)
+        self.saved.emit()
 
     def use_engine(self, engine: Engine) -> None:
         """Answer by the networks from now on."""
@@ -153,7 +188,26 @@ class Document(QObject):
             while self.session.live.work(_SLICE):  # the window stays alive
                 QCoreApplication.processEvents(_NO_INPUT)
             self.session.export(path)
-            self.saved.emit()
+            self._is_saved()
+
+    def save_project(self, path: Path, view: View, audio: Media | None, film: Media | None) -> None:
+        """Write take, edits, view, sound and film as one project.
+
+        Raises:
+            FileError: it cannot be written; an existing file is then untouched.
+        """
+        from faceedit_app.editing.fingerprint import fingerprint
+        from faceedit_app.editing.project import Project, write_project
+
+        session = self.session
+        if session is None:
+            return
+        take = session.take.path.absolute()
+        mark = fingerprint(take)
+        write_project(path, Project(take, mark, session.state, view, audio, film))
+        session.mark_saved()
+        self.project = path
+        self._is_saved()
 
     def save_edits(self, path: Path) -> None:
         """Write the list of edits.
@@ -163,7 +217,7 @@ class Document(QObject):
         """
         if self.session is not None:
             self.session.save_edits(path)
-            self.saved.emit()
+            self._is_saved()
 
     def load_edits(self, path: Path) -> None:
         """Add the edits of a file, as one undo step.

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
 
 DEMO = "assets/demo_take.csv"
+PROJECT = ".faceedit"
 
 
 class FileCommands(QObject):
@@ -43,6 +44,12 @@ class FileCommands(QObject):
         self._store, self._background = store, background
         self._rig: Rig | None = None
         self._wanted: Path | None = None
+        self._prepare: Callable[[EditSession], None] | None = None
+        self._then: Callable[[], None] | None = None
+        self._project: Path | None = None
+        # Set by who knows projects.
+        self.open_project: Callable[[Path], None] = self.open
+        self.save_project: Callable[[], bool] = self.ask_save_edits
 
     # --- open --------------------------------------------------------------------------------
 
@@ -68,8 +75,27 @@ class FileCommands(QObject):
         self.open_if_saved(path)
 
     def open(self, path: Path) -> None:
-        """Read a take in the background and show it; on an error the present one stays open."""
-        self._wanted = path
+        """Read a take or a project in the background; on an error the present one stays open."""
+        if path.suffix.lower() == PROJECT:
+            self.open_project(path)
+        else:
+            self.read(path)
+
+    def read(
+        self,
+        path: Path,
+        prepare: Callable[[EditSession], None] | None = None,
+        then: Callable[[], None] | None = None,
+        project: Path | None = None,
+    ) -> None:
+        """Read a take and show it.
+
+        Args:
+            prepare: brings edits into its session before anything is shown.
+            then: is done when it is shown.
+            project: the project that it belongs to.
+        """
+        self._wanted, self._prepare, self._then, self._project = path, prepare, then, project
         self.reading.emit(f"Opening {path.name}…")
         self._background.run(
             lambda: self._read(path),
@@ -91,10 +117,14 @@ class FileCommands(QObject):
             return
         self._wanted = None
         self.use_character(rig)
-        self._document.adopt(session)
+        if self._prepare is not None:
+            self._prepare(session)
+        self._document.adopt(session, self._project)
         self.reading.emit("")
+        if self._then is not None:
+            self._then()
         self._store.set_folder("take", path.resolve().parent)
-        if not _is_shipped(path):
+        if not _is_shipped(path) and self._project is None:
             self._store.add_recent(path)
 
     def _failed(self, path: Path, error: Exception) -> None:
@@ -124,7 +154,7 @@ class FileCommands(QObject):
             self.character_loaded.emit(rig)
 
     def fill_recent(self, menu: QMenu) -> None:
-        """List the takes that were opened last and still exist."""
+        """List the takes and projects that were opened last and still exist."""
         menu.clear()
         for path in self._store.recent():
             action = menu.addAction(path.name)
@@ -140,12 +170,12 @@ class FileCommands(QObject):
 
     def ask_export(self) -> bool:
         """File > Export; False if the user thought better of it, or it failed."""
-        path = dialogs.ask_export(self._window, self._suggest("export", "_edited", ".csv"))
+        path = dialogs.ask_export(self._window, self.suggest("export", "_edited", ".csv"))
         return path is not None and self._do(self._document.export, path, "export", "Exported")
 
     def ask_save_edits(self) -> bool:
         """File > Save edits; False if the user thought better of it, or it failed."""
-        path = dialogs.ask_save_edits(self._window, self._suggest("edits", "_edits", ".json"))
+        path = dialogs.ask_save_edits(self._window, self.suggest("edits", "_edits", ".json"))
         return path is not None and self._do(self._document.save_edits, path, "edits", "Saved")
 
     def ask_load_edits(self) -> None:
@@ -168,7 +198,7 @@ class FileCommands(QObject):
         self.told.emit(f"{done} {path}")
         return True
 
-    def _suggest(self, kind: str, tail: str, ending: str) -> Path:
+    def suggest(self, kind: str, tail: str, ending: str) -> Path:
         """A file name beside the take; the demo's folder belongs to the installation."""
         take = self._document.path
         assert take is not None
@@ -185,7 +215,7 @@ class FileCommands(QObject):
             case dialogs.Unsaved.EXPORT:
                 return self.ask_export()
             case dialogs.Unsaved.SAVE:
-                return self.ask_save_edits()
+                return self.save_project()
             case dialogs.Unsaved.DISCARD:
                 return True
             case _:

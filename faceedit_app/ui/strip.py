@@ -54,6 +54,7 @@ class SettingsStrip(QWidget):
     def _lay_out(self) -> None:
         row = bar_row(self, "bar")
         row.addWidget(icon_button(self._actions["open"]))
+        row.addWidget(icon_button(self._actions["save"]))
         row.addWidget(icon_button(self._actions["export"], text="Export"))
         row.addWidget(divider())
         row.addWidget(icon_button(self._actions["undo"]))

@@ -35,6 +35,7 @@ from faceedit_app.ui.keys import KeyArbiter
 from faceedit_app.ui.media import Media
 from faceedit_app.ui.media_commands import MediaCommands
 from faceedit_app.ui.playback import Playback
+from faceedit_app.ui.project_commands import ProjectCommands
 from faceedit_app.ui.sounding import Sounding
 from faceedit_app.ui.start_page import StartPage
 from faceedit_app.ui.status import StatusLine
@@ -88,6 +89,9 @@ class MainWindow(QMainWindow):
         self.media = Media(self._background, self)
         self.sounding = Sounding(self.media, self.timeline, self.playback, self._background)
         self.media_commands = MediaCommands(self, self.media, self.sounding, store)
+        self.projects = ProjectCommands(
+            self, self.document, self.timeline, self.media, self.files, self._background, store
+        )
         self.actions_ = Actions(self, self._handlers())
         self.start_page = StartPage(self.actions_)
         self.banner = Banner()
@@ -106,6 +110,8 @@ class MainWindow(QMainWindow):
                 "open": files.ask_open,
                 "open_demo": files.open_demo,
                 "export": lambda: _ignore(files.ask_export()),
+                "save": lambda: _ignore(self.projects.save()),
+                "save_as": lambda: _ignore(self.projects.save_as()),
                 "save_edits": lambda: _ignore(files.ask_save_edits()),
                 "load_edits": files.ask_load_edits,
                 "quit": lambda: _ignore(self.close()),
@@ -158,6 +164,8 @@ class MainWindow(QMainWindow):
         self.document.opened.connect(self._opened)
         self.document.changed.connect(self._mark_modified)
         self.document.saved.connect(self._mark_modified)
+        self.projects.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
+        self.projects.warned.connect(self.banner.say)
         self.files.reading.connect(self._say_reading)
         self.files.character_loaded.connect(self._character_loaded)
         self.files.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
@@ -179,10 +187,15 @@ class MainWindow(QMainWindow):
 
     def start(self, take: Path | None = None, demo: bool = False) -> None:
         """Begin with what takes long; call it when the window is on the screen."""
-        if take is not None:
-            self.files.open(take)
-        elif demo:
-            self.files.open_demo()
+        self.document.keeps_journal = True
+
+        def open_wanted() -> None:
+            if take is not None:
+                self.files.open(take)
+            elif demo:
+                self.files.open_demo()
+
+        self.projects.offer_recovery(open_wanted)
         if not self.files.is_reading:
             self.files.load_character()
         self.build_editor()
@@ -281,12 +294,16 @@ class MainWindow(QMainWindow):
         editor.strip.sync()
         self._pages.setCurrentWidget(editor)
         editor.curves.setFocus()
-        self.setWindowTitle(f"{session.take.path.name}[*] – FaceEdit")
         self._mark_modified()
         self._open_face()
         self.media_commands.follow(session.take)
 
     def _mark_modified(self) -> None:
+        name = self.document.project or self.document.path
+        if name is not None:
+            self.setWindowTitle(f"{name.name}[*] – FaceEdit")
+        if self.document.journal_note:
+            self.banner.say(self.document.journal_note)
         self.setWindowModified(not self.document.is_clean)
 
     def _say_reading(self, text: str) -> None:
@@ -386,6 +403,7 @@ class MainWindow(QMainWindow):
         self.sounding.close()
         self.media.clear()
         self._background.close()
+        self.document.close_journal()
         if self.editor is not None:
             self.editor.face.viewport.close_renderer()
 
