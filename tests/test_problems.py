@@ -59,6 +59,19 @@ def test_demo_take_has_the_two_faults_that_were_built_in_and_no_other() -> None:
     assert "63 %" in blink.message
 
 
+@pytest.mark.parametrize("step", [1, 2])
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+def test_the_same_is_found_at_30_frames_a_second_and_in_a_noisier_recording(
+    step: int, noise: float
+) -> None:
+    clip = demo().clip
+    weights = clip.arkit_weights()[::step]
+    weights = weights + np.random.default_rng(0).normal(0, noise, weights.shape)
+    weights = np.maximum(weights, 0).astype(np.float32)
+    found = find(Clip(weights, ARKIT_CHANNELS, clip.times[::step], clip.rate / step))
+    assert [problem.kind for problem in found] == [Kind.BLINK, Kind.LIPS]
+
+
 def test_proposals_mend_the_demo_take_and_leave_the_rest_alone() -> None:
     session = EditSession(demo(), shipped_rig())
     problems = find_problems(session)
