@@ -6,6 +6,7 @@ that they can be tested without a device. `Loudspeaker` is the device.
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
@@ -270,7 +271,11 @@ class Loudspeaker:
         device = _library()
         self.clock = DeviceClock()
         try:
-            self._stream, rate = self._opened(device, sound)
+            try:
+                self._stream, rate = self._opened(device, sound)
+            except device.PortAudioError:
+                _look_again(device)
+                self._stream, rate = self._opened(device, sound)
             self.mixer = Mixer(rate, self._stream.channels)
             self._stream.start()
         except device.PortAudioError as error:
@@ -356,6 +361,13 @@ def _library() -> Any:
             f"No sound: {_reason(error)}; install libportaudio2 and the package sounddevice"
         ) from error
     return sounddevice
+
+
+def _look_again(device: Any) -> None:
+    """Have PortAudio find what was plugged in since it was loaded."""
+    with contextlib.suppress(AttributeError):  # there is no public way yet
+        device._terminate()
+        device._initialize()
 
 
 def _reason(error: Exception) -> str:

@@ -36,6 +36,7 @@ class Sounding(QObject):
         self._background = background
         self._output: Output | None = None
         self._job = 0
+        self._opening = False
         self.problem = ""  # why nothing is heard, in one line
         self.volume, self.muted = 1.0, False
         playback.voice = self
@@ -71,24 +72,25 @@ class Sounding(QObject):
         self.close()
         if self._media.sound is None:
             return
-        self._job += 1
         job, sound = self._job, self._media.sound.item
+        self._opening = True
 
         def opened(device: Output) -> None:
             if job != self._job:
                 device.close()
                 return
-            self._output, self.problem = device, ""
+            self._output, self.problem, self._opening = device, "", False
             self._place()
             self._show_volume()
 
-        self._background.run(lambda: _open(sound), opened, self._do_without)
+        def missing(error: Exception) -> None:
+            if not isinstance(error, Unavailable):
+                raise error
+            if job == self._job:
+                self.problem, self._opening = str(error), False
+                self.changed.emit()
 
-    def _do_without(self, error: Exception) -> None:
-        if not isinstance(error, Unavailable):
-            raise error
-        self.problem = str(error)
-        self.changed.emit()
+        self._background.run(lambda: _open(sound), opened, missing)
 
     def _place(self) -> None:
         if self._output is not None and self._media.sound is not None:
@@ -98,6 +100,7 @@ class Sounding(QObject):
     def close(self) -> None:
         """Give the device back."""
         self._job += 1
+        self._opening = False
         device, self._output = self._output, None
         if device is not None:
             device.close()
@@ -108,8 +111,10 @@ class Sounding(QObject):
     def start(self, seconds: float, speed: float, loop: tuple[float, float] | None) -> bool:
         """See `playback.Voice`."""
         if self._output is not None and not self._output.is_alive:
-            self._use_sound()  # unplugged: the next time it is heard on what there is now
+            self.close()  # unplugged
         if self._output is None:
+            if not self._opening:
+                self._use_sound()  # it is heard as soon as there is something to hear it with
             return False
         self._output.play(seconds, speed, loop)
         return True
