@@ -10,11 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from faces import shipped_rig
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from takes import make_livelink_csv, make_plain_csv
 from test_edits_file import edits
 
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.resources import shipped
 from faceedit_app.editing import fingerprint as fingerprint_module
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.fingerprint import Fingerprint, fingerprint
@@ -27,8 +30,9 @@ from faceedit_app.editing.project import (
     read_project,
     write_project,
 )
-from faceedit_app.editing.session import EditState
+from faceedit_app.editing.session import EditSession, EditState
 from faceedit_app.editing.solve import Mode, Settings
+from faceedit_app.formats.opening import open_take
 
 EDITS = (
     Edit(("mouth_opening",), Op.OFFSET, 2.0, 2.4, 0.2, 8.0, name="Größer"),
@@ -248,6 +252,19 @@ def test_search_ends_when_its_time_is_over(
     take.rename(tmp_path / "take 1.csv")
     monkeypatch.setattr(fingerprint_module, "SEARCH_SECONDS", -1.0)
     assert locate_take(project, path).where is Whereabouts.MISSING
+
+
+def test_fingerprint_of_an_open_take_is_that_of_the_file_it_was(tmp_path: Path) -> None:
+    paths = [shipped("assets/demo_take.csv")]
+    paths.append(make_livelink_csv(tmp_path / "crlf.csv", newline="\r\n", untracked=(3, 4)))
+    paths.append(make_plain_csv(tmp_path / "plain.csv"))
+    cut = tmp_path / "cut.csv"
+    cut.write_bytes(b"\xef\xbb\xbf" + paths[-1].read_bytes().rstrip())
+    for path in [*paths, cut]:
+        was, session = fingerprint(path), EditSession(open_take(path), shipped_rig())
+        if path.parent == tmp_path:
+            path.unlink()
+        assert session.fingerprint == was
 
 
 def test_unreadable_take_is_told(take: Path, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.take import Take
 
 SEARCH_SECONDS = 2.0  # a network drive with a million files must not keep the user waiting
 SEARCH_DEPTH = 2  # folders down from where a file is looked for
@@ -36,6 +37,16 @@ def fingerprint(path: Path) -> Fingerprint:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
+
+
+def fingerprint_of(take: Take) -> Fingerprint:
+    """The fingerprint of the file as it was when the take was opened.
+
+    It needs no file, which may have gone with its drive or been exported over since: a take that
+    is written without a change has the bytes that were read.
+    """
+    content = take.source.encode(take.clip.weights, take.clip.weights)
+    return Fingerprint(len(content), hashlib.sha256(content).hexdigest())
 
 
 def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> Path | None:

@@ -55,6 +55,9 @@ class Journal:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{_SUFFIX}"
         self._take, self._project = take.absolute(), project
+        self._print: Fingerprint | None = None  # as it was opened: it may be exported over
+        with contextlib.suppress(FileError):
+            self._print = fingerprint(take)
         self._file: int | None = None
         self._length = 0  # bytes that are known to be whole lines
         self._last: EditState | None = None  # what a reader has after those lines
@@ -125,8 +128,8 @@ class Journal:
         head: dict[str, Any] = {"version": VERSION, "take": str(self._take)}
         if self._project is not None:
             head["project"] = str(self._project.absolute())
-        with contextlib.suppress(FileError):
-            head["fingerprint"] = asdict(fingerprint(self._take))
+        if self._print is not None:
+            head["fingerprint"] = asdict(self._print)
         return head
 
     def _append(self, entry: dict[str, Any]) -> bool:

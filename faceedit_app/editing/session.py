@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from faceedit_app.core.clip import Floats
 from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edit import Edit, Op, read_edits, write_edits
+from faceedit_app.editing.fingerprint import Fingerprint, fingerprint_of
 from faceedit_app.editing.live import Live
 from faceedit_app.editing.settings import Settings
 from faceedit_app.editing.solve import Solver
@@ -235,6 +237,11 @@ class EditSession:
         self.live.show(self._solver.pieces(edits, self._state.settings))
 
     # --- files -----------------------------------------------------------------------------
+
+    @cached_property
+    def fingerprint(self) -> Fingerprint:
+        """What tells the take's file, as it was opened, from all others."""
+        return fingerprint_of(self.take)
 
     def clip_weights(self) -> Floats:
         """(T, K) the result in the take's own channels; untouched frames are bit for bit its."""

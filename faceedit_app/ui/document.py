@@ -196,14 +196,14 @@ class Document(QObject):
         Raises:
             FileError: it cannot be written; an existing file is then untouched.
         """
-        from faceedit_app.editing.fingerprint import fingerprint
         from faceedit_app.editing.project import Project, write_project
 
         session = self.session
         if session is None:
             return
         take = session.take.path.absolute()
-        mark = fingerprint(take)
+        # Of the take as it was opened: the file may be gone by now, or exported over.
+        mark = session.fingerprint
         write_project(path, Project(take, mark, session.state, view, audio, film))
         session.mark_saved()
         self.project = path
