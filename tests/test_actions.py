@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QToolButton, QWidget
 from windows import Bench
 
 from faceedit_app.ui.actions import COMMANDS, MENUS, help_rows, shown_keys
@@ -208,3 +208,27 @@ def test_j_k_and_l(window: MainWindow) -> None:
     press(window, Qt.Key.Key_Slash)
     assert window.playback.playing
     window.playback.pause()
+
+
+def test_both_faces_beside_each_other(bench: Bench, window: MainWindow) -> None:
+    assert window.editor is not None
+    face, viewport = window.editor.face, window.editor.face.viewport
+    window.grab()
+    whole, drawn = bench.renderers[-1].size[0], len(bench.renderers[-1].calls)
+    QTest.mouseClick(
+        next(b for b in face.findChildren(QToolButton) if b.text() == "Both"),
+        Qt.MouseButton.LeftButton,
+    )
+    assert face.shows_both
+    window.grab()
+    assert bench.renderers[-1].size[0] == whole // 2
+    assert len(bench.renderers[-1].calls) >= drawn + 2
+    widget = QApplication.focusWidget() or window
+    QTest.keyPress(widget, Qt.Key.Key_B)
+    assert face.shows_tracked
+    assert not face.shows_both
+    QTest.keyRelease(widget, Qt.Key.Key_B)
+    assert face.shows_both
+    window.actions_["show_edited"].trigger()
+    assert not face.shows_both
+    viewport.reset_camera()

@@ -186,6 +186,8 @@ COMMANDS: tuple[Command, ...] = (
     Command("show_tracked", "View", "Show &tracked face", ("T",),
             "Show the face as tracked instead of as edited; hold B for a glance",
             checkable=True),
+    Command("show_both", "View", "Show &both faces", ("Shift+T",),
+            "Show the tracked face beside the edited one", checkable=True),
     *(
         Command(f"curve_{number}", "View", f"&{number} {control.label}", (str(number),),
                 f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")

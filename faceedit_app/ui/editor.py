@@ -52,6 +52,7 @@ class Editor(QWidget):
             timeline,
             actions["show_edited"],
             actions["show_tracked"],
+            actions["show_both"],
             actions["reset_camera"],
         )
         self.transport = Transport(actions, timeline, playback)

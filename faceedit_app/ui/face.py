@@ -22,12 +22,14 @@ class FacePane(QWidget):
         timeline: Timeline,
         show_edited: QAction,
         show_tracked: QAction,
+        show_both: QAction,
         reset_camera: QAction,
     ) -> None:
         super().__init__()
         self._document, self._timeline = document, timeline
         self._show_edited, self._show_tracked = show_edited, show_tracked
-        self._tracked, self._glancing = False, False
+        self._show_both = show_both
+        self._tracked, self._glancing, self._both = False, False, False
         self.viewport = Viewport(self)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -35,7 +37,9 @@ class FacePane(QWidget):
         self._overlay = QWidget(self)
         row = QHBoxLayout(self._overlay)
         row.setContentsMargins(MARGIN, MARGIN, MARGIN, 0)
-        row.addWidget(segments((show_edited, "Edited"), (show_tracked, "Tracked")))
+        row.addWidget(
+            segments((show_edited, "Edited"), (show_tracked, "Tracked"), (show_both, "Both"))
+        )
         row.addStretch()
         camera = icon_button(reset_camera)
         row.addWidget(camera)
@@ -53,7 +57,17 @@ class FacePane(QWidget):
 
     def set_tracked(self, tracked: bool) -> None:
         """Show the face as tracked, or as edited."""
-        self._tracked = tracked
+        self._tracked, self._both = tracked, False
+        self._sync()
+
+    @property
+    def shows_both(self) -> bool:
+        """Whether the tracked face stands beside the edited one."""
+        return self._both and not self._glancing
+
+    def show_both(self) -> None:
+        """Show the face as tracked beside the edited one."""
+        self._tracked, self._both = False, True
         self._sync()
 
     def glance(self, glancing: bool) -> None:
@@ -63,7 +77,8 @@ class FacePane(QWidget):
 
     def _sync(self) -> None:
         self._show_tracked.setChecked(self.shows_tracked)
-        self._show_edited.setChecked(not self.shows_tracked)
+        self._show_edited.setChecked(not (self.shows_tracked or self.shows_both))
+        self._show_both.setChecked(self.shows_both)
         self.refresh()
 
     def refresh(self) -> None:
@@ -71,7 +86,8 @@ class FacePane(QWidget):
         session = self._document.session
         if session is not None:
             frame = min(max(self._timeline.frame, 0), len(session.weights) - 1)
-            self.viewport.show_weights(session.rig_weights(frame, self.shows_tracked))
+            beside = session.rig_weights(frame, tracked=True) if self.shows_both else None
+            self.viewport.show_weights(session.rig_weights(frame, self.shows_tracked), beside)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the switches at the top."""

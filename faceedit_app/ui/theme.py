@@ -83,6 +83,7 @@ QPushButton#primary:focus, QPushButton#secondary:focus, QPushButton#link:focus {
 QFileDialog QToolButton {{ padding: 3px; }}
 
 QToolButton#segment_left {{ border-top-right-radius: 0; border-bottom-right-radius: 0; }}
+QToolButton#segment_middle {{ border-radius: 0; }}
 QToolButton#segment_right {{ border-top-left-radius: 0; border-bottom-left-radius: 0; }}
 
 QDoubleSpinBox, QComboBox {{

@@ -7,7 +7,8 @@ import logging
 import time
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer
+import numpy as np
+from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import (
     QCloseEvent,
     QColor,
@@ -22,10 +23,9 @@ from PySide6.QtWidgets import QLabel, QSizePolicy, QWidget
 
 from faceedit_app import render
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.ui.palette import PANEL
+from faceedit_app.ui.palette import BORDER, PANEL, TEXT
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from faceedit_app.core.clip import Floats
@@ -60,6 +60,7 @@ class Viewport(QWidget):
         self._rig: Rig | None = None
         self._renderer: FaceRenderer | None = None
         self._weights: Floats | None = None
+        self._beside: Floats | None = None
         self._camera = render.Camera()
         self._is_home = True
         self._image: QImage | None = None
@@ -102,9 +103,16 @@ class Viewport(QWidget):
         """Whether there is a face to see."""
         return self._renderer is not None
 
-    def show_weights(self, weights: Floats | None) -> None:
-        """Show (K,) weights in the rig's order; None is the neutral face."""
-        self._weights = weights
+    def show_weights(self, weights: Floats | None, beside: Floats | None = None) -> None:
+        """Show (K,) weights in the rig's order; None is the neutral face.
+
+        Args:
+            beside: of a second face, at the left of the first and seen from the same side.
+        """
+        was_pair = self._beside is not None
+        self._weights, self._beside = weights, beside
+        if was_pair is not (beside is not None) and self._is_home:
+            self.reset_camera()
         self.redraw()
 
     def redraw(self) -> None:
@@ -146,8 +154,33 @@ class Viewport(QWidget):
             else:
                 painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
                 painter.drawImage(QRectF(self.rect()), self._image)
+            if self._beside is not None:
+                self._paint_names(painter)
             return
         painter.fillRect(self.rect(), QColor(PANEL))
+
+    def _paint_names(self, painter: QPainter) -> None:
+        """Which of two faces is which."""
+        half, height = self.width() // 2, self.height()
+        painter.fillRect(half, 0, 1, height, QColor(BORDER))
+        painter.setPen(QColor(TEXT))
+        for x, name in ((0, "Tracked"), (half, "Edited")):
+            room = QRect(x, height - 34, half, 24)
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter, name)
+
+    def _faces(self, renderer: FaceRenderer, rig: Rig, size: tuple[int, int]) -> NDArray[np.uint8]:
+        """(H, W, 4) the picture: one face, or two beside each other."""
+        width, height = size
+        shown = [self._weights] if self._beside is None else [self._beside, self._weights]
+        renderer.resize(max(width // len(shown), 1), height)
+        pictures = []
+        for weights in shown:
+            vertices = rig.neutral if weights is None else rig.vertices(weights)
+            pixels = renderer.draw(vertices, self._camera, smooth=self._smooth)
+            if len(shown) == 1:
+                return pixels
+            pictures.append(pixels.copy())  # the renderer may draw the next one into it
+        return np.ascontiguousarray(np.concatenate(pictures, axis=1))
 
     def _draw(self) -> None:
         if self._renderer is None or self._rig is None:
@@ -155,11 +188,8 @@ class Viewport(QWidget):
         began = time.perf_counter()
         scale = 1.0 if self._smooth else self._scale
         width, height = (max(1, round(n * scale)) for n in self._pixels())
-        weights = self._weights
-        vertices = self._rig.neutral if weights is None else self._rig.vertices(weights)
         try:
-            self._renderer.resize(width, height)
-            pixels = self._renderer.draw(vertices, self._camera, smooth=self._smooth)
+            pixels = self._faces(self._renderer, self._rig, (width, height))
         except Exception as error:  # drivers and PyOpenGL raise all kinds
             logging.getLogger("faceedit").warning("drawing failed", exc_info=True)
             self.close_renderer()
@@ -167,6 +197,7 @@ class Viewport(QWidget):
             self._say(str(error) if known else f"The face cannot be drawn: {error}")
             return
         self._buffer = pixels  # the image is a view of it
+        height, width = pixels.shape[:2]
         self._image = QImage(
             pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
         )
@@ -194,7 +225,8 @@ class Viewport(QWidget):
         return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
 
     def _aspect(self) -> float:
-        return self.width() / max(1, self.height())
+        faces = 1 if self._beside is None else 2
+        return self.width() / faces / max(1, self.height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the framing until the user has chosen another one."""

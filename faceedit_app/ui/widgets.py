@@ -50,14 +50,15 @@ class Choice(QComboBox):
         )
 
 
-def segments(left: tuple[QAction, str], right: tuple[QAction, str]) -> QWidget:
-    """Two joined buttons for a choice between two checkable actions."""
+def segments(*choices: tuple[QAction, str]) -> QWidget:
+    """Joined buttons for a choice between checkable actions."""
     box = QWidget()
     row = QHBoxLayout(box)
     row.setContentsMargins(0, 0, 0, 0)
     row.setSpacing(1)
-    row.addWidget(Segment(left[0], "segment_left", left[1]))
-    row.addWidget(Segment(right[0], "segment_right", right[1]))
+    for i, (action, text) in enumerate(choices):
+        place = "left" if i == 0 else "right" if i == len(choices) - 1 else "middle"
+        row.addWidget(Segment(action, f"segment_{place}", text))
     return box
 
 

@@ -124,6 +124,7 @@ class MainWindow(QMainWindow):
                 "delete_edit": self._on_edits(EditsPanel.delete),
                 "reset_camera": self._reset_camera,
                 "show_edited": lambda: self._show_tracked(False),
+                "show_both": self._show_both,
                 "show_tracked": lambda: self._show_tracked(None),
                 "shortcuts": lambda: shortcuts_dialog(self).show(),
                 "about": self._about,
@@ -340,6 +341,10 @@ class MainWindow(QMainWindow):
         if self.editor is not None:
             face = self.editor.face
             face.set_tracked(not face.shows_tracked if tracked is None else tracked)
+
+    def _show_both(self) -> None:
+        if self.editor is not None:
+            self.editor.face.show_both()
 
     def _show_unit(self) -> None:
         for unit in Unit:
