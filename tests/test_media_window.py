@@ -158,6 +158,18 @@ def test_a_sound_file_is_preferred_to_the_sound_of_a_film(
     assert window.media.sound is not None
 
 
+def test_another_film_brings_another_sound_or_none(bench: Bench, devices: list[FakeOutput]) -> None:
+    first = make_film(bench.folder / "a.mp4", sound=1.0)
+    second = make_film(bench.folder / "b.mp4", sound=0.5)
+    window = with_media(bench, first, second)
+    assert window.media.sound is not None
+    assert window.media.sound.path == second
+    window.media.add(make_film(bench.folder / "c.mp4"))
+    settle(bench, window)
+    assert window.media.film is not None
+    assert window.media.sound is None
+
+
 def test_a_film_without_sound(bench: Bench, devices: list[FakeOutput]) -> None:
     window = with_media(bench, make_film(bench.folder / "a.mp4"))
     assert editor_of(window).film.isVisible()

@@ -145,8 +145,8 @@ class Screen(QWidget):
         menu.popup(event.globalPos())
 
     def sizeHint(self) -> QSize:
-        """A portrait, somewhat smaller than the face."""
-        return QSize(320, 560)
+        """Nearly as wide as the face: films are portraits or not."""
+        return QSize(480, 560)
 
 
 class FilmPane(QWidget):

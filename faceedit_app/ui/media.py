@@ -65,6 +65,7 @@ class Media(QObject):
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
         self._began: float | None = None
+        self._yields = False  # the sound that is there came with a film
         self._found = ""  # what to say when all is read
         self._job = 0  # what is read for an earlier take is not wanted any more
         self.pending = 0
@@ -85,7 +86,7 @@ class Media(QObject):
         if film is not None:
             self._read_film(film, None, self.missed.emit)
         if found:
-            self._read_sound(sound or found[0], 0.0, self.missed.emit)
+            self._read_sound(sound or found[0], 0.0, self.missed.emit, yields=sound is None)
             names = " and ".join(path.name for path in found)
             self._found = f"Opened {names}, found beside the take"
 
@@ -103,14 +104,8 @@ class Media(QObject):
         self.told.emit(f"Opening {path.name}…")
         if has_film:
             self._read_film(path, None, self.failed.emit)
-        # A sound file of its own is there for a reason.
-        own = self.sound is not None and self.sound.path != self._film_path
-        if has_sound and not (has_film and own):
-            self._read_sound(path, 0.0, self.failed.emit)
-
-    @property
-    def _film_path(self) -> Path | None:
-        return self.film.path if self.film is not None else None
+        if has_sound:
+            self._read_sound(path, 0.0, self.failed.emit, yields=has_film)
 
     def _read_film(
         self, path: Path, offset: float | None, failed: Callable[[object], None]
@@ -128,6 +123,8 @@ class Media(QObject):
                 at = self._by_timecode(film) if offset is None else offset
                 self.film = Placed(film, path, at)
                 self.film_changed.emit()
+                if self._yields and self.sound is not None and self.sound.path != path:
+                    self.remove_sound()  # it came with the film that was here
                 self._place(at, path)  # its sound may have been there first
                 self._tell(path)
 
@@ -144,7 +141,10 @@ class Media(QObject):
         # Clocks that were not set alike would only carry it out of sight.
         return offset if -film.duration < offset < _NEAR else 0.0
 
-    def _read_sound(self, path: Path, offset: float, failed: Callable[[object], None]) -> None:
+    def _read_sound(
+        self, path: Path, offset: float, failed: Callable[[object], None], yields: bool = False
+    ) -> None:
+        """Place a sound; a film's `yields` to a sound file, which is there for a reason."""
         job = self._job
 
         def read() -> Sound | None:
@@ -153,7 +153,9 @@ class Media(QObject):
             return read_sound(path, lambda: job != self._job)
 
         def done(sound: Sound | None) -> None:
-            if job == self._job and sound is not None:
+            beaten = yields and self.sound is not None and not self._yields
+            if job == self._job and sound is not None and not beaten:
+                self._yields = yields
                 at = self.film.offset if self.film and self.film.path == path else offset
                 self.sound = Placed(sound, path, at)
                 self.sound_changed.emit()
@@ -250,7 +252,8 @@ class Media(QObject):
         A file that is gone is told by `missed`; a damaged entry counts as none.
         """
         self.clear()
-        for kind, read in (("film", self._read_film), ("sound", self._read_sound)):
+        film: Path | None = None
+        for kind in ("film", "sound"):
             entry = state.get(kind) if isinstance(state, dict) else None
             if not isinstance(entry, dict) or not isinstance(entry.get("path"), str):
                 continue
@@ -260,7 +263,12 @@ class Media(QObject):
                 error = FileError(path, "is not there any more", "add it again where it is now")
                 self.missed.emit(error)
                 continue
-            read(path, float(offset) if isinstance(offset, int | float) else 0.0, self.missed.emit)
+            at = float(offset) if isinstance(offset, int | float) else 0.0
+            if kind == "film":
+                film = path
+                self._read_film(path, at, self.missed.emit)
+            else:
+                self._read_sound(path, at, self.missed.emit, yields=path == film)
 
 
 def _contents(path: Path) -> tuple[bool, bool]:
