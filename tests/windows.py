@@ -62,6 +62,7 @@ class Bench:
         self.renderers: list[FakeRenderer] = []
         self.take = make_livelink_csv(folder / "take.csv", seconds=3.0)
         monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
+        self.store().set_hints_seen()
         monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
         for name in ("open", "export", "save_edits", "load_edits", "save_project", "unsaved"):
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))

@@ -218,6 +218,8 @@ COMMANDS: tuple[Command, ...] = (
     Command("mark_end", "Playback", "Selection ends here", ("O",),
             "End the selection at the playhead"),
 
+    Command("first_steps", "Help", "&First steps", (),
+            "Show where things are and what they are for"),
     Command("shortcuts", "Help", "&Shortcuts", ("F1",), needs_take=False),
     Command("about", "Help", "&About FaceEdit", needs_take=False),
 )

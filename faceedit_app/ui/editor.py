@@ -11,6 +11,7 @@ from faceedit_app.ui.document import Document
 from faceedit_app.ui.edits_panel import EditsPanel
 from faceedit_app.ui.face import FacePane
 from faceedit_app.ui.film import FilmPane
+from faceedit_app.ui.hints import HintLayer, Step
 from faceedit_app.ui.media import Media
 from faceedit_app.ui.playback import Playback
 from faceedit_app.ui.problems_bar import ProblemsBar, ProblemsHead
@@ -91,6 +92,7 @@ class Editor(QWidget):
         column.addWidget(self.proposal)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
+        self.hints = HintLayer(self, self._first_steps())
         for view in self.curves.findChildren(QAbstractScrollArea):
             # Graphics views take every drop and do nothing with it; files are the window's.
             view.setAcceptDrops(False)
@@ -106,6 +108,31 @@ class Editor(QWidget):
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self._end_reshape)
 
+    def _first_steps(self) -> tuple[Step, ...]:
+        return (
+            Step(
+                "1  Drag a curve",
+                "Each curve is one movement of the face, over time. Drag one up or down: the face"
+                " follows, and the rest of the take stays as recorded. Esc drops a drag, Ctrl+Z"
+                " takes it back.",
+                (self.curves,),
+            ),
+            Step(
+                "2  Or let FaceEdit do it",
+                "Close lips, Blink and Smile are one click. Marks under the curves show lips that"
+                " stay open, half blinks and shaking: press ↓ to go to the next one and P to see"
+                " the fix before you accept it.",
+                (self.tools,),
+            ),
+            Step(
+                "3  Change your mind, then export",
+                "Everything you do is listed here. Choose an edit to make it weaker or stronger,"
+                " switch it off or delete it. Ctrl+S saves your work as a project, Ctrl+E writes"
+                " the edited take.",
+                (self.edits,),
+            ),
+        )
+
     def open(self) -> None:
         """Show the document's take from its beginning."""
         session = self._document.session
@@ -116,6 +143,10 @@ class Editor(QWidget):
         self.transport.set_clip(clip)
         self.problems.restart()
         self.face.refresh()
+
+    def drop(self) -> bool:
+        """Esc: no more hints, or nothing proposed any more; False if there was neither."""
+        return self.hints.finish() or self.proposal.discard()
 
     def settle(self) -> None:
         """Bring gestures on the sliders to their end."""

@@ -54,6 +54,14 @@ class Store:
         self._settings.setValue("volume", volume)
         self._settings.setValue("muted", "true" if muted else "false")
 
+    def hints_wanted(self) -> bool:
+        """Whether the first steps were never shown."""
+        return self._settings.value("hints_seen") is None
+
+    def set_hints_seen(self) -> None:
+        """Do not show the first steps again."""
+        self._settings.setValue("hints_seen", 1)
+
     def save_layout(self, window: QMainWindow, splitter: QSplitter) -> None:
         """Remember the window's place and how its panes share it."""
         self._settings.setValue("window", window.saveGeometry())

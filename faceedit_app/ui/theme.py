@@ -126,6 +126,8 @@ QScrollBar::add-line, QScrollBar::sub-line {{ height: 0; width: 0; }}
 QFrame#banner {{ background: #3a3323; border-bottom: 1px solid #5a4a22; }}
 QFrame#banner QLabel {{ color: {TEXT}; }}
 QFrame#proposal {{ background: #22384a; border-bottom: 1px solid {ACCENT_DEEP}; }}
+QFrame#hint {{ background: {PANEL}; border: 1px solid {ACCENT_DEEP}; border-radius: 10px; }}
+QLabel#hint_title {{ font-size: 13pt; font-weight: 600; }}
 QFrame#drop {{ border: 2px dashed {BORDER}; border-radius: 14px; background: transparent; }}
 QFrame#drop[active="true"] {{ border-color: {ACCENT}; background: {PANEL}; }}
 QLabel#title {{ font-size: 20pt; font-weight: 600; }}

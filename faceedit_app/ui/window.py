@@ -81,7 +81,7 @@ class MainWindow(QMainWindow):
             self.playback,
             self._curves,
             self._settle,
-            lambda: self.editor is not None and self.editor.proposal.discard(),
+            lambda: self.editor is not None and self.editor.drop(),
         )
         self.fixes = FixCommands(
             self, self.document, self.timeline, lambda: self.editor, self.edits.finish
@@ -126,6 +126,7 @@ class MainWindow(QMainWindow):
                 "show_edited": lambda: self._show_tracked(False),
                 "show_both": self._show_both,
                 "show_tracked": lambda: self._show_tracked(None),
+                "first_steps": self._first_steps,
                 "shortcuts": lambda: shortcuts_dialog(self).show(),
                 "about": self._about,
             }
@@ -243,6 +244,7 @@ class MainWindow(QMainWindow):
             )
             self._pages.addWidget(self.editor)
             self.editor.problems.picked.connect(self.fixes.go_to)
+            self.editor.hints.closed.connect(self.editor.curves.setFocus)
             self._store.restore_panes(self.editor.panes)
             solving = self.editor.solving
             solving.advanced.connect(self.status.show_work)
@@ -297,6 +299,9 @@ class MainWindow(QMainWindow):
         editor.curves.setFocus()
         self._mark_modified()
         self._open_face()
+        if self.document.keeps_journal and self._store.hints_wanted():
+            self._store.set_hints_seen()
+            QTimer.singleShot(0, self._first_steps)  # once all has its place
         self.media_commands.follow(session.take)
 
     def _mark_modified(self) -> None:
@@ -341,6 +346,10 @@ class MainWindow(QMainWindow):
         if self.editor is not None:
             face = self.editor.face
             face.set_tracked(not face.shows_tracked if tracked is None else tracked)
+
+    def _first_steps(self) -> None:
+        if self.editor is not None:
+            self.editor.hints.begin()
 
     def _show_both(self) -> None:
         if self.editor is not None:
