@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QFont, QFontMetricsF, QLinearGradient, QPainter, QPen
 
-from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.edit import Op
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import Scale, Span
 from faceedit_app.ui.curves.gestures import Brush
@@ -44,9 +45,7 @@ def draw_brush(painter: QPainter, scale: Scale, brush: Brush, alpha: int) -> Non
         painter.fillRect(rect, style.color(style.BAND, alpha))
         return
     fade = QLinearGradient(first, 0, last, 0)
-    # The edit's own mask, so that the picture cannot tell another story than the result.
-    mask = brush.edit(("mouth_opening",), Op.OFFSET)
-    for stop, strength in _stops(brush, mask):
+    for stop, strength in _stops(brush):
         fade.setColorAt(stop, style.color(style.BAND, round(alpha * (0.12 + 0.88 * strength))))
     painter.fillRect(rect, QBrush(fade))
     painter.setPen(QPen(style.color(style.BAND, min(2 * alpha, 140)), 0))
@@ -54,8 +53,11 @@ def draw_brush(painter: QPainter, scale: Scale, brush: Brush, alpha: int) -> Non
         painter.drawLine(QPointF(x, 0), QPointF(x, scale.height))
 
 
-def _stops(brush: Brush, mask: Edit) -> list[tuple[float, float]]:
+@lru_cache(maxsize=16)
+def _stops(brush: Brush) -> list[tuple[float, float]]:
     """(position 0..1, strength 0..1) along the reach of a brush."""
+    # The edit's own mask, so that the picture cannot tell another story than the result.
+    mask = brush.edit(("mouth_opening",), Op.OFFSET)
     first, last = brush.reach
     ramp = np.linspace(0.0, 1.0, 7)
     times = np.concatenate([first + ramp * brush.falloff, brush.end + ramp * brush.fade_out])

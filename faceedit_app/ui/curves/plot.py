@@ -103,9 +103,9 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.viewport().setCursor(Qt.CursorShape.SizeVerCursor)
         self.setMinimumHeight(style.ROW_HEIGHT)
-        # Marks lie outside the scene, so there is no smaller area that pyqtgraph could know of.
-        self.setCacheMode(QGraphicsView.CacheModeFlag(0))  # nor may the background be cached
-        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.FullViewportUpdate)
+        # Marks lie outside the scene, and the scene would ask for a second picture of each change.
+        self.setCacheMode(QGraphicsView.CacheModeFlag(0))
+        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.NoViewportUpdate)
         self._prepare()
 
     def _prepare(self) -> None:
@@ -172,9 +172,11 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         box = self.getViewBox()
         box.setRange(xRange=self.view, yRange=self.span, padding=0)
         box.updateMatrix()  # left to the paint event, it would ask for a second one
+        self.viewport().update()
         self.scale_changed.emit()
 
     def _draw_lines(self) -> None:
+        self.viewport().update()
         if self.lines is None:
             for curve in (self._tracked, self._face, self._asked):
                 curve.setData([], [])

@@ -6,6 +6,8 @@ three lines differ in weight and pattern too, so no meaning hangs on colour alon
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from PySide6.QtGui import QColor, QFont, QPen
 from PySide6.QtWidgets import QWidget
 
@@ -45,8 +47,9 @@ TIMECODE_SPACING = 106
 STRONG, WEAK, HOVER = 72, 34, 40
 
 
+@lru_cache(maxsize=256)
 def color(name: str, alpha: int = 255) -> QColor:
-    """A colour with some transparency."""
+    """A colour with some transparency; not to be changed."""
     out = QColor(name)
     out.setAlpha(alpha)
     return out
