@@ -541,6 +541,7 @@ def test_state_is_restored(bench: Bench, devices: list[FakeOutput]) -> None:
     }
     window.media.clear()
     window.restore_media(state)
+    assert window.media_state() == state  # while it is still being read, too
     settle(bench, window)
     assert window.media_state() == state
 
@@ -550,6 +551,7 @@ def test_a_state_whose_files_are_gone_or_damaged(bench: Bench) -> None:
     gone = {"path": str(bench.folder / "gone.wav"), "offset": 1.0}
     window.restore_media({"sound": gone, "film": {"path": 3}})
     assert "gone.wav" in window.banner.text.text()
+    assert window.media_state() == {"sound": gone, "film": None}  # for when it is back
     window.restore_media({})
     window.restore_media({"film": None, "sound": {"offset": "x"}})
     settle(bench, window)

@@ -64,6 +64,8 @@ class Media(QObject):
         self._background = background
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
+        # What a project named and is not there, or not yet: it must not be lost by saving.
+        self._kept: dict[str, dict[str, str | float]] = {}
         self._began: float | None = None
         self._yields = False  # the sound that is there came with a film
         self._found = ""  # what to say when all is read
@@ -121,6 +123,7 @@ class Media(QObject):
         def done(film: Film) -> None:
             if job == self._job:
                 at = self._by_timecode(film) if offset is None else offset
+                self._kept.pop("film", None)
                 self.film = Placed(film, path, at)
                 self.film_changed.emit()
                 if self._yields and self.sound is not None and self.sound.path != path:
@@ -154,6 +157,8 @@ class Media(QObject):
 
         def done(sound: Sound | None) -> None:
             beaten = yields and self.sound is not None and not self._yields
+            if job == self._job:
+                self._kept.pop("sound", None)
             if job == self._job and sound is not None and not beaten:
                 self._yields = yields
                 at = self.film.offset if self.film and self.film.path == path else offset
@@ -216,12 +221,14 @@ class Media(QObject):
 
     def remove_sound(self) -> None:
         """Without sound from now on."""
+        self._kept.pop("sound", None)
         if self.sound is not None:
             self.sound = None
             self.sound_changed.emit()
 
     def remove_film(self) -> None:
         """Without film from now on; the sound that it brought goes with it."""
+        self._kept.pop("film", None)
         film = self.film
         if film is not None:
             self.film = None
@@ -241,15 +248,18 @@ class Media(QObject):
     def state(self) -> dict[str, dict[str, str | float] | None]:
         """What a project keeps: `{"sound": {"path", "offset"} or None, "film": the same}`."""
 
-        def kept(placed: Placed[Any] | None) -> dict[str, str | float] | None:
-            return None if placed is None else {"path": str(placed.path), "offset": placed.offset}
+        def kept(kind: str, placed: Placed[Any] | None) -> dict[str, str | float] | None:
+            if placed is None:
+                return self._kept.get(kind)
+            return {"path": str(placed.path), "offset": placed.offset}
 
-        return {"sound": kept(self.sound), "film": kept(self.film)}
+        return {"sound": kept("sound", self.sound), "film": kept("film", self.film)}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Read what a project kept, in place of what is there.
 
-        A file that is gone is told by `missed`; a damaged entry counts as none.
+        A file that is gone is told by `missed`, and stays in the state until another one takes
+        its place; a damaged entry counts as none.
         """
         self.clear()
         film: Path | None = None
@@ -257,13 +267,13 @@ class Media(QObject):
             entry = state.get(kind) if isinstance(state, dict) else None
             if not isinstance(entry, dict) or not isinstance(entry.get("path"), str):
                 continue
-            offset = entry.get("offset", 0.0)
-            path = Path(entry["path"])
+            offset, path = entry.get("offset", 0.0), Path(entry["path"])
+            at = float(offset) if isinstance(offset, int | float) else 0.0
+            self._kept[kind] = {"path": str(path), "offset": at}
             if not path.is_file():
                 error = FileError(path, "is not there any more", "add it again where it is now")
                 self.missed.emit(error)
                 continue
-            at = float(offset) if isinstance(offset, int | float) else 0.0
             if kind == "film":
                 film = path
                 self._read_film(path, at, self.missed.emit)
