@@ -18,7 +18,6 @@ import time
 from pathlib import Path
 
 import icons
-import PyInstaller.__main__
 
 import faceedit_app
 from faceedit_app import __version__
@@ -42,6 +41,7 @@ DEPENDS = (
     "libx11-xcb1",
     "libxcb1",
     "libxext6",
+    "libxrender1",  # pyglet, which pyrender imports, opens it by name
     "libfontconfig1",
     "libfreetype6",
     "libdbus-1-3",
@@ -58,6 +58,8 @@ DEPENDS = (
 
 def bundle() -> None:
     """The application as a folder in dist/faceedit (dist/FaceEdit.app on macOS)."""
+    import PyInstaller.__main__
+
     if Path(faceedit_app.__file__).is_relative_to(ROOT / "faceedit_app"):
         raise SystemExit("install FaceEdit's wheel first; this one is the source tree")
     icons.write_icons(MADE / "icons")
@@ -115,7 +117,7 @@ def deb() -> None:
         "Section": "graphics",
         "Priority": "optional",
         "Depends": ", ".join(DEPENDS).format(glibc=_glibc()),
-        "Recommends": "libegl-mesa0, xdg-desktop-portal",
+        "Recommends": "libegl-mesa0, libportaudio2, xdg-desktop-portal",
         "Suggests": "libosmesa6",
         "Description": "edit tracked facial animation by dragging plain curves\n"
         " Opens the take that Live Link Face on a phone writes, and shows eight curves\n"

@@ -20,12 +20,7 @@ EXCLUDED = [
     "faceedit_app.training",
     "faceedit_app.evaluation",
     # trimesh, pyrender and pyqtgraph use these if they are there; FaceEdit uses none of it.
-    "scipy.optimize",
-    "scipy.signal",
-    "scipy.stats",
-    "scipy.interpolate",
     "scipy.io",
-    "scipy.integrate",
     "scipy.cluster",
     "matplotlib",
     "IPython",
@@ -138,13 +133,14 @@ def without_dangling(entries: list[Entry], binaries: list[Entry]) -> list[Entry]
 
 
 def stripped(entry: Entry, folder: Path) -> Entry:
-    """Python's own libraries without their debugging symbols.
+    """Python's own libraries, and PyAV's 23 MB, without their debugging symbols.
 
-    Only those: libraries in wheels are stripped already, and those that were patched for the
-    wheel do not survive it.
+    Only those: the libraries in other wheels are stripped already, and some that were patched for
+    the wheel do not survive it.
     """
     name, source, kind = entry
-    if not (name.startswith("libpython") or "/lib-dynload/" in name) or not shutil.which("strip"):
+    ours = name.startswith(("libpython", "av/")) or "/lib-dynload/" in name
+    if not ours or kind == "SYMLINK" or not shutil.which("strip"):
         return entry
     copy = folder / name
     copy.parent.mkdir(parents=True, exist_ok=True)

@@ -21,6 +21,16 @@ _COMMON = Path("/usr/share/common-licenses")
 # Licence texts that wheels name without bringing them along.
 _SPOKEN_OF = {"LGPL": "LGPL-3", "GPL": "GPL-3"}
 OURS = "faceedit"
+# What a wheel brings along without saying so.
+_INSIDE = {
+    "av": (
+        "The wheel brings FFmpeg (LGPL-2.1-or-later, here built as GPL-2.0-or-later because of\n"
+        "x264 and x265, GPL-2.0-or-later), dav1d, libvpx, libwebp, Opus and SVT-AV1 (BSD), LAME\n"
+        "(LGPL-2.0-or-later), opencore-amr (Apache-2.0), GnuTLS, Nettle, GMP and libunistring\n"
+        "(LGPL). Their sources are named in the releases of PyAV's FFmpeg builds.",
+        ("GPL-2", "GPL-3", "LGPL-2.1", "LGPL-3"),
+    ),
+}
 
 
 class Unlicensed(Exception):
@@ -62,7 +72,10 @@ def _origin(source: Path) -> tuple[str, Callable[[], str]]:
         source.resolve().is_relative_to(folder) for folder in _standard_library()
     ):
         return f"Python {sys.version.split()[0]}", _of_python
-    if "packaging" in source.parts:  # made by the build: libraries of Python, stripped
+    if "stripped" in source.parts:  # a copy made by the build, without its symbols
+        place = source.parts[source.parts.index("stripped") + 1]
+        if place == "av":
+            return f"av {metadata.version('av')}", lambda: _of_distribution("av")
         return f"Python {sys.version.split()[0]}", _of_python
     if sys.platform.startswith("linux"):
         package = _debian_package(source)
@@ -104,12 +117,14 @@ def _of_distribution(name: str) -> str:
             for word, common in _SPOKEN_OF.items()
             if (_COMMON / common).exists() and any(word in line for line in head)
         ]
+    inside, common = _INSIDE.get(name, ("", ()))
+    texts += [(_COMMON / c).read_text("utf-8") for c in common if (_COMMON / c).is_file()]
     if not (head or texts):
         raise Unlicensed(f"{name}: says nothing of a licence")
     urls = [f"Source: {u}" for u in about.get_all("Project-URL") or [] if "ource" in u][:1]
     author = about.get("Author") or about.get("Author-email") or ""
     by = [f"By {author}"] if author and not texts else []
-    return "\n".join([*head, *by, *urls, "", *dict.fromkeys(texts)])
+    return "\n".join([*head, *by, *urls, inside, "", *dict.fromkeys(texts)])
 
 
 def _of_python() -> str:

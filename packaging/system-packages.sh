@@ -12,6 +12,7 @@ libegl1:libEGL.so.1
 libegl-mesa0:libEGL_mesa.so.0
 libgl1:libGL.so.1
 libgl1-mesa-dri:@dri
+libxrender1:libXrender.so.1
 libosmesa6:libOSMesa.so.8
 libxkbcommon-x11-0:libxkbcommon-x11.so.0
 libxcb-cursor0:libxcb-cursor.so.0

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from faceedit_app.core.errors import Unavailable
+
 
 def bench(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
@@ -16,6 +18,8 @@ def bench(
     ] = False,
 ) -> None:
     """Measure the window on this machine: from the mouse to the picture, playback, start."""
+    if getattr(sys, "frozen", False):  # the installed application has no Python to start
+        raise Unavailable("bench measures a FaceEdit that was installed with pip; use one")
     from faceedit_app.bench.report import QUICK, Plan, run, text
 
     found = run(QUICK if quick else Plan(), lambda what: print(f"{what}…", file=sys.stderr))

@@ -15,18 +15,21 @@ trap 'umount "$root/proc" 2>/dev/null || true; rm -rf --one-file-system "$root"'
 
 inside() { chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 \
 	DEBIAN_FRONTEND=noninteractive "$@"; }
+install() { inside apt-get -qq install -y --no-install-recommends "$@" >/dev/null 2>"$root/apt.log" ||
+	{ cat "$root/apt.log"; exit 1; }; }
 fail() { echo "try-deb: $*" >&2; exit 1; }
 
 debootstrap --variant=minbase "$suite" "$root" >"$root.log" || { tail "$root.log"; exit 1; }
 rm -f "$root.log"
+chmod 755 "$root"
 mount -t proc proc "$root/proc"
-inside sh -c 'cd / && find bin etc lib* opt sbin usr | sort' >"$root/before"
+inside sh -c 'cd / && find bin etc lib* opt sbin usr 2>/dev/null | sort' >"$root/before"
 cp "$deb" "$root/faceedit.deb"
 cp "$here/../smoke_test.py" "$root/smoke_test.py"
 
 echo "Installing on $suite"
 inside apt-get -qq update
-inside apt-get -qq install -y --no-install-recommends /faceedit.deb >/dev/null
+install /faceedit.deb
 
 echo "Everything that the application loads is there"
 inside sh -c 'find /opt/faceedit -name "*.so*" -type f' | while read -r library; do
@@ -43,16 +46,15 @@ inside faceedit info "$take"
 inside faceedit render "$take" -o /face.png
 
 echo "The window, on a virtual screen"
-inside apt-get -qq install -y --no-install-recommends xvfb python3-minimal >/dev/null
-inside apt-get -qq install -y --no-install-recommends python3 >/dev/null
+install xvfb python3
 inside python3 /smoke_test.py faceedit --keep /smoke
 "$reference" apply "$root$take" "$root/smoke/window/edits.json" -o "$root/expected.csv"
 cmp "$root/expected.csv" "$root/smoke/window/edited.csv"
 echo "The export is that of $reference"
 
 echo "Removing"
-inside apt-get -qq purge -y faceedit >/dev/null
-inside sh -c 'cd / && find bin etc lib* opt sbin usr | sort' >"$root/after"
+inside apt-get -qq purge -y faceedit >/dev/null 2>&1
+inside sh -c 'cd / && find bin etc lib* opt sbin usr 2>/dev/null | sort' >"$root/after"
 left=$(comm -13 "$root/before" "$root/after" | grep -i faceedit || true)
 [ -z "$left" ] || fail "left behind: $left"
 echo "try-deb: passed"
