@@ -70,8 +70,8 @@ inside. They are not meant for recognising people or feelings, and have seen few
 
     {command}
 
-The same takes and seed give the same networks on the same kind of processor, and the same figures
-to three digits elsewhere.
+The same takes and seed give the same networks on the same kind of processor; another one rounds
+differently.
 
 ## Data
 
