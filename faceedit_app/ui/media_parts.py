@@ -27,6 +27,7 @@ class OffsetBox(QDoubleSpinBox):
             "A film and its own sound move together."
         )
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.lineEdit().setAcceptDrops(False)  # files are the window's
         # Enter hands the keys back to the curves.
         self.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
 
