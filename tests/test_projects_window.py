@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,9 +17,10 @@ from windows import Bench
 
 from faceedit_app.editing import journal
 from faceedit_app.editing.edit import Edit, Op
-from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.session import EditSession, EditState
 from faceedit_app.ui import dialogs
 from faceedit_app.ui.dialogs import Recover, Unsaved
+from faceedit_app.ui.project_commands import ProjectCommands
 from faceedit_app.ui.window import MainWindow
 
 
@@ -146,9 +148,11 @@ def test_a_folder_that_cannot_be_written_loses_nothing(bench: Bench) -> None:
 KILLED = """
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from PySide6.QtCore import QPoint, QPointF, QEvent, Qt, QTimer
 from PySide6.QtTest import QTest
 from faceedit_app.ui import app, loading
+from faceedit_app.ui.project_commands import ProjectCommands
 from faceedit_app.ui.window import MainWindow
 from faceedit_app.core.errors import FileError
 loading.prepare_renderer = lambda: None
@@ -218,3 +222,30 @@ def test_kill_9_in_the_middle_of_a_drag_loses_that_drag_only(
     assert window.close()
     assert journal.pending_journals() == []
     shutil.rmtree(folder)
+
+
+def test_recovery_of_a_take_that_has_changed_since_says_so(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    folder = tmp_path / "journals"
+    crashed = journal.Journal(bench.take, folder=folder)
+    crashed.record(EditState((Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, 6.0),)))
+    content = crashed.path.read_bytes()
+    crashed.close()
+    crashed.path.write_bytes(content)
+    bench.take.write_bytes(bench.take.read_bytes().replace(b"12:00:00", b"12:00:01"))
+    monkeypatch.setattr(journal, "journal_folder", lambda: folder)
+    monkeypatch.setattr(dialogs, "ask_recover", lambda *_: Recover.RECOVER)
+    warnings: list[str] = []
+    monkeypatch.setattr(
+        ProjectCommands,
+        "warned",
+        SimpleNamespace(emit=warnings.append, connect=lambda *_: None),
+    )
+    window = bench.window()
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    bench.qtbot.waitUntil(lambda: bool(warnings))
+    assert "has changed since" in warnings[0]
+    assert len(session_of(window).edits) == 1
+    bench.answers["unsaved"] = Unsaved.DISCARD
+    assert window.close()

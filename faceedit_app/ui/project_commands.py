@@ -187,5 +187,8 @@ class ProjectCommands(QObject):
         def opened() -> None:
             pending.discard()
             self.told.emit(f"Recovered {pending.gestures} steps of {pending.take.name}")
+            session = self._document.session
+            if session is not None and session.fingerprint != pending.fingerprint:
+                self.warned.emit(f"{pending.take.name} has changed since these edits were made")
 
         self._files.read(pending.take, prepare, opened, pending.project)
