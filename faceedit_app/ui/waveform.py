@@ -28,6 +28,7 @@ from faceedit_app.ui.timeline import Timeline
 HEIGHT = 58  # pixels of the strip
 FINE = 0.1  # of the pointer's way, with Shift
 _INK = "#8fb3a6"  # of the waveform: none of the curves' colours
+_LOUD = 0.99  # share of the sound that fits into the strip's height
 _QUIETEST = 0.05  # of full: a sound with less is not blown up to fill the strip
 _TIP = (
     "The take's sound. Drag to scrub.\n"
@@ -76,7 +77,9 @@ class Waveform(QWidget):
         self._grabbed = self._picture = None
         if sound is not None:
             top = sound.columns(sound.start, sound.end, 1000)
-            self._loudest = max(_QUIETEST, float(np.nanmax(np.abs(top), initial=0.0)))
+            # One bang must not make all that is spoken small; it is cut off instead.
+            loud = float(np.nanquantile(np.abs(top), _LOUD))
+            self._loudest = max(_QUIETEST, loud)
         self.update()
 
     # --- painting --------------------------------------------------------------------------
@@ -117,8 +120,10 @@ class Waveform(QWidget):
         if self._picture is None or self._picture[0] != key:
             first, last = self._timeline.view
             shift = placed.offset
-            columns = placed.item.columns(first - shift, last - shift, size[0]) / self._loudest
-            pixels = _painted(columns, size[1], style.color(_INK).rgb())
+            columns = placed.item.columns(first - shift, last - shift, size[0])
+            pixels = _painted(
+                np.clip(columns / self._loudest, -1.0, 1.0), size[1], style.color(_INK).rgb()
+            )
             image = QImage(pixels.data, *size, QImage.Format.Format_ARGB32_Premultiplied)
             self._picture = key, image, pixels
         return self._picture[1]
