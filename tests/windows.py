@@ -38,10 +38,17 @@ class FakeRenderer:
         self.size = (width, height)
 
     def draw(self, vertices: Any, camera: render.Camera, smooth: bool = True) -> Any:
+        self.begin(vertices, camera, smooth)
+        return self.finish()
+
+    def begin(self, vertices: Any, camera: render.Camera, smooth: bool = True) -> None:
         self.calls.append((self.size, camera, smooth))
         width, height = self.size
         shade = int(abs(float(vertices[:, 1].sum()))) % 256
-        return np.full((height, width, 4), shade, np.uint8)
+        self.picture = np.full((height, width, 4), shade, np.uint8)
+
+    def finish(self) -> Any:
+        return self.picture
 
     def close(self) -> None:
         self.open = False

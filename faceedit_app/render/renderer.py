@@ -59,12 +59,28 @@ class FaceRenderer:
             self._image = _image(width, height)
 
     def draw(self, vertices: Floats, camera: Camera, smooth: bool = True) -> Pixels:
-        """One image of the face.
+        """One image of the face: `begin` and `finish`."""
+        self.begin(vertices, camera, smooth)
+        return self.finish()
+
+    def begin(self, vertices: Floats, camera: Camera, smooth: bool = True) -> None:
+        """Have an image drawn, and return before it is: other work can be done meanwhile.
 
         Args:
             vertices: (V, 3) float32, metres, such as `rig.vertices(weights)`.
             camera: where from.
             smooth: with antialiased edges; leave it out while dragging or playing.
+        """
+        if self._studio is None:
+            raise Unavailable("The face cannot be drawn: its view is closed; open it again")
+        from faceedit_app.render.studio import SAMPLES
+
+        height, width = self._image.shape[:2]
+        self._context.make_current()
+        self._studio.begin(vertices, camera, width, height, SAMPLES if smooth else 0)
+
+    def finish(self) -> Pixels:
+        """The image that was begun last, at the size of then.
 
         Returns:
             (H, W, 4) uint8, contiguous, BGRA with the top row first (QImage.Format_RGB32 takes it
@@ -73,11 +89,8 @@ class FaceRenderer:
         """
         if self._studio is None:
             raise Unavailable("The face cannot be drawn: its view is closed; open it again")
-        from faceedit_app.render.studio import SAMPLES
-
-        height, width = self._image.shape[:2]
         self._context.make_current()
-        self._studio.frame(vertices, camera, width, height, SAMPLES if smooth else 0, self._image)
+        self._studio.finish(self._image)
         return self._image
 
     def close(self) -> None:

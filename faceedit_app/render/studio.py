@@ -95,18 +95,24 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._depth = self._program("depth")
         self._locations: dict[tuple[int, str], int] = {}
         self._targets: dict[int, Target] = {}
+        self._drawn: tuple[Target, int]
         self._vertices[:, 6:10] = vertex_looks(rig, self._bake(rig))
 
-    def frame(
-        self, vertices: Floats, camera: Camera, width: int, height: int, samples: int, out: Pixels
+    def begin(
+        self, vertices: Floats, camera: Camera, width: int, height: int, samples: int
     ) -> None:
-        """Draw `vertices` (V, 3), metres, into `out` (height, width, 4), BGRA, top row first."""
+        """Have `vertices` (V, 3), metres, drawn; whoever draws works on while this returns."""
         self._upload(vertices)
         target = self._target(width, height, samples)
         self._begin(target)
         self._draw_face(camera, width / height)
         self._draw_backdrop()
-        self._read(target, samples, out)
+        GL.glFlush()
+        self._drawn = target, samples
+
+    def finish(self, out: Pixels) -> None:
+        """Wait for it, and put it into `out` (height, width, 4), BGRA, top row first."""
+        self._read(*self._drawn, out)
 
     def delete(self) -> None:
         """Free everything on the graphics card."""

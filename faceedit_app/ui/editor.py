@@ -181,6 +181,7 @@ class Editor(QWidget):
         # The face stays on the frame that is being changed.
         self._playback.pause()
         self.face.refresh()
+        self.face.viewport.hurry()
         self.solving.begin()
 
 

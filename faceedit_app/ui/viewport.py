@@ -65,7 +65,7 @@ class Viewport(QWidget):
         self._is_home = True
         self._image: QImage | None = None
         self._buffer: NDArray[np.uint8] | None = None
-        self._stale, self._smooth = True, True
+        self._stale, self._smooth, self._hurried = True, True, False
         self._scale = 1.0
         self._grabbed: QPointF | None = None
         self._idle = QTimer(self, singleShot=True, interval=IDLE_MS)
@@ -117,9 +117,28 @@ class Viewport(QWidget):
 
     def redraw(self) -> None:
         """Draw soon: roughly now, smoothly when nothing has changed for a moment."""
-        self._stale, self._smooth = True, False
+        self._stale, self._smooth, self._hurried = True, False, False
         self._idle.start()
         self.update()
+
+    def hurry(self) -> None:
+        """Have the picture drawn while the rest of the window is painted, not after it."""
+        if not self._stale or self._smooth or self._beside is not None or not self.isVisible():
+            return
+        if self._renderer is None or self._rig is None:
+            return
+        with contextlib.suppress(Exception):  # painting meets it again, and says so
+            self._renderer.resize(*self._picture_size())
+            self._renderer.begin(self._vertices(self._rig), self._camera, smooth=False)
+            self._hurried = True
+
+    def _picture_size(self) -> tuple[int, int]:
+        scale = 1.0 if self._smooth else self._scale
+        width, height = (max(1, round(n * scale)) for n in self._pixels())
+        return width, height
+
+    def _vertices(self, rig: Rig) -> Floats:
+        return rig.neutral if self._weights is None else rig.vertices(self._weights)
 
     def reset_camera(self) -> None:
         """Look from the front again."""
@@ -170,6 +189,9 @@ class Viewport(QWidget):
 
     def _faces(self, renderer: FaceRenderer, rig: Rig, size: tuple[int, int]) -> NDArray[np.uint8]:
         """(H, W, 4) the picture: one face, or two beside each other."""
+        if self._hurried and self._beside is None and not self._smooth:
+            self._hurried = False
+            return renderer.finish()
         width, height = size
         shown = [self._weights] if self._beside is None else [self._beside, self._weights]
         renderer.resize(max(width // len(shown), 1), height)
@@ -186,10 +208,8 @@ class Viewport(QWidget):
         if self._renderer is None or self._rig is None:
             return
         began = time.perf_counter()
-        scale = 1.0 if self._smooth else self._scale
-        width, height = (max(1, round(n * scale)) for n in self._pixels())
         try:
-            pixels = self._faces(self._renderer, self._rig, (width, height))
+            pixels = self._faces(self._renderer, self._rig, self._picture_size())
         except Exception as error:  # drivers and PyOpenGL raise all kinds
             logging.getLogger("faceedit").warning("drawing failed", exc_info=True)
             self.close_renderer()

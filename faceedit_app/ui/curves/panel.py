@@ -23,11 +23,18 @@ from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.range_fields import RangeFields
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.timeline import Timeline
-from faceedit_app.ui.tooling import Tooling
+from faceedit_app.ui.tooling import Tool, Tooling
 
 _APART = 0.05  # mm between two lines from which on the header mentions it
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
-_IDLE_HINT = "Drag a curve up or down to change the face"
+_IDLE_HINTS = {
+    Tool.MOVE: "Drag a curve up or down to change the face",
+    Tool.DRAW: "Draw a curve freehand",
+    Tool.SMOOTH: "Paint over a curve to calm its shaking",
+    Tool.SCALE: "Drag a curve up for larger movements, down for smaller ones",
+    Tool.FLATTEN: "Paint over a curve to hold it where you pressed",
+    Tool.RESTORE: "Paint over edits to go back to the take as tracked",
+}
 
 
 class CurvesPanel(QWidget):
@@ -113,6 +120,7 @@ class CurvesPanel(QWidget):
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
         self.timeline.falloff_changed.connect(self._show_state)
+        self.tooling.changed.connect(self._show_state)
         self._band.moved.connect(self.reshaped)
         self._band.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
@@ -206,8 +214,8 @@ class CurvesPanel(QWidget):
         self._show_state()
 
     def _previewed(self) -> None:
+        self.edited.emit()  # first: the face is drawn while the curves are painted
         self.refresh()
-        self.edited.emit()
 
     def _committed(self) -> None:
         self.refresh()
@@ -303,7 +311,7 @@ class CurvesPanel(QWidget):
             return f"Falloff {seconds:.2f} s (wheel) · Shift fine · Ctrl snap · Esc cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
-        return _IDLE_HINT
+        return _IDLE_HINTS[self.tooling.tool]
 
 
 def _note(tracked: float, asked: float, face: float) -> str:
