@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from faceedit_app.core.regions import CONTROL_IDS
-from faceedit_app.ui.clock import Unit
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.playback import Playback
 from faceedit_app.ui.timeline import Timeline
@@ -72,7 +71,6 @@ class EditCommands:
             "rewind": lambda: self._playback.shuttle(-1),
             "stop": self._playback.pause,
             "fast_forward": lambda: self._playback.shuttle(1),
-            **{f"unit_{unit}": partial(self._timeline.clock.choose, unit) for unit in Unit},
             "loop": lambda: self._playback.set_loop(not self._playback.loop),
             "back": lambda: line.go_to_frame(line.frame - 1),
             "forward": lambda: line.go_to_frame(line.frame + 1),

@@ -23,6 +23,7 @@ _ADJUSTING = {
     Qt.Key.Key_Home,
     Qt.Key.Key_End,
 }
+_STEPPING = {Qt.Key.Key_Up, Qt.Key.Key_Down}
 
 
 class KeyArbiter(QObject):
@@ -72,7 +73,8 @@ class KeyArbiter(QObject):
             event.ignore()  # swallowed unaccepted, so that it goes on to the shortcut
             return True
         adjusts = isinstance(focus, QAbstractSlider | QComboBox | QAbstractItemView)
-        if plain and adjusts and event.key() in _ADJUSTING:
+        steps = isinstance(focus, QAbstractSpinBox) and event.key() in _STEPPING
+        if plain and (steps or (adjusts and event.key() in _ADJUSTING)):
             event.accept()  # the widget's own, not a shortcut
             return True
         return False

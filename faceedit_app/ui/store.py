@@ -62,18 +62,20 @@ class Store:
         """Do not show the first steps again."""
         self._settings.setValue("hints_seen", 1)
 
-    def save_layout(self, window: QMainWindow, splitter: QSplitter) -> None:
+    def save_layout(self, window: QMainWindow, *splitters: QSplitter) -> None:
         """Remember the window's place and how its panes share it."""
         self._settings.setValue("window", window.saveGeometry())
-        self._settings.setValue("panes", splitter.saveState())
+        for number, splitter in enumerate(splitters):
+            self._settings.setValue(f"panes/{number}", splitter.saveState())
 
     def restore_window(self, window: QMainWindow) -> bool:
         """Put the window where it was; False if it is the first time."""
         geometry = self._settings.value("window")
         return isinstance(geometry, QByteArray) and window.restoreGeometry(geometry)
 
-    def restore_panes(self, splitter: QSplitter) -> None:
+    def restore_panes(self, *splitters: QSplitter) -> None:
         """Share the window among its panes as last time."""
-        state = self._settings.value("panes")
-        if isinstance(state, QByteArray):
-            splitter.restoreState(state)
+        for number, splitter in enumerate(splitters):
+            state = self._settings.value(f"panes/{number}")
+            if isinstance(state, QByteArray):
+                splitter.restoreState(state)

@@ -23,13 +23,10 @@ from faceedit_app.media import is_media
 from faceedit_app.ui import dialogs, loading
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.banner import Banner
-from faceedit_app.ui.clock import Unit
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.edit_commands import EditCommands
-from faceedit_app.ui.edits_panel import EditsPanel
 from faceedit_app.ui.file_commands import DEMO, FileCommands
 from faceedit_app.ui.fix_commands import FixCommands
-from faceedit_app.ui.help import about_dialog, shortcuts_dialog
 from faceedit_app.ui.icons import app_icon
 from faceedit_app.ui.keys import KeyArbiter
 from faceedit_app.ui.media import Media
@@ -41,7 +38,8 @@ from faceedit_app.ui.start_page import StartPage
 from faceedit_app.ui.status import StatusLine
 from faceedit_app.ui.store import Store
 from faceedit_app.ui.timeline import Timeline
-from faceedit_app.ui.tooling import Tool, Tooling
+from faceedit_app.ui.tooling import Tooling
+from faceedit_app.ui.view_commands import ViewCommands
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -86,6 +84,14 @@ class MainWindow(QMainWindow):
         self.fixes = FixCommands(
             self, self.document, self.timeline, lambda: self.editor, self.edits.finish
         )
+        self.views = ViewCommands(
+            self,
+            self.tooling,
+            self.timeline.clock,
+            lambda: self.editor,
+            lambda: self._rig,
+            self.edits.finish,
+        )
         self.media = Media(self._background, self)
         self.sounding = Sounding(self.media, self.timeline, self.playback, self._background)
         self.media_commands = MediaCommands(self, self.media, self.sounding, store)
@@ -105,6 +111,7 @@ class MainWindow(QMainWindow):
         return (
             self.edits.handlers()
             | self.fixes.handlers()
+            | self.views.handlers()
             | {
                 **self.media_commands.handlers(),
                 "open": files.ask_open,
@@ -115,32 +122,8 @@ class MainWindow(QMainWindow):
                 "save_edits": lambda: _ignore(files.ask_save_edits()),
                 "load_edits": files.ask_load_edits,
                 "quit": lambda: _ignore(self.close()),
-                **{f"tool_{tool}": partial(self.tooling.choose, tool) for tool in Tool},
-                "link": lambda: self.tooling.link(not self.tooling.linked),
-                "toggle_edit": self._on_edits(EditsPanel.toggle),
-                "rename_edit": self._on_edits(EditsPanel.rename),
-                "edit_up": self._on_edits(lambda edits: edits.bring(-1)),
-                "edit_down": self._on_edits(lambda edits: edits.bring(1)),
-                "delete_edit": self._on_edits(EditsPanel.delete),
-                "reset_camera": self._reset_camera,
-                "show_edited": lambda: self._show_tracked(False),
-                "show_both": self._show_both,
-                "show_tracked": lambda: self._show_tracked(None),
-                "first_steps": self._first_steps,
-                "shortcuts": lambda: shortcuts_dialog(self).show(),
-                "about": self._about,
             }
         )
-
-    def _on_edits(self, work: Callable[[EditsPanel], None]) -> Callable[[], None]:
-        """Something to do with the panel of edits, once it is there."""
-
-        def do() -> None:
-            if self.editor is not None:
-                self.edits.finish()
-                work(self.editor.edits)
-
-        return do
 
     def _lay_out(self) -> None:
         self.setWindowTitle("FaceEdit")
@@ -178,12 +161,13 @@ class MainWindow(QMainWindow):
         self.start_page.chosen.connect(self.files.open_if_saved)
         menu = self.actions_.recent_menu
         menu.aboutToShow.connect(lambda: self.files.fill_recent(menu))
-        self.timeline.clock.changed.connect(self._show_unit)
-        self._show_unit()
+        show_unit = partial(self.views.show_unit, self.actions_)
+        self.timeline.clock.changed.connect(show_unit)
+        show_unit()
         presets = self.actions_.presets_menu
         presets.aboutToShow.connect(lambda: self.fixes.fill_presets(presets))
         self.fixes.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
-        self.keys.glancing.connect(self._glance)
+        self.keys.glancing.connect(self.views.glance)
 
     # --- start -------------------------------------------------------------------------------
 
@@ -245,7 +229,7 @@ class MainWindow(QMainWindow):
             self._pages.addWidget(self.editor)
             self.editor.problems.picked.connect(self.fixes.go_to)
             self.editor.hints.closed.connect(self.editor.curves.setFocus)
-            self._store.restore_panes(self.editor.panes)
+            self._store.restore_panes(self.editor.panes, self.editor.side)
             solving = self.editor.solving
             solving.advanced.connect(self.status.show_work)
             solving.finished.connect(self.status.show_work)
@@ -295,13 +279,16 @@ class MainWindow(QMainWindow):
         self.status.set_take(session.take)
         self.actions_.enable_for_take(True)
         editor.strip.sync()
+        editor.edits.refresh()
+        editor.proposal.gave_way()
+        editor.problems.found.emit()
         self._pages.setCurrentWidget(editor)
         editor.curves.setFocus()
         self._mark_modified()
         self._open_face()
         if self.document.keeps_journal and self._store.hints_wanted():
             self._store.set_hints_seen()
-            QTimer.singleShot(0, self._first_steps)  # once all has its place
+            QTimer.singleShot(0, editor.hints.begin)  # once all has its place
         self.media_commands.follow(session.take)
 
     def _mark_modified(self) -> None:
@@ -334,37 +321,6 @@ class MainWindow(QMainWindow):
     def restore_media(self, state: dict[str, Any]) -> None:
         """Bring sound and film back as `media_state` gave them; call it with the take open."""
         self.media.restore(state)
-
-    # --- view and help -----------------------------------------------------------------------
-
-    def _reset_camera(self) -> None:
-        if self.editor is not None:
-            self.editor.face.viewport.reset_camera()
-
-    def _show_tracked(self, tracked: bool | None) -> None:
-        """Show the tracked face or the edited one; None takes the other."""
-        if self.editor is not None:
-            face = self.editor.face
-            face.set_tracked(not face.shows_tracked if tracked is None else tracked)
-
-    def _first_steps(self) -> None:
-        if self.editor is not None:
-            self.editor.hints.begin()
-
-    def _show_both(self) -> None:
-        if self.editor is not None:
-            self.editor.face.show_both()
-
-    def _show_unit(self) -> None:
-        for unit in Unit:
-            self.actions_[f"unit_{unit}"].setChecked(unit is self.timeline.clock.unit)
-
-    def _glance(self, glancing: bool) -> None:
-        if self.editor is not None:
-            self.editor.face.glance(glancing)
-
-    def _about(self) -> None:
-        about_dialog(self, self._rig.attribution if self._rig is not None else "").show()
 
     # --- window events -----------------------------------------------------------------------
 
@@ -407,7 +363,7 @@ class MainWindow(QMainWindow):
             event.ignore()
             return
         if self.editor is not None:
-            self._store.save_layout(self, self.editor.panes)
+            self._store.save_layout(self, self.editor.panes, self.editor.side)
         self.leave()
         super().closeEvent(event)
 
