@@ -142,6 +142,7 @@ class Editor(QWidget):
         self.curves.set_session(session)
         self.transport.set_clip(clip)
         self.problems.restart()
+        self.solving.watch()
         self.face.refresh()
 
     def drop(self) -> bool:

@@ -32,7 +32,7 @@ class Solving(QObject):
         self._timer = QTimer(self, interval=0)
         self._timer.timeout.connect(self._work)
         self._began = self._told = 0.0
-        document.opened.connect(self._open)
+        document.opened.connect(self.watch)
         document.changed.connect(self.begin)
         document.previewed.connect(self.begin)
         timeline.playhead_moved.connect(self._look)
@@ -57,7 +57,8 @@ class Solving(QObject):
         if self.is_busy and not self._document.cancel():
             self._document.undo()
 
-    def _open(self) -> None:
+    def watch(self) -> None:
+        """Another take is open: what is on screen is computed first."""
         session = self._document.session
         if session is not None:
             session.live.patience = PATIENCE
