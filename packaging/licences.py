@@ -68,8 +68,10 @@ def _origin(source: Path) -> tuple[str, Callable[[], str]]:
             return "", str
         version = metadata.version(owner)
         return f"{owner} {version}", lambda: _of_distribution(owner)
-    if source.name.startswith("libpython") or any(
-        source.resolve().is_relative_to(folder) for folder in _standard_library()
+    if (
+        source.name == "base_library.zip"
+        or source.name.startswith("libpython")
+        or any(source.resolve().is_relative_to(folder) for folder in _standard_library())
     ):
         return f"Python {sys.version.split()[0]}", _of_python
     if "stripped" in source.parts:  # a copy made by the build, without its symbols

@@ -192,6 +192,8 @@ def test_every_file_in_the_bundle_needs_a_licence(tool: Tool, tmp_path: Path) ->
     assert "Redistribution and use in source and binary forms" in text()
     title, _ = licences._origin(Path(str(json.__file__)))
     assert title.startswith("Python 3.")
+    for made in ("work/base_library.zip", "stripped/python3.11/lib-dynload/_json.so"):
+        assert licences._origin(tmp_path / made)[0].startswith("Python 3.")
     stray = tmp_path / "stray.so"
     stray.touch()
     with pytest.raises(licences.Unlicensed, match="unknown origin"):

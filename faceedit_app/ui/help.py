@@ -26,9 +26,9 @@ ABOUT = (
 )
 LICENCES = (
     "FaceEdit is free software under the MIT licence. It stands on PySide6 (LGPL-3.0),"
-    " pyqtgraph (MIT), PyTorch (BSD-3-Clause), NumPy and SciPy (BSD-3-Clause), pyrender (MIT),"
-    " PyOpenGL (BSD), trimesh (MIT), pygltflib (MIT), safetensors (Apache-2.0) and"
-    " platformdirs (MIT)."
+    " pyqtgraph (MIT), NumPy and SciPy (BSD-3-Clause), PyAV (BSD-3-Clause) with FFmpeg (GPL-2.0),"
+    " pyrender (MIT), PyOpenGL (BSD), trimesh (MIT), pygltflib (MIT), safetensors (Apache-2.0)"
+    " and platformdirs (MIT)."
 )
 
 
