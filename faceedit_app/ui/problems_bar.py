@@ -13,14 +13,17 @@ from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import Scale
 from faceedit_app.ui.document import Document
+from faceedit_app.ui.loading import Background
 from faceedit_app.ui.timeline import Timeline
 from faceedit_app.ui.widgets import icon_button
 
 if TYPE_CHECKING:
     from faceedit_app.editing.problems import Problem
+    from faceedit_app.editing.session import EditSession
 
 HEIGHT = 24
 _WAIT_MS = 250  # after the last change
+_LONG = 20_000  # frames: looking through more would stop the window, so it is done beside it
 _NEAR = 7.0  # pixels
 # Okabe and Ito's, told apart by colour-blind people; the shapes differ too.
 COLORS = {"lips": "#d55e00", "blink": "#e69f00", "jitter": "#cc79a7", "dropped": "#9aa0aa"}
@@ -49,7 +52,9 @@ class ProblemsBar(QWidget):
         self.problems: tuple[Problem, ...] = ()
         self.current: int | None = None
         self._timer = QTimer(self, singleShot=True, interval=_WAIT_MS)
-        self._timer.timeout.connect(self.search)
+        self._timer.timeout.connect(self._search_soon)
+        self._background = Background(self)
+        self._newest = 0  # search in the background
         self.setFixedHeight(HEIGHT)
         self.setObjectName("problems")
         self.setAccessibleName("Problems of the take")
@@ -64,6 +69,36 @@ class ProblemsBar(QWidget):
         self.problems, self.current = (), None
         self._timer.start()
         self._tell()
+
+    def _search_soon(self) -> None:
+        """Look at the take once it has come to rest."""
+        session = self._document.session
+        if session is None:
+            return
+        if session.is_floating or not session.live.is_complete:
+            self._timer.start()
+        elif len(session.take.clip) < _LONG:
+            self.search()
+        else:
+            self._search_beside(session)
+
+    def _search_beside(self, session: EditSession) -> None:
+        from faceedit_app.editing.problems import problems_of
+
+        self._newest += 1
+        number, clip = self._newest, session.take.clip
+        weights, controls = session.weights.copy(), session.achieved.copy()
+
+        def done(problems: list[Problem]) -> None:
+            if number == self._newest and self._document.session is session:
+                self.problems = tuple(problems)
+                self._moved()
+                self._tell()
+
+        def failed(_: Exception) -> None:
+            """There are no marks then."""
+
+        self._background.run(lambda: problems_of(clip, weights, controls), done, failed)
 
     def search(self) -> None:
         """Look at the take as it is edited now."""
