@@ -131,7 +131,7 @@ def test_a_sound_is_added_from_the_menu_and_removed(
     trigger(window, "remove_sound")
     assert not editor.sound.isVisible()
     assert devices[0].closed
-    assert window.media_state() == {"sound": None, "film": None}
+    assert window.media.state() == {"sound": None, "film": None}
 
 
 def test_a_film_brings_its_own_sound_and_takes_it_away(
@@ -534,28 +534,28 @@ def test_state_is_restored(bench: Bench, devices: list[FakeOutput]) -> None:
     window = with_media(bench, film, make_wav(bench.folder / "voice.wav"))
     window.media.move_film(0.25)
     window.media.move_sound(-0.125)
-    state = window.media_state()
+    state = window.media.state()
     assert state == {
         "sound": {"path": str(bench.folder / "voice.wav"), "offset": -0.125},
         "film": {"path": str(film), "offset": 0.25},
     }
     window.media.clear()
-    window.restore_media(state)
-    assert window.media_state() == state  # while it is still being read, too
+    window.media.restore(state)
+    assert window.media.state() == state  # while it is still being read, too
     settle(bench, window)
-    assert window.media_state() == state
+    assert window.media.state() == state
 
 
 def test_a_state_whose_files_are_gone_or_damaged(bench: Bench) -> None:
     window = bench.editing()
     gone = {"path": str(bench.folder / "gone.wav"), "offset": 1.0}
-    window.restore_media({"sound": gone, "film": {"path": 3}})
+    window.media.restore({"sound": gone, "film": {"path": 3}})
     assert "gone.wav" in window.banner.text.text()
-    assert window.media_state() == {"sound": gone, "film": None}  # for when it is back
-    window.restore_media({})
-    window.restore_media({"film": None, "sound": {"offset": "x"}})
+    assert window.media.state() == {"sound": gone, "film": None}  # for when it is back
+    window.media.restore({})
+    window.media.restore({"film": None, "sound": {"offset": "x"}})
     settle(bench, window)
-    assert window.media_state() == {"sound": None, "film": None}
+    assert window.media.state() == {"sound": None, "film": None}
     assert not bench.errors
 
 

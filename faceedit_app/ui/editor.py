@@ -143,6 +143,9 @@ class Editor(QWidget):
         self.transport.set_clip(clip)
         self.problems.restart()
         self.solving.watch()
+        self.strip.sync()
+        self.edits.refresh()
+        self.proposal.gave_way()
         self.face.refresh()
 
     def drop(self) -> bool:

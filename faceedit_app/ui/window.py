@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QEvent, QTimer, Signal
+from PySide6.QtCore import QTimer, Signal
 from PySide6.QtGui import (
     QCloseEvent,
-    QDragEnterEvent,
-    QDragLeaveEvent,
-    QDropEvent,
     QShowEvent,
 )
-from PySide6.QtWidgets import QMainWindow, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QStackedWidget, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import shipped
@@ -40,6 +37,7 @@ from faceedit_app.ui.store import Store
 from faceedit_app.ui.timeline import Timeline
 from faceedit_app.ui.tooling import Tooling
 from faceedit_app.ui.view_commands import ViewCommands
+from faceedit_app.ui.window_base import WindowBase
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -51,7 +49,7 @@ _FIRST_SIZE = (1440, 900)
 _TOLD_MS = 6000
 
 
-class MainWindow(QMainWindow):
+class MainWindow(WindowBase):
     """FaceEdit's window.
 
     Signals:
@@ -65,7 +63,6 @@ class MainWindow(QMainWindow):
         self._store = store
         self._rig: Rig | None = None
         self._face_wanted = False
-        self._on_paint: Callable[[], None] | None = None
         self.editor: Editor | None = None
         self.document = Document(self)
         self.timeline = Timeline(self)
@@ -103,6 +100,7 @@ class MainWindow(QMainWindow):
         self.banner = Banner()
         self.status = StatusLine()
         self.keys = KeyArbiter(self)
+        self._show_error = partial(dialogs.show_error, self)
         self._lay_out()
         self._connect()
 
@@ -116,19 +114,27 @@ class MainWindow(QMainWindow):
                 **self.media_commands.handlers(),
                 "open": files.ask_open,
                 "open_demo": files.open_demo,
-                "export": lambda: _ignore(files.ask_export()),
-                "save": lambda: _ignore(self.projects.save()),
-                "save_as": lambda: _ignore(self.projects.save_as()),
-                "save_edits": lambda: _ignore(files.ask_save_edits()),
+                "export": self._finished(files.ask_export),
+                "save": self._finished(self.projects.save),
+                "save_as": self._finished(self.projects.save_as),
+                "save_edits": self._finished(files.ask_save_edits),
                 "load_edits": files.ask_load_edits,
-                "quit": lambda: _ignore(self.close()),
+                "quit": self._finished(self.close),
             }
         )
+
+    def _finished(self, work: Callable[[], bool]) -> Callable[[], None]:
+        """Something to do when no gesture is in progress any more."""
+
+        def do() -> None:
+            self.edits.finish()
+            work()
+
+        return do
 
     def _lay_out(self) -> None:
         self.setWindowTitle("FaceEdit")
         self.setWindowIcon(app_icon())
-        self.setAcceptDrops(True)
         self._pages = QStackedWidget()
         self._pages.addWidget(self.start_page)
         central = QWidget()
@@ -149,13 +155,10 @@ class MainWindow(QMainWindow):
         self.document.opened.connect(self._opened)
         self.document.changed.connect(self._mark_modified)
         self.document.saved.connect(self._mark_modified)
-        self.projects.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
         self.projects.warned.connect(self.banner.say)
         self.files.reading.connect(self._say_reading)
         self.files.character_loaded.connect(self._character_loaded)
-        self.files.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
-        self.media.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
-        self.media.failed.connect(self._failed)
+        self.media.failed.connect(self._show_error)
         self.media.missed.connect(lambda error: self.banner.say(str(error), str(error)))
         self.media_commands.attach(self.actions_)
         self.start_page.chosen.connect(self.files.open_if_saved)
@@ -166,7 +169,8 @@ class MainWindow(QMainWindow):
         show_unit()
         presets = self.actions_.presets_menu
         presets.aboutToShow.connect(lambda: self.fixes.fill_presets(presets))
-        self.fixes.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
+        for teller in (self.files, self.projects, self.media, self.fixes):
+            teller.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
         self.keys.glancing.connect(self.views.glance)
 
     # --- start -------------------------------------------------------------------------------
@@ -201,17 +205,6 @@ class MainWindow(QMainWindow):
         self.document.adopt(loading.open_session(shipped(DEMO), rig))
         self.build_editor().face.viewport.open(rig)
 
-    def after_first_paint(self, work: Callable[[], None]) -> None:
-        """Call `work` once the window has been painted."""
-        self._on_paint = work
-
-    def event(self, event: QEvent) -> bool:
-        """Notice the first paint."""
-        if event.type() == QEvent.Type.Paint and self._on_paint is not None:
-            QTimer.singleShot(0, self._on_paint)
-            self._on_paint = None
-        return super().event(event)
-
     def build_editor(self) -> Editor:
         """The page with curves and face, made when it is first needed."""
         if self.editor is None:
@@ -236,12 +229,11 @@ class MainWindow(QMainWindow):
             self.status.cancelled.connect(solving.cancel)
         return self.editor
 
-    def _failed(self, error: Exception) -> None:
-        dialogs.show_error(self, error)
-
     def _character_loaded(self, rig: Rig) -> None:
         self._rig = rig
-        self._background.run(loading.prepare_renderer, lambda _: self._want_face(), self._failed)
+        self._background.run(
+            loading.prepare_renderer, lambda _: self._want_face(), self._show_error
+        )
 
     def _want_face(self) -> None:
         """The face is drawn as soon as there is a take to see it in."""
@@ -275,13 +267,9 @@ class MainWindow(QMainWindow):
         assert session is not None
         self.playback.pause()
         editor = self.build_editor()
+        self.actions_.enable_for_take(True)
         editor.open()
         self.status.set_take(session.take)
-        self.actions_.enable_for_take(True)
-        editor.strip.sync()
-        editor.edits.refresh()
-        editor.proposal.gave_way()
-        editor.problems.found.emit()
         self._pages.setCurrentWidget(editor)
         editor.curves.setFocus()
         self._mark_modified()
@@ -314,40 +302,21 @@ class MainWindow(QMainWindow):
         if self.editor is not None:
             self.editor.settle()
 
-    def media_state(self) -> dict[str, Any]:
-        """Paths and offsets of sound and film, for project files; see `Media.state`."""
-        return self.media.state()
-
-    def restore_media(self, state: dict[str, Any]) -> None:
-        """Bring sound and film back as `media_state` gave them; call it with the take open."""
-        self.media.restore(state)
-
     # --- window events -----------------------------------------------------------------------
 
-    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Welcome a file."""
-        if _dropped(event):
-            event.acceptProposedAction()
-            self.start_page.show_drop(True)
+    def show_drop(self, active: bool) -> None:
+        """A file hovers over the window, or no longer."""
+        self.start_page.show_drop(active)
 
-    def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
-        """Forget a file that was not dropped."""
-        self.start_page.show_drop(False)
-
-    def dropEvent(self, event: QDropEvent) -> None:
+    def take_files(self, paths: list[Path]) -> None:
         """Open a take, load edits, add sound or film."""
-        self.start_page.show_drop(False)
-        paths = _dropped(event)
-        if not paths:
-            return
-        event.acceptProposedAction()
         media = [path for path in paths if is_media(path)]
         path = next((path for path in paths if path not in media), None)
         has_take = self.document.session is not None
         self.media_commands.drop(media, path is not None, has_take)
         if path is None:
             return
-        if path.suffix.lower() == ".json" and self.document.session is not None:
+        if path.suffix.lower() == ".json" and has_take:
             self.files.load_edits(path)
         else:
             self.files.open_if_saved(path)
@@ -359,6 +328,7 @@ class MainWindow(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about edits, remember the layout, stop what is running."""
+        self.edits.finish()
         if not self.files.may_close():
             event.ignore()
             return
@@ -376,12 +346,3 @@ class MainWindow(QMainWindow):
         self.document.close_journal()
         if self.editor is not None:
             self.editor.face.viewport.close_renderer()
-
-
-def _dropped(event: QDropEvent) -> list[Path]:
-    """The local files that are dropped."""
-    return [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
-
-
-def _ignore(_: object) -> None:
-    """Handlers return nothing."""
