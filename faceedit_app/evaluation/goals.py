@@ -104,8 +104,8 @@ def _edits(figures: Figures) -> list[Goal]:
     mine = [o for o in figures.outcomes if o.mode == "preserve"]
     outside = max(o.changed_outside for o in mine)
     goals = [Goal("preserve: nothing changes where no edit reaches", f"{outside:g}", outside == 0)]
-    for kind in GOALS:
-        missed = [o.reached_mm for o in mine if o.kind == kind and o.naturalness == 1.0]
+    for kind, kinds in (("closure or blink", GOALS), *((kind, (kind,)) for kind in GOALS)):
+        missed = [o.reached_mm for o in mine if o.kind in kinds and o.naturalness == 1.0]
         share = float(np.mean([m <= NEAR_MM for m in missed])) if missed else float("nan")
         goals.append(
             Goal(
