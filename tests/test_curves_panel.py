@@ -140,11 +140,11 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
     panel.edited.connect(lambda: steps.append(float(session.asked[frame, 0])))
     start = place(plot, 2.1)
     drag(plot.viewport(), start, start + QPoint(0, -20), release=False, pause=20)
-    qtbot.waitUntil(lambda: len(steps) >= 2)
+    wanted = pytest.approx(before + 20 * plot.current_scale.mm_per_pixel, abs=0.01)
+    qtbot.waitUntil(lambda: len(steps) >= 2 and steps[-1] == wanted)
     assert panel.is_dragging
     assert session.edits == ()
     assert steps == sorted(steps)
-    assert steps[-1] == pytest.approx(before + 20 * plot.current_scale.mm_per_pixel, abs=0.01)
     # The playhead has gone where the face is changing.
     assert panel.timeline.frame == frame
     QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(0, -20))

@@ -186,3 +186,14 @@ def test_alt_and_wheel_change_the_falloff_of_one_side(panel: CurvesPanel) -> Non
     assert line.falloff == 0.3
     assert line.falloff_out > 0.5
     QTest.mouseRelease(plot.viewport(), LEFT, NONE, start)
+
+
+def test_esc_brings_back_what_was_selected(panel: CurvesPanel) -> None:
+    bar, line = panel.range_bar, panel.timeline
+    drag(bar, at(panel, 2.7), at(panel, 3.2), release=False)
+    assert line.selection == pytest.approx((2.7, 3.2), abs=0.03)
+    assert panel.is_dragging
+    panel.cancel_drag()
+    assert line.selection == pytest.approx((1.0, 2.0))
+    QTest.mouseRelease(bar, LEFT, NONE, at(panel, 3.2))
+    assert line.selection == pytest.approx((1.0, 2.0))

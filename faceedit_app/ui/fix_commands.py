@@ -120,7 +120,7 @@ class FixCommands(QObject):
             return
         presets = {preset.id: preset for preset in load_presets()[0]}
         span = self.range_meant()
-        where = "the whole take" if span is None else f"{span[0]:.2f} to {span[1]:.2f} s"
+        where = "in the whole take" if span is None else f"from {span[0]:.2f} to {span[1]:.2f} s"
         MoodDialog(
             self._window,
             self._document,

@@ -76,7 +76,7 @@ class MoodDialog(QDialog):
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
-        column.addWidget(QLabel(f"How happy the mouth is, in {where}:"))
+        column.addWidget(QLabel(f"How happy the mouth is {where}:"))
         column.addLayout(row)
         column.addWidget(self.words)
         column.addWidget(buttons)

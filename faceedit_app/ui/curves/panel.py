@@ -132,7 +132,7 @@ class CurvesPanel(QWidget):
     @property
     def is_dragging(self) -> bool:
         """Whether an edit, or an edge of the selection, is being dragged."""
-        return self._mouse.is_dragging or self._band.is_dragging
+        return self._mouse.is_dragging or self._band.is_dragging or self.range_bar.is_selecting
 
     @property
     def chosen_controls(self) -> tuple[str, ...]:
@@ -170,6 +170,7 @@ class CurvesPanel(QWidget):
 
     def cancel_drag(self) -> None:
         """Drop the drag in progress, if any."""
+        self.range_bar.cancel()
         self._mouse.cancel()
 
     def set_session(self, session: EditSession | None) -> None:

@@ -15,7 +15,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.axes import Scale
+from faceedit_app.ui.curves.axes import Scale, Span
 from faceedit_app.ui.curves.band import BandMouse
 from faceedit_app.ui.curves.edges import Edge
 from faceedit_app.ui.curves.gestures import Brush, RulerDrag, stepped_falloff
@@ -37,6 +37,7 @@ class RangeBar(QWidget):
         super().__init__(parent)
         self._timeline, self._band = timeline, band
         self._selecting: RulerDrag | None = None
+        self._before: Span | None = None  # what was selected until then
         self._hovered: Edge | None = None
         self.setFixedHeight(HEIGHT)
         self.setMouseTracking(True)
@@ -52,6 +53,11 @@ class RangeBar(QWidget):
     def scale(self) -> Scale:
         """How its pixels map to seconds."""
         return Scale(self.width(), self.height(), self._timeline.view, (0.0, 1.0))
+
+    @property
+    def is_selecting(self) -> bool:
+        """Whether a selection is being dragged out."""
+        return self._selecting is not None
 
     # --- mouse -----------------------------------------------------------------------------
 
@@ -72,6 +78,7 @@ class RangeBar(QWidget):
         if part is not None:
             self._band.grab(part, seconds)
         else:
+            self._before = self._timeline.selection
             self._selecting = RulerDrag(self._timeline.snap(seconds), selecting=True)
         self.update()
 
@@ -128,7 +135,9 @@ class RangeBar(QWidget):
 
     def cancel(self) -> None:
         """Drop the drag in progress."""
-        self._selecting = None
+        if self._selecting is not None:
+            self._selecting = None
+            self._timeline.select(self._before)
         self._band.cancel()
         self.update()
 
