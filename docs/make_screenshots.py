@@ -8,6 +8,7 @@ Needs no display: the window is drawn offscreen, on the demo take, and driven as
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
 import time
 from itertools import groupby
@@ -59,9 +60,10 @@ def walk(window: MainWindow) -> None:
 
     line.show_range(4.6, 8.2)
     opening = editor.curves.plots[0].viewport()
-    at = QPoint(round(editor.curves.plots[0].current_scale.x_of(5.7)), 40)
+    at = QPoint(round(editor.curves.plots[0].current_scale.x_of(6.1)), 40)
     drag(opening, at, QPoint(0, -16), release=False)
     picture(window, "guide_drag")
+    shutil.copyfile(PICTURES / "guide_drag.png", DOCS / "window.png")  # the README's
     QTest.mouseRelease(opening, LEFT, pos=at + QPoint(0, -16))
     QTest.mouseMove(editor.face, QPoint(40, 200))
 
