@@ -7,7 +7,17 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 from rigs import tiny_session
-from test_curves_panel import CTRL, NONE, SHIFT, drag, open_panel, place, session_of, turn
+from test_curves_panel import (
+    CTRL,
+    NONE,
+    SHIFT,
+    drag,
+    move_with,
+    open_panel,
+    place,
+    session_of,
+    turn,
+)
 
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.axes import Scale
@@ -125,9 +135,9 @@ def test_edges_are_dragged_on_the_plots_too(panel: CurvesPanel) -> None:
     plot, line = panel.plots[3], panel.timeline
     drag(plot.viewport(), place(plot, 2.0), place(plot, 2.4))
     assert line.selection == pytest.approx((1.0, 2.4), abs=0.02)
-    QTest.mouseMove(plot.viewport(), place(plot, 1.0))
+    move_with(plot.viewport(), place(plot, 1.0), NONE)
     assert plot.viewport().cursor().shape() is Qt.CursorShape.SizeHorCursor
-    QTest.mouseMove(plot.viewport(), place(plot, 1.5))
+    move_with(plot.viewport(), place(plot, 1.5), NONE)
     assert plot.viewport().cursor().shape() is Qt.CursorShape.SizeVerCursor
 
 
