@@ -231,3 +231,12 @@ NAMES = {
 @pytest.mark.parametrize("name", NAMES)
 def test_edits_say_what_they_do(name: str) -> None:
     assert describe(NAMES[name]) == name
+
+
+def test_nothing_lies_before_the_state_of_a_project(session: EditSession) -> None:
+    session.undo()
+    session.begin_with(EditState((B, C), Settings()))
+    assert session.edits == (B, C)
+    assert not session.can_undo
+    assert not session.can_redo
+    assert not session.is_exported

@@ -179,6 +179,12 @@ class EditSession:
         """Answer all edits by other settings, as one undo step."""
         self._change(replace(self._state, settings=settings))
 
+    def begin_with(self, state: EditState) -> None:
+        """Start from the state that a project holds: there is nothing before it to go back to."""
+        self._undo.clear()
+        self._redo.clear()
+        self._arrive(state)
+
     def restore(self, state: EditState) -> None:
         """Go to a state that was kept in a file, as one undo step."""
         self._change(state)

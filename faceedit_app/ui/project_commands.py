@@ -130,7 +130,7 @@ class ProjectCommands(QObject):
         keeps_note = located.where is Whereabouts.FOUND
 
         def prepare(session: EditSession) -> None:
-            session.restore(project.state)
+            session.begin_with(project.state)
             if keeps_note:
                 session.mark_saved()
 
@@ -159,8 +159,7 @@ class ProjectCommands(QObject):
             for kind, entry in media.items()
             if entry is not None
         }
-        if kept:
-            self._media.restore(kept)
+        self._media.restore(kept)  # what stands beside the take by chance is not the project's
 
     # --- after a crash -----------------------------------------------------------------------
 
