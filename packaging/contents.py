@@ -6,6 +6,7 @@ import fnmatch
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +15,43 @@ Entry = tuple[str, str, str]  # PyInstaller's: name in the bundle, file or link'
 # Chosen by name at run time, where PyInstaller cannot see it.
 HIDDEN = ["OpenGL.platform.egl", "OpenGL.platform.osmesa", "OpenGL.platform.glx", "OpenGL.osmesa"]
 
+LINUX = sys.platform.startswith("linux")
+
+OF_SCIPY = [
+    "cluster",
+    "constants",
+    "datasets",
+    "differentiate",
+    "fft",
+    "fftpack",
+    "integrate",
+    "interpolate",
+    "io",
+    "linalg",
+    "ndimage",
+    "odr",
+    "optimize",
+    "signal",
+    "sparse.csgraph",
+    "sparse.linalg",
+    "spatial",
+    "special",
+    "stats",
+]
+
 EXCLUDED = [
     # Training stays with pip: torch alone is twice the rest of the application.
     "torch",
     "faceedit_app.training",
     "faceedit_app.evaluation",
-    # trimesh, pyrender and pyqtgraph use these if they are there; FaceEdit uses none of it.
-    "scipy.io",
-    "scipy.cluster",
+    # Of scipy, sparse matrices alone: the rest brings a second linear algebra, 30 MB.
+    *(f"scipy.{part}" for part in OF_SCIPY),
+    # pyrender as a package imports these, see faceedit_app/render/contexts.py; not its parts.
+    "trimesh",
+    "networkx",
+    "imageio",
+    *(["pyglet"] if LINUX else []),  # the other systems' OpenGL context
+    # pyrender and pyqtgraph use these if they are there; FaceEdit uses none of it.
     "matplotlib",
     "IPython",
     "setuptools",

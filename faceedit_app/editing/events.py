@@ -6,15 +6,14 @@ minutes at 60 frames a second.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.editing.filters import peaks
 
 Doubles = NDArray[np.float64]
 
@@ -69,14 +68,8 @@ def dips(times: Doubles, curve: Doubles, rate: float, depth: float, width: float
         return []
     # A blink of the first or last frames has no shoulder on one side: give it one.
     padded = np.concatenate([[curve.max()], curve, [curve.max()]])
-    around = 2 * int(_LONGEST * rate) + 1
-    with warnings.catch_warnings():  # a plateau longer than `around` has no depth: no dip
-        warnings.simplefilter("ignore", RuntimeWarning)
-        peaks, found = find_peaks(-padded, prominence=depth, width=(0, width * rate), wlen=around)
-    return [
-        _dip(times, curve, rate, int(peak) - 1, float(deep))
-        for peak, deep in zip(peaks, found["prominences"], strict=True)
-    ]
+    found = peaks(-padded, depth, width * rate, int(_LONGEST * rate))
+    return [_dip(times, curve, rate, peak - 1, deep) for peak, deep in found]
 
 
 def _dip(times: Doubles, curve: Doubles, rate: float, frame: int, depth: float) -> Dip:

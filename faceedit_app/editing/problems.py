@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.regions import CONTROL_IDS, CONTROLS
@@ -20,6 +19,7 @@ from faceedit_app.editing.events import (
     missed_closures,
     open_eyes,
 )
+from faceedit_app.editing.filters import moving_mean
 from faceedit_app.editing.fixes import close_lips, complete_blink, half_blinks
 
 if TYPE_CHECKING:
@@ -153,13 +153,11 @@ def _shakes(ripple: Doubles, curves: Doubles, window: int) -> NDArray[np.bool_]:
     """
     # More than half of the frames, not the mean: one fast movement is not shaking.
     wide = (np.abs(ripple) > SHAKES).astype(np.float64)
-    often = uniform_filter1d(wide, window, axis=0, mode="nearest") > 0.5
+    often = moving_mean(wide, window) > 0.5
     if not often.any():
         return np.zeros(curves.shape, np.bool_)
     moves = np.diff(curves, axis=0, prepend=curves[:1])
-    ripples, all_ = (
-        uniform_filter1d(part**2, window, axis=0, mode="nearest") for part in (ripple, moves)
-    )
+    ripples, all_ = (moving_mean(part**2, window) for part in (ripple, moves))
     shaking: NDArray[np.bool_] = often & (ripples > SHARE**2 * all_)
     return shaking
 

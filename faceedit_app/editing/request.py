@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.editing.edit import Edit, Op, fade
+from faceedit_app.editing.filters import gaussian
 
 Array = NDArray[np.float64]
 
@@ -133,7 +134,7 @@ def _wanted(
 def smoothing_frames(edit: Edit, rate: float) -> int:
     """How many frames to either side a smooth reads; 0 for other edits."""
     frames = smoothing(edit) * rate
-    return 0 if frames < NARROW else int(4 * frames + 0.5) + 1  # where scipy's kernel ends
+    return 0 if frames < NARROW else int(4 * frames + 0.5) + 1  # where the kernel ends
 
 
 def _smooth(curve: Array, rows: slice, edit: Edit, rate: float) -> Array:
@@ -141,10 +142,8 @@ def _smooth(curve: Array, rows: slice, edit: Edit, rate: float) -> Array:
     around = smoothing_frames(edit, rate)
     if not around:
         return curve[rows]
-    from scipy.ndimage import gaussian_filter1d  # takes long to import, and is not always needed
-
     first, last = max(rows.start - around, 0), min(rows.stop + around, len(curve))
-    smooth: Array = gaussian_filter1d(curve[first:last], smoothing(edit) * rate, mode="nearest")
+    smooth: Array = gaussian(curve[first:last], smoothing(edit) * rate)
     return smooth[rows.start - first : rows.stop - first]
 
 
