@@ -8,7 +8,6 @@ Needs no display: the window is drawn offscreen, on the demo take, and driven as
 from __future__ import annotations
 
 import os
-import shutil
 import tempfile
 import time
 from itertools import groupby
@@ -63,7 +62,6 @@ def walk(window: MainWindow) -> None:
     at = QPoint(round(editor.curves.plots[0].current_scale.x_of(6.1)), 40)
     drag(opening, at, QPoint(0, -16), release=False)
     picture(window, "guide_drag")
-    shutil.copyfile(PICTURES / "guide_drag.png", DOCS / "window.png")  # the README's
     QTest.mouseRelease(opening, LEFT, pos=at + QPoint(0, -16))
     QTest.mouseMove(editor.face, QPoint(40, 200))
 
