@@ -17,7 +17,8 @@ HIDDEN = ["OpenGL.platform.egl", "OpenGL.platform.osmesa", "OpenGL.platform.glx"
 
 LINUX = sys.platform.startswith("linux")
 
-OF_SCIPY = [
+# All but sparse matrices; linear algebra of its own, which much of the rest needs, is 30 MB.
+UNUSED_SCIPY = [
     "cluster",
     "constants",
     "datasets",
@@ -44,8 +45,8 @@ EXCLUDED = [
     "torch",
     "faceedit_app.training",
     "faceedit_app.evaluation",
-    # Of scipy, sparse matrices alone: the rest brings a second linear algebra, 30 MB.
-    *(f"scipy.{part}" for part in OF_SCIPY),
+    # FaceEdit and the parts of pyrender that it draws with get along without these.
+    *(f"scipy.{part}" for part in UNUSED_SCIPY),
     # pyrender as a package imports these, see faceedit_app/render/contexts.py; not its parts.
     "trimesh",
     "networkx",
