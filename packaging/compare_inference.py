@@ -1,7 +1,7 @@
 """Compare numpy with torch in answering edits: python packaging/compare_inference.py numpy|torch.
 
 Two versions of 208 frames through the shipped networks of all regions, on one thread; CPU time, so
-that other work on the machine counts little. The figures of docs/adr/0005-numpy-inference.md.
+that other work on the machine counts little. The figures of docs/adr/0008-numpy-inference.md.
 """
 
 from __future__ import annotations
