@@ -13,4 +13,3 @@ FAINT = "#5c626b"  # disabled
 ACCENT = "#56b4e9"  # sky: the lower face, focus, what is switched on
 ACCENT_DEEP = "#24597a"  # sky as a filled surface under light text
 ORANGE = "#e69f00"  # the eyelids, and things to take note of
-ERROR = "#e8746a"

@@ -71,8 +71,31 @@ def brush_at(
     return Brush(seconds, seconds, falloff, falloff_out)
 
 
+class Held:
+    """A gesture that acts from the first to the last second of its hold."""
+
+    hold: Span
+
+    def brush(self, falloff: float, falloff_out: float | None = None) -> Brush:
+        """Where the edit acts."""
+        return Brush(*self.hold, falloff, falloff_out)
+
+
+class VerticalDrag(Held):
+    """One that becomes an edit by going up or down."""
+
+    press: tuple[float, float]
+    at: tuple[float, float]
+    moving: bool
+
+    @property
+    def is_click(self) -> bool:
+        """Whether a release now is a click."""
+        return not self.moving and abs(self.at[0] - self.press[0]) <= CLICK_SLOP
+
+
 @dataclass(frozen=True)
-class CurveDrag:
+class CurveDrag(VerticalDrag):
     """Left press on a curve: an edit once the mouse has moved up or down, else a click.
 
     Attributes:
@@ -118,18 +141,9 @@ class CurveDrag:
         return self.value
 
     @property
-    def is_click(self) -> bool:
-        """Whether a release now is a click."""
-        return not self.moving and abs(self.at[0] - self.press[0]) <= CLICK_SLOP
-
-    @property
     def controls(self) -> tuple[str, ...]:
         """Ids of all curves that move, in the order of the plots."""
         return tuple(c for c in CONTROL_IDS if c == self.control or c in self.others)
-
-    def brush(self, falloff: float, falloff_out: float | None = None) -> Brush:
-        """Where the edit acts."""
-        return Brush(*self.hold, falloff, falloff_out)
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
         """The edit as it stands, or None while there is nothing to do."""

@@ -11,6 +11,8 @@ from faceedit_app.ui.curves.gestures import (
     CLICK_SLOP,
     FINE,
     Brush,
+    Held,
+    VerticalDrag,
     moved_together,
     press_curve,
 )
@@ -54,7 +56,7 @@ class Gesture(Protocol):
 
 
 @dataclass(frozen=True)
-class ScaleDrag:
+class ScaleDrag(VerticalDrag):
     """Up makes a movement larger, down smaller: about the take's median.
 
     Attributes:
@@ -90,18 +92,9 @@ class ScaleDrag:
         return round(factor, 1) if self.snapping else factor
 
     @property
-    def is_click(self) -> bool:
-        """Whether a release now is a click."""
-        return not self.moving and abs(self.at[0] - self.press[0]) <= CLICK_SLOP
-
-    @property
     def words(self) -> str:
         """How much it does."""
         return f"× {self.factor:.2f}"
-
-    def brush(self, falloff: float, falloff_out: float | None = None) -> Brush:
-        """Where the edit acts."""
-        return Brush(*self.hold, falloff, falloff_out)
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
         """The edit as it stands, or None while there is nothing to do."""
@@ -111,7 +104,7 @@ class ScaleDrag:
 
 
 @dataclass(frozen=True)
-class PaintDrag:
+class PaintDrag(Held):
     """A brush that acts where it passes: from the press to the pointer, or in the selection.
 
     Attributes:
@@ -151,10 +144,6 @@ class PaintDrag:
                 return f"held at {self.value:.1f} mm"
             case _:
                 return "as tracked"
-
-    def brush(self, falloff: float, falloff_out: float | None = None) -> Brush:
-        """Where the edit acts."""
-        return Brush(*self.hold, falloff, falloff_out)
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
         """The edit as it stands."""
