@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.editing.clipboard import TOLERANCE, Copied, copy_range, simplify
-from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.edit import Company, Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
 
@@ -23,6 +23,20 @@ MOUTH, WIDTH = CONTROL_INDEX["mouth_opening"], CONTROL_INDEX["mouth_width"]
 def session(frames: int = 600) -> EditSession:
     clip = talking_clip(frames)
     return EditSession(Take(Path("take.csv"), "test", clip, (), (), None), shipped_rig())  # type: ignore[arg-type]
+
+
+def _alone(*controls: str) -> Edit:
+    """An edit that nothing follows."""
+    return Edit(controls, Op.OFFSET, 2.0, 2.5, 0.2, 3.0, companions=Company.STAY)
+
+
+def test_what_followed_is_copied_and_pasted_as_it_was() -> None:
+    open_session = session()
+    open_session.add(Edit(("left_corner", "right_corner"), Op.OFFSET, 2.0, 2.5, 0.2, 3.0))
+    open_session.add(*copy_range(open_session, 1.8, 2.7).paste(6.0, falloff=0.0))
+    change = open_session.asked - open_session.tracked
+    assert np.abs(change[120:150, WIDTH]).min() > 0.1
+    np.testing.assert_allclose(change[360:414], change[108:162], atol=2 * TOLERANCE)
 
 
 def test_change_is_pasted_on_top_of_what_is_there() -> None:
@@ -51,7 +65,7 @@ def test_curve_is_pasted_in_place_of_what_is_there() -> None:
 
 def test_mirror_swaps_left_and_right_and_leaves_the_middle() -> None:
     open_session = session()
-    open_session.add(Edit(("left_corner", "mouth_width"), Op.OFFSET, 2.0, 2.5, 0.2, 3.0))
+    open_session.add(_alone("left_corner", "mouth_width"))
     copied = copy_range(open_session, 2.0, 2.5)
     assert [c for c, _ in copied.mirrored().curves] == ["mouth_width", "right_corner"]
     assert copied.mirrored().mirrored() == copied
@@ -59,7 +73,7 @@ def test_mirror_swaps_left_and_right_and_leaves_the_middle() -> None:
 
 def test_controls_that_changed_alike_are_one_edit() -> None:
     open_session = session()
-    open_session.add(Edit(("left_corner", "right_corner"), Op.OFFSET, 2.0, 2.5, 0.2, 3.0))
+    open_session.add(_alone("left_corner", "right_corner"))
     (edit,) = copy_range(open_session, 2.0, 2.5).paste(4.0)
     assert edit.controls == ("left_corner", "right_corner")
 

@@ -16,6 +16,7 @@ from faceedit_app.editing.edit import (
     LONGEST_SMOOTH,
     STRONGEST,
     WITH_POINTS,
+    Company,
     Edit,
     Op,
     read_edits,
@@ -72,6 +73,7 @@ def edits(draw: st.DrawFn) -> Edit:
         name=draw(st.text(max_size=5)),
         about=draw(st.none() | st.floats(0, 50)) if op is Op.SCALE else None,
         points=tuple(sorted(draw(points).items())) if op in WITH_POINTS else (),
+        companions=draw(st.sampled_from(Company)),
     )
 
 
@@ -119,6 +121,7 @@ def test_windows_editors_mark_of_utf8_is_accepted(tmp_path: Path) -> None:
 BAD_EDITS: dict[str, tuple[Any, str]] = {
     "not an object": ([1, 2], "not an object"),
     "nothing": (None, "not an object"),
+    "unknown company": (without(companions="nose"), '"companions" must be one of yield, along'),
     "unknown field": (without(ease=1), "unknown field 'ease'"),
     "unknown control": (without(control="nose"), "unknown control 'nose'"),
     "no control": (without("control"), '"control"'),

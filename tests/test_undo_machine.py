@@ -24,7 +24,7 @@ from takes import make_livelink_csv
 
 from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.editing.clipboard import Copied, copy_range
-from faceedit_app.editing.edit import LONGEST_SMOOTH, STRONGEST, WITH_POINTS, Edit, Op
+from faceedit_app.editing.edit import LONGEST_SMOOTH, STRONGEST, WITH_POINTS, Company, Edit, Op
 from faceedit_app.editing.fixes import apply_preset
 from faceedit_app.editing.presets import load_presets
 from faceedit_app.editing.problems import find_problems
@@ -70,6 +70,7 @@ def edits(draw: st.DrawFn) -> Edit:
         strength=draw(st.floats(0, STRONGEST)),
         enabled=draw(st.booleans()),
         points=tuple(sorted(draw(points).items())) if op in WITH_POINTS else (),
+        companions=draw(st.sampled_from(Company)),
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, MIRRORED_CONTROL
-from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.edit import Company, Edit, Op
 
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
@@ -68,6 +68,7 @@ class Clipboard:
                 round(start + self.seconds, 6),
                 falloff,
                 points=tuple((round(start + t, 6), mm) for t, mm in points),
+                companions=Company.STAY,  # they were copied too
             )
             for points, controls in alike.items()
         )

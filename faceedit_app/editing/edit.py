@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.editing.documents import read_document
 
 VERSION = 1
+Word = TypeVar("Word", bound=StrEnum)
 # Far beyond any take and any face, and far below where sums stop being numbers.
 LARGEST = 1e6
 LONGEST_SMOOTH = 10.0  # seconds
@@ -37,6 +38,14 @@ class Op(StrEnum):
     RESET = "reset"  # back to the take as tracked; `value` is ignored
     DRAW = "draw"  # follow `points`, mm; `value` is ignored
     ADD = "add"  # add `points`, mm of change; `value` is ignored
+
+
+class Company(StrEnum):
+    """What an edit does with the curves that go along with those it names (`companions.py`)."""
+
+    YIELD = "yield"  # they follow, unless they were edited themselves
+    ALONG = "along"  # they follow: the edit is an expression of the whole mouth
+    STAY = "stay"  # they stay where they are
 
 
 WITH_POINTS = (Op.DRAW, Op.ADD)
@@ -60,6 +69,7 @@ class Edit:
         about: mm that a `scale` leaves where it is; None = the take's median of each control.
         points: (seconds of the take, mm) in order of time, for `draw` and `add`: straight lines
             between them, level before the first and after the last.
+        companions: what becomes of the curves that go along with those it names.
     """
 
     controls: tuple[str, ...]
@@ -74,6 +84,7 @@ class Edit:
     name: str = ""
     about: float | None = None
     points: tuple[tuple[float, float], ...] = ()
+    companions: Company = Company.YIELD
 
     def __post_init__(self) -> None:
         if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
@@ -212,6 +223,8 @@ def _optional(edit: Edit) -> dict[str, Any]:
         entry["enabled"] = False
     if edit.name:
         entry["name"] = edit.name
+    if edit.companions is not Company.YIELD:
+        entry["companions"] = edit.companions.value
     if edit.points:
         entry["points"] = [list(point) for point in edit.points]
     return entry
@@ -232,10 +245,8 @@ def from_json(entry: Mapping[str, Any]) -> Edit:
         or not all(isinstance(name, str) for name in names)
     ):
         raise ValueError('it needs "control" (a name) or "controls" (a list of names)')
-    try:
-        op = Op(str(entry.get("op")))
-    except ValueError:
-        raise ValueError(f'its "op" must be one of {", ".join(Op)}') from None
+    op = _one_of(Op, entry, "op")
+    company = _one_of(Company, {"companions": Company.YIELD, **entry}, "companions")
     required = {"start", "end"} | (set() if op in WITHOUT_VALUE else {"value"})
     for name in sorted(required - set(entry)):
         raise ValueError(f'it lacks "{name}"')
@@ -248,11 +259,26 @@ def from_json(entry: Mapping[str, Any]) -> Edit:
     if not isinstance(name, str):
         raise ValueError('its "name" is not a text')
     points = _points(entry.get("points", []))
-    return Edit(tuple(names), op, **numbers, enabled=enabled, name=name, points=points)
+    return Edit(
+        tuple(names),
+        op,
+        **numbers,
+        enabled=enabled,
+        name=name,
+        points=points,
+        companions=company,
+    )
 
 
 _NUMBERS = ("start", "end", "falloff", "value", "falloff_out", "strength", "about")
-_FIELDS = {"control", "controls", "op", "enabled", "name", "points", *_NUMBERS}
+_FIELDS = {"control", "controls", "op", "enabled", "name", "points", "companions", *_NUMBERS}
+
+
+def _one_of(kind: type[Word], entry: Mapping[str, Any], field: str) -> Word:
+    try:
+        return kind(str(entry.get(field)))
+    except ValueError:
+        raise ValueError(f'its "{field}" must be one of {", ".join(kind)}') from None
 
 
 def _number(number: Any, what: str) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.editing.companions import Companions
 from faceedit_app.editing.edit import Edit, Op, fade
 from faceedit_app.editing.filters import gaussian
 
@@ -25,7 +26,7 @@ class Request:
     """What the edits ask for on N frames.
 
     Attributes:
-        curves: (N, 8), mm: the tracked controls with the edits applied.
+        curves: (N, 8), mm: the tracked controls with the edits applied, companions included.
         hold: (N, 8) in 0..1: how firmly each curve is asked for (the edits' masks).
         influence: (N, 8) in 0..1: where the networks may answer: 1 over an edit and its
             falloff, fading over `SPILL` seconds beyond.
@@ -48,7 +49,12 @@ def affected(edit: Edit) -> tuple[float, float]:
 
 
 def request(
-    times: Array, rate: float, tracked: Array, medians: Array, edits: Sequence[Edit]
+    times: Array,
+    rate: float,
+    tracked: Array,
+    medians: Array,
+    edits: Sequence[Edit],
+    companions: Companions | None = None,
 ) -> Request:
     """Apply `edits` in order to the tracked controls.
 
@@ -57,9 +63,10 @@ def request(
         rate: frames per second, for smoothing.
         tracked: (N, 8), mm.
         medians: (8,), mm: the take's median of each control, which `scale` is about.
+        companions: which curves follow which; None = none does.
     """
     curves = tracked.astype(np.float64, copy=True)
-    hold, influence = np.zeros_like(curves), np.zeros_like(curves)
+    hold, influence, claimed = (np.zeros_like(curves) for _ in range(3))
     for edit in active(edits):
         first, last = affected(edit)
         rows = slice(*map(int, np.searchsorted(times, (first - 1e-9, last + 1e-9))))
@@ -67,6 +74,8 @@ def request(
             continue
         mask, spread = edit.mask(times[rows]), _spread(edit, times[rows])
         share = mask * _share(edit)
+        leads = companions is not None and companions.leads(edit)
+        before = curves[rows].copy() if leads else None
         for control in edit.controls:
             column = CONTROL_INDEX[control]
             wanted = _wanted(edit, rows, times, curves, tracked, medians, rate, column)
@@ -78,9 +87,15 @@ def request(
             if edit.op is Op.RESET:
                 hold[rows, column] *= 1 - share
                 influence[rows, column] *= 1 - share
+                claimed[rows, column] *= 1 - share
             else:
                 hold[rows, column] = np.maximum(hold[rows, column], mask)
                 influence[rows, column] = np.maximum(influence[rows, column], spread)
+        if companions is not None and before is not None:
+            added = companions.follow(edit, curves[rows] - before, claimed[rows])
+            curves[rows] = np.where(added != 0, np.maximum(curves[rows] + added, 0.0), curves[rows])
+        for column in companions.claims(edit) if companions is not None else ():
+            claimed[rows, column] = np.maximum(claimed[rows, column], mask)
     return Request(curves, hold, influence)
 
 

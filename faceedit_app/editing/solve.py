@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,7 +20,7 @@ from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Distances, Rig
 from faceedit_app.editing.chunks import Chunks, Piece
-from faceedit_app.editing.companions import follow
+from faceedit_app.editing.companions import Companions
 from faceedit_app.editing.edit import Edit
 from faceedit_app.editing.reach import Goal, reach
 from faceedit_app.editing.request import Request, region_influence, request
@@ -75,6 +74,8 @@ class Solver:
         self.chunks = Chunks(clip.times, clip.rate, len(self.grid), scale, context)
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._parts = {region.id: _Part(region, engine, self.distances, may) for region in REGIONS}
+        lower = self._parts["lower"]
+        self._companions = Companions(lower.region.controls, lower.control_covariance())
         self._answers.clear()
 
     def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
@@ -86,7 +87,8 @@ class Solver:
         """Compute one chunk."""
         rows, near, settings = self.chunks.slice(piece.chunk), slice(*piece.near), piece.settings
         tracked = self.controls[near].astype(np.float64)
-        asked = request(self.clip.times[near], self.clip.rate, tracked, self.medians, piece.edits)
+        times, rate = self.clip.times[near], self.clip.rate
+        asked = request(times, rate, tracked, self.medians, piece.edits, self._companions)
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
         weights = self.tracked[rows].astype(np.float64)
@@ -215,8 +217,7 @@ class _Part:
         both = {"mouthClose", "jawOpen"} <= set(names)
         self.coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
 
-    @cached_property
-    def _control_covariance(self) -> Array:
+    def control_covariance(self) -> Array:
         """(C, C) mm² how the region's controls vary together, linearised at rest."""
         rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
         mine = self._all.select([CONTROL_INDEX[c] for c in self.region.controls])
@@ -225,13 +226,8 @@ class _Part:
         return covariance
 
     def wanted(self, asked: Request, tracked: Array) -> Array:
-        """(N, 8) mm: the curves that the region should show, companions and bounds included."""
-        change = asked.curves - tracked
-        followed = follow(change, asked.hold, self.region.controls, self._control_covariance)
-        return self._believable(tracked + followed, tracked)
-
-    def _believable(self, curves: Array, tracked: Array) -> Array:
-        """Keep the region's curves within what faces do, or what this face already did."""
+        """(N, 8) mm: the region's curves within what faces do, or what this face already did."""
+        curves = asked.curves.copy()
         if self._model is None:
             return curves
         columns = [CONTROL_INDEX[control] for control in self._model.controls]
