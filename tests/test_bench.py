@@ -7,7 +7,8 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,16 @@ from faceedit_app.bench.desk import long_take
 from faceedit_app.bench.report import machine, text
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.formats.glb import read_rig
 from faceedit_app.networks.engine import Engine
+
+Install = Callable[[str, str], None]
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return read_rig(shipped("assets/character.glb"))
 
 
 @pytest.fixture(scope="module")
@@ -109,21 +119,89 @@ def test_long_takes_repeat_the_demo() -> None:
     np.testing.assert_array_equal(clip.weights[0], clip.weights[600])
 
 
-def test_references_that_are_absent_are_none(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_references_that_are_absent_are_none(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
     monkeypatch.setattr(references.importlib.util, "find_spec", lambda _name: None)
     monkeypatch.setattr(shutil, "which", lambda _name: None)
     assert references.holden(1) is None
-    assert references.blender(1) is None
+    assert references.gl_limit(rig, 1) is None
+    assert references.blender(rig, 1) is None
 
 
-def test_a_blender_that_cannot_draw_is_none(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+@pytest.fixture
+def programs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Install:
+    """Puts programs, as shell scripts, in the place of all that are installed."""
+    if os.name != "posix":
+        pytest.skip("the stand-ins for Blender are shell scripts")
+    installed: dict[str, str] = {}
+    monkeypatch.setattr(shutil, "which", installed.get)
+    monkeypatch.setenv("DISPLAY", ":0")
+
+    def install(name: str, script: str) -> None:
+        path = tmp_path / name
+        path.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+        path.chmod(0o755)
+        installed[name] = str(path)
+
+    return install
+
+
+def test_blender_gets_our_take_and_its_last_answer_counts(
+    programs: Install, rig: Rig, tmp_path: Path
 ) -> None:
-    broken = tmp_path / "blender"
-    broken.write_text("#!/bin/sh\nexit 3\n", encoding="utf-8")
-    broken.chmod(0o755)
-    monkeypatch.setattr(shutil, "which", lambda _name: str(broken))
-    assert references.blender(1) is None
+    programs(
+        "blender",
+        f"""for job; do :; done  # the last argument
+cp "$job" '{tmp_path}/job.json'
+echo 'FACEEDIT {{"median": 80.0, "eevee": null}}'
+echo 'glTF import finished'
+echo 'FACEEDIT {{"median": 80.0, "eevee": {{"median": 250.0}}}}'""",
+    )
+    assert references.blender(rig, 7) == {"median": 80.0, "eevee": {"median": 250.0}}
+    job = json.loads((tmp_path / "job.json").read_text(encoding="utf-8"))
+    assert (job["size"], job["times"]) == (references.SIZE, 7)
+    assert set(job["weights"]) == set(rig.channels)
+    assert job["changed"] in job["weights"]
+    assert {len(weights) for weights in job["weights"].values()} == {references.FRAMES}
+    assert any(weights[job["frame"]] for weights in job["weights"].values())
+
+
+def test_an_eevee_that_dies_leaves_workbench_its_answer(programs: Install, rig: Rig) -> None:
+    programs("blender", """echo 'FACEEDIT {"median": 80.0, "eevee": null}'; kill -SEGV $$""")
+    assert references.blender(rig, 1) == {"median": 80.0, "eevee": None}
+
+
+def test_a_blender_that_cannot_draw_is_none_and_says_why(programs: Install, rig: Rig) -> None:
+    programs("blender", "echo 'no OpenGL' >&2; exit 3")
+    told: list[str] = []
+    assert references.blender(rig, 1, told.append) is None
+    assert told == ["blender: no OpenGL"]
+
+
+def test_a_blender_that_hangs_is_stopped_with_its_display(
+    programs: Install, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("DISPLAY")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setattr(references, "_BLENDER_SECONDS", 0.5)
+    programs("blender", "sleep 60")
+    programs("xvfb-run", 'shift 3; "$@"; true')  # waits for Blender, as the real one does
+    told: list[str] = []
+    began = time.monotonic()
+    assert references.blender(rig, 1, told.append) is None
+    assert time.monotonic() - began < 30.0
+    assert told == ["blender: not done after 0.5 seconds"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="others always have a display")
+def test_blender_needs_a_display(
+    programs: Install, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("DISPLAY")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    programs("blender", "echo 'FACEEDIT {}'")
+    told: list[str] = []
+    assert references.blender(rig, 1, told.append) is None
+    assert told == ["blender: needs a display, or xvfb-run"]
 
 
 def test_the_limit_of_the_processor_is_counted_from_the_networks() -> None:

@@ -5,8 +5,13 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import json
+import os
 import shutil
+import signal
 import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +23,10 @@ from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.networks.engine import Engine
-from faceedit_app.render.camera import Camera, default_camera, projection
+from faceedit_app.render.camera import FIELD_OF_VIEW, Camera, default_camera, projection
 
 FRAMES, SIZE = 202, 640
-_BLENDER_SECONDS = 180
+_BLENDER_SECONDS = 180  # about 25 are needed where both engines draw without a GPU
 
 
 def naive(engine: Engine, rig: Rig, times: int) -> Times:
@@ -124,27 +129,88 @@ def gl_limit(rig: Rig, times: int) -> Times | None:
         context.release()
 
 
-def blender(times: int) -> dict[str, Any] | None:
-    """The same head in Blender, headless: change a shape key's curve, evaluate, draw.
+def blender(
+    rig: Rig, times: int, say: Callable[[str], None] = lambda _: None
+) -> dict[str, Any] | None:
+    """The same head and take in Blender: change a shape key's curve, evaluate, draw.
 
-    None where there is no `blender`, or where it cannot draw.
+    Blender draws in a window only; where there is no display it gets one from `xvfb-run`.
+
+    Args:
+        rig: ours, for the take's weights and the view.
+        times: repetitions.
+        say: told why there is no answer.
+
+    Returns:
+        What `blender_script.py` prints; None where there is no `blender`, or it cannot draw.
     """
     program = shutil.which("blender")
     if program is None:
         return None
-    script = Path(__file__).with_name("blender_script.py")
-    head = shipped("assets/character.glb")
-    command = [program, "--background", "--factory-startup", "--python-exit-code", "3"]
-    command += ["--python", str(script), "--", str(head), str(times), str(SIZE), str(FRAMES)]
-    try:
-        run = subprocess.run(
-            command, capture_output=True, encoding="utf-8", timeout=_BLENDER_SECONDS, check=True
-        )
-        line = next(t for t in run.stdout.splitlines() if t.startswith("FACEEDIT "))
-    except (OSError, subprocess.SubprocessError, StopIteration):
+    command = [program, "--factory-startup", "--window-geometry", "0", "0", str(SIZE), str(SIZE)]
+    shown = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if sys.platform == "linux" and not shown:
+        display = shutil.which("xvfb-run")
+        if display is None:
+            say("blender: needs a display, or xvfb-run")
+            return None
+        command = [display, "-a", "-s", "-screen 0 1280x1024x24", *command]
+    with tempfile.TemporaryDirectory() as folder:
+        job = Path(folder, "job.json")
+        job.write_text(json.dumps(_job(rig, times)), encoding="utf-8")
+        script = Path(__file__).with_name("blender_script.py")
+        printed = _output([*command, "--python", str(script), "--", str(job)], folder)
+    lines = [line for line in printed.splitlines() if line.startswith("FACEEDIT ")]
+    if not lines:
+        say("blender: " + (printed.strip().splitlines() or ["no answer"])[-1])
         return None
-    found: dict[str, Any] = json.loads(line.removeprefix("FACEEDIT "))
+    found: dict[str, Any] = json.loads(lines[-1].removeprefix("FACEEDIT "))
     return found
+
+
+def _job(rig: Rig, times: int) -> dict[str, Any]:
+    """What Blender is told: the head, our take on it, and from where it is looked at."""
+    weights = rig.from_arkit(long_take(FRAMES).clip.arkit_weights())
+    camera = default_camera(rig)
+    return {
+        "head": str(shipped("assets/character.glb")),
+        "weights": dict(zip(rig.channels, weights.T.tolist(), strict=True)),
+        "changed": "jawOpen",
+        "frame": FRAMES // 2,
+        "size": SIZE,
+        "times": times,
+        "target": camera.target,
+        "distance": camera.distance,
+        "field_of_view": FIELD_OF_VIEW,
+    }
+
+
+def _output(command: list[str], folder: str) -> str:
+    """What a program printed, errors too, after `_BLENDER_SECONDS` at the latest.
+
+    It is stopped with all that it started: `xvfb-run` would leave Blender and the display behind.
+    """
+    try:
+        process = subprocess.Popen(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,  # as `xvfb-run` does anyway
+            encoding="utf-8",
+            errors="replace",
+            env=os.environ | {"TMPDIR": folder},
+            start_new_session=True,
+        )
+    except OSError as error:
+        return str(error)
+    with process:
+        try:
+            return process.communicate(timeout=_BLENDER_SECONDS)[0]
+        except subprocess.TimeoutExpired:
+            if sys.platform == "win32":
+                process.kill()
+            else:
+                os.killpg(process.pid, signal.SIGKILL)
+            return f"{process.communicate()[0]}\nnot done after {_BLENDER_SECONDS} seconds"
 
 
 def of_all(engine: Engine, rig: Rig, times: int) -> dict[str, Times | None]:

@@ -19,6 +19,7 @@ from faceedit_app.bench import references, starting, window
 from faceedit_app.bench.clocks import Times
 from faceedit_app.bench.desk import Desk
 from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
 from faceedit_app.formats.glb import read_rig
 from faceedit_app.networks.engine import Engine
 from faceedit_app.ui.app import application
@@ -72,7 +73,7 @@ def run(plan: Plan, say: Callable[[str], None] = lambda _: None) -> dict[str, An
     local = [found["lengths"][str(n)]["local"]["median"] for n in plan.lengths]
     found["local_edit_ratio_200k"] = local[-1] / local[0]
     say("comparing")
-    found["references"], found["ratio"] = _compared(plan, rig, engine, found, answered)
+    found["references"], found["ratio"] = _compared(plan, rig, engine, found, answered, say)
     return found
 
 
@@ -88,7 +89,12 @@ def _starts(plan: Plan) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def _compared(
-    plan: Plan, rig: Any, engine: Engine, found: dict[str, Any], answered: Times
+    plan: Plan,
+    rig: Rig,
+    engine: Engine,
+    found: dict[str, Any],
+    answered: Times,
+    say: Callable[[str], None],
 ) -> tuple[dict[str, Any], dict[str, float | None]]:
     """How many times as long as ours each reference takes."""
     ratio: dict[str, float | None] = dict.fromkeys(
@@ -97,7 +103,7 @@ def _compared(
     if not plan.compared:
         return {}, ratio
     others = references.of_all(engine, rig, plan.repetitions)
-    blender = references.blender(max(plan.repetitions // 10, 3))
+    blender = references.blender(rig, max(plan.repetitions // 4, 3), say)
     whole, draw = found["drag"]["median"], found["stages"]["draw"]
     ours = {"naive": whole, "gl_limit": draw}
     for name, times in others.items():
