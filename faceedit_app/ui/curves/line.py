@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 
 import pyqtgraph as pg
+from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainter, QPen, QTransform
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from faceedit_app.ui.curves.polyline import Polyline
 
 
 class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no types
@@ -23,19 +26,41 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
     def __init__(self, pen: QPen) -> None:
         super().__init__(skipFiniteCheck=True)
         self._wanted = pen
-        self.wide = True
+        self._line: Polyline | None = None
+        self._room = QRectF(0.0, 0.0, 1.0, 1.0)
+
+    def show_in(self, room: QRectF) -> None:
+        """Say what part of the plane is in view, seconds by millimetres."""
+        if room != self._room:
+            self.prepareGeometryChange()
+            self._room = room
+
+    def show_line(self, line: Polyline) -> bool:
+        """Draw other points; False if they are the ones already drawn."""
+        if self._line is not None and line.looks_like(self._line):
+            return False
+        self._line = line
+        # pyqtgraph's own way in asks for the bounds of everything, twice; they are not wanted.
+        self.xData, self.yData = line.x, line.y
+        self.opts["connect"] = "all" if line.joined is None else line.joined
+        self.path = None
+        return True
+
+    def boundingRect(self) -> QRectF:
+        """What is in view: points beyond it are few, and no axis follows this item."""
+        return self._room
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None
     ) -> None:
-        """Draw it, in its full width unless `wide` is off."""
-        if self.xData is None or len(self.xData) < 2:
+        """Draw it, in its full width unless it fills its pixel columns anyway."""
+        if self._line is None or len(self._line.x) < 2:
             return
         ratio = painter.device().devicePixelRatioF()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
         painter.setPen(_hairline(self._wanted, ratio))
         path, place = self.getPath(), painter.transform()
-        for dx, dy in offsets(ratio * self._wanted.widthF() if self.wide else 1.0):
+        for dx, dy in offsets(1.0 if self._line.thinned else ratio * self._wanted.widthF()):
             painter.setTransform(place * QTransform.fromTranslate(dx / ratio, dy / ratio))
             painter.drawPath(path)
         painter.setTransform(place)

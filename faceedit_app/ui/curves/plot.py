@@ -22,8 +22,9 @@ from PySide6.QtWidgets import QGraphicsView
 from faceedit_app.core.regions import Control
 from faceedit_app.ui.curves import paint, style
 from faceedit_app.ui.curves.axes import Scale, Span, value_ticks
+from faceedit_app.ui.curves.backdrop import Backdrop
 from faceedit_app.ui.curves.line import WideLine
-from faceedit_app.ui.curves.polyline import Mask, Values, visible_polyline, visible_rows
+from faceedit_app.ui.curves.polyline import EMPTY, Mask, Values, visible_polyline, visible_rows
 
 # Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
 SAME = 0.005
@@ -97,6 +98,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self._marks = paint.Marks()
         self._handle: Handle | None = None
         self._dot: float | None = None
+        self._backdrop = Backdrop(self.viewport())
         self.setObjectName(f"plot_{control.id}")
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
@@ -121,7 +123,8 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self._face = WideLine(style.face_pen(self.control.region))
         self._tracked = WideLine(style.tracked_pen())
         self._asked = WideLine(style.asked_pen())
-        for curve in (self._tracked, self._face, self._asked):
+        self._curves = (self._tracked, self._face, self._asked)
+        for curve in self._curves:
             self.addItem(curve)
 
     # --- what it shows ---------------------------------------------------------------------
@@ -172,20 +175,25 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         box = self.getViewBox()
         box.setRange(xRange=self.view, yRange=self.span, padding=0)
         box.updateMatrix()  # left to the paint event, it would ask for a second one
+        (first, last), (low, high) = self.view, self.span
+        for curve in self._curves:
+            curve.show_in(QRectF(first, low, last - first, high - low))
         self.viewport().update()
         self.scale_changed.emit()
 
     def _draw_lines(self) -> None:
-        self.viewport().update()
-        if self.lines is None:
-            for curve in (self._tracked, self._face, self._asked):
-                curve.setData([], [])
-            return
         lines = self.lines
-        self._draw(self._face, lines.face, None)
-        # Where lines coincide only the face is drawn: a take without edits is one calm line.
-        self._draw(self._tracked, lines.tracked, self._apart(lines.tracked, lines.face))
-        self._draw(self._asked, lines.asked, self._apart(lines.asked, lines.tracked))
+        if lines is None:
+            drawn = [curve.show_line(EMPTY) for curve in self._curves]
+        else:
+            # Where lines coincide only the face is drawn: a take without edits is one calm line.
+            drawn = [
+                self._draw(self._face, lines.face, None),
+                self._draw(self._tracked, lines.tracked, self._apart(lines.tracked, lines.face)),
+                self._draw(self._asked, lines.asked, self._apart(lines.asked, lines.tracked)),
+            ]
+        if any(drawn):
+            self.viewport().update()
 
     def _apart(self, one: Values, other: Values) -> Mask:
         """(T,) in which frames two lines differ; those out of view are not looked at."""
@@ -195,22 +203,27 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         apart[rows] = np.abs(one[rows] - other[rows]) > SAME
         return apart
 
-    def _draw(self, curve: WideLine, values: Values, shown: Mask | None) -> None:
+    def _draw(self, curve: WideLine, values: Values, shown: Mask | None) -> bool:
         assert self.lines is not None
         columns = round(self.viewport().width() * self.devicePixelRatioF())
         line = visible_polyline(self.lines.times, values, *self.view, columns, shown)
-        joined = "all" if line.joined is None else line.joined
-        # Where a line fills its pixel columns anyway, width only costs time.
-        curve.wide = not line.thinned
-        curve.setData(line.x, line.y, connect=joined)
+        return curve.show_line(line)
 
     # --- painting --------------------------------------------------------------------------
 
     def drawBackground(self, painter: QPainter, rect: QRectF) -> None:
         """Paint what lies behind the lines."""
+        still = replace(self._marks, playhead=0.0)
+        looks = (self.current_scale, still, self._is_active)
+        self._backdrop.paint(painter, rect, looks, self._draw_backdrop)
+
+    @property
+    def _is_active(self) -> bool:
+        return self.shows_focus or self._handle is not None
+
+    def _draw_backdrop(self, painter: QPainter, rect: QRectF) -> None:
         scale = self.current_scale
-        active = self.shows_focus or self._handle is not None
-        painter.fillRect(rect, style.color(style.PLOT_ACTIVE if active else style.PLOT))
+        painter.fillRect(rect, style.color(style.PLOT_ACTIVE if self._is_active else style.PLOT))
         painter.setPen(QPen(style.color(style.GRID), 0))
         for tick in value_ticks(scale.span, scale.height, style.VALUE_SPACING):
             y = round(scale.y_of(tick.at))

@@ -66,6 +66,18 @@ class Polyline:
     joined: Mask | None = None
     thinned: bool = False
 
+    def looks_like(self, other: Polyline) -> bool:
+        """Whether both are drawn alike."""
+        if self.thinned is not other.thinned or (self.joined is None) is not (other.joined is None):
+            return False
+        same = np.array_equal(self.y, other.y) and np.array_equal(self.x, other.x)
+        if self.joined is None or other.joined is None:
+            return same
+        return same and np.array_equal(self.joined, other.joined)
+
+
+EMPTY = Polyline(np.empty(0), np.empty(0))
+
 
 def visible_polyline(
     times: Values,
