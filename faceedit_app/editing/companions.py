@@ -63,7 +63,7 @@ class _Group:
         free = [controls.index(name) for name in followers]
         given = [i for i in range(len(controls)) if i not in free]
         known = covariance[np.ix_(given, given)] + JITTER * np.eye(len(given))
-        gain: Array = np.linalg.solve(known, covariance[np.ix_(given, free)])
+        gain = np.asarray(np.linalg.solve(known, covariance[np.ix_(given, free)]), np.float64)
         columns = np.array([CONTROL_INDEX[controls[i]] for i in given], np.intp)
         return cls(frozenset(leaders), followers, columns, gain)
 
