@@ -17,6 +17,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.fingerprint import fingerprint
 from faceedit_app.editing.journal import Journal, pending_journals
+from faceedit_app.editing.placement import Media, Placement
 from faceedit_app.editing.session import EditState
 from faceedit_app.editing.solve import Settings
 
@@ -39,6 +40,10 @@ STATES = [
     EditState(()),
     EditState((A, A, A)),
     EditState((A, A), Settings(reach=0.0)),
+    EditState((A, A), media=Placement(Media(Path("/ü.wav"), 0.25), Media(Path("/b.mov"), -1.0))),
+    EditState((A, B), media=Placement(film=Media(Path("/b.mov"), -1.0))),
+    EditState((A, B), media=Placement()),
+    EditState((A, B)),
 ]
 
 

@@ -21,8 +21,8 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.editing import fingerprint as fingerprint_module
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.fingerprint import Fingerprint, fingerprint
+from faceedit_app.editing.placement import Media
 from faceedit_app.editing.project import (
-    Media,
     Project,
     View,
     Whereabouts,

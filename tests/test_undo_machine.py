@@ -26,6 +26,7 @@ from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.editing.clipboard import Copied, copy_range
 from faceedit_app.editing.edit import LONGEST_SMOOTH, STRONGEST, WITH_POINTS, Company, Edit, Op
 from faceedit_app.editing.fixes import apply_preset
+from faceedit_app.editing.placement import Media, Placement
 from faceedit_app.editing.presets import load_presets
 from faceedit_app.editing.problems import find_problems
 from faceedit_app.editing.session import EditSession, EditState
@@ -135,6 +136,14 @@ class Editing(RuleBasedStateMachine):
         selection = (min(start, end), max(start, end)) if selected else None
         self.session.preview(*apply_preset(self.session, preset, selection, start, 0.1))
         self.session.commit()
+        self.finished()
+
+    @rule(sound=st.none() | st.floats(-9, 9), film=st.none() | st.floats(-9, 9))
+    def place_media(self, sound: float | None, film: float | None) -> None:
+        media = [None if at is None else Media(Path("/a.mov"), at) for at in (sound, film)]
+        before = self.exported()
+        self.session.place(Placement(*media))
+        assert self.exported() == before
         self.finished()
 
     @rule()

@@ -15,7 +15,7 @@ import threading
 import time
 import uuid
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,8 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.editing.edit import Edit, from_json, to_json
 from faceedit_app.editing.filelock import lock, try_lock
 from faceedit_app.editing.fingerprint import Fingerprint, fingerprint
+from faceedit_app.editing.placement import from_json as placement_from_json
+from faceedit_app.editing.placement import to_json as placement_to_json
 from faceedit_app.editing.project import settings_from_json
 from faceedit_app.editing.session import EditState
 
@@ -90,6 +92,8 @@ class Journal:
             entry["add"] = [to_json(edit) for edit in state.edits[first:end]]
         if last is None or last.settings != state.settings:
             entry["settings"] = asdict(state.settings)
+        if (last.media if last is not None else None) != state.media:
+            entry["media"] = placement_to_json(state.media)
         if self._append(entry):
             self._last, self._step = state, self._step + 1
             self._wake.set()
@@ -252,7 +256,8 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
 def _replay(state: EditState | None, step: int, entry: dict[str, Any]) -> EditState:
     if "edits" in entry:
         edits = [from_json(edit) for edit in entry["edits"]]
-        return EditState(tuple(edits), settings_from_json(entry["settings"]))
+        media = placement_from_json(entry.get("media"))
+        return EditState(tuple(edits), settings_from_json(entry["settings"]), media)
     if state is None or entry["step"] != step + 1:
         raise ValueError("a line is missing")
     edits = list(state.edits)
@@ -261,4 +266,5 @@ def _replay(state: EditState | None, step: int, entry: dict[str, Any]) -> EditSt
         raise ValueError("it does not fit the edits before it")
     edits[at : at + drop] = [from_json(edit) for edit in entry["add"]]
     settings = settings_from_json(entry["settings"]) if "settings" in entry else state.settings
-    return replace(state, edits=tuple(edits), settings=settings)
+    media = placement_from_json(entry["media"]) if "media" in entry else state.media
+    return EditState(tuple(edits), settings, media)

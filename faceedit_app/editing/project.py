@@ -23,12 +23,12 @@ from faceedit_app.editing.fingerprint import (
     find_by_name,
     fingerprint,
 )
+from faceedit_app.editing.placement import LARGEST, Media
 from faceedit_app.editing.session import EditState
 from faceedit_app.editing.solve import Mode, Settings
 
 VERSION = 1
 SUFFIX = ".faceedit"
-LARGEST = 1e6  # seconds
 
 
 @dataclass(frozen=True)
@@ -48,19 +48,6 @@ class View:
     selection: tuple[float, float] | None = None
     falloff: float = 0.2
     ui: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Media:
-    """Sound or film of the take.
-
-    Attributes:
-        path: the file, absolute.
-        offset: seconds of the take at which it begins.
-    """
-
-    path: Path
-    offset: float = 0.0
 
 
 @dataclass(frozen=True)

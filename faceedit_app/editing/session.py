@@ -17,6 +17,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edit import Edit, Op, read_edits, write_edits
 from faceedit_app.editing.fingerprint import Fingerprint, fingerprint_of
 from faceedit_app.editing.live import Live
+from faceedit_app.editing.placement import Placement
 from faceedit_app.editing.settings import Settings
 from faceedit_app.editing.solve import Solver
 from faceedit_app.formats.opening import write_take
@@ -28,10 +29,17 @@ if TYPE_CHECKING:  # torch comes with it, and the window is there before torch
 
 @dataclass(frozen=True)
 class EditState:
-    """What undo steps through: the edits and how they are answered."""
+    """What undo steps through.
+
+    Attributes:
+        edits: oldest first.
+        settings: how they are answered.
+        media: the take's sound and film; None = what lies beside it, as it lies there.
+    """
 
     edits: tuple[Edit, ...] = ()
     settings: Settings = field(default_factory=Settings)
+    media: Placement | None = None
 
 
 class EditSession:
@@ -92,7 +100,7 @@ class EditSession:
 
     @property
     def is_exported(self) -> bool:
-        """Whether the present edits are the ones last exported or saved."""
+        """Whether the present edits are the ones last exported or saved, and media are saved."""
         return self._state == self._saved
 
     @property
@@ -179,6 +187,10 @@ class EditSession:
         """Answer all edits by other settings, as one undo step."""
         self._change(replace(self._state, settings=settings))
 
+    def place(self, media: Placement) -> None:
+        """Have this sound and film, and have them there, as one undo step."""
+        self._change(replace(self._state, media=media))
+
     def begin_with(self, state: EditState) -> None:
         """Start from the state that a project holds: there is nothing before it to go back to."""
         self._undo.clear()
@@ -262,16 +274,20 @@ class EditSession:
             FileError: it cannot be written; an existing file is then untouched.
         """
         write_take(path, self.take, self.clip_weights())
-        self.mark_saved()
+        self._mark_exported()
 
     def mark_saved(self) -> None:
         """What has been done up to now is in a file."""
         self._saved = self._state
 
+    def _mark_exported(self) -> None:
+        """The edits are in a file; where sound and film lie is only in projects."""
+        self._saved = replace(self._state, media=self._saved.media)
+
     def save_edits(self, path: Path | str) -> None:
         """Save the edits for `faceedit apply` or for another day."""
         write_edits(path, self.edits)
-        self.mark_saved()
+        self._mark_exported()
 
     def load_edits(self, path: Path | str) -> None:
         """Add the edits of a file, as one undo step.

@@ -131,8 +131,8 @@ def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
     box.setIcon(QMessageBox.Icon.Question)
     box.setWindowTitle("FaceEdit")
     box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setText(f"The edits of {name} are neither exported nor saved.")
-    box.setInformativeText("They are lost if you discard them.")
+    box.setText(f"What you did to {name} is neither exported nor saved.")
+    box.setInformativeText("It is lost if you discard it.")
     role = QMessageBox.ButtonRole
     choices = {
         box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,

@@ -13,7 +13,8 @@ from faceedit_app.core.regions import CONTROL_IDS
 if TYPE_CHECKING:  # torch comes with these; the window is there before it
     from faceedit_app.editing.edit import Edit
     from faceedit_app.editing.journal import Journal
-    from faceedit_app.editing.project import Media, View
+    from faceedit_app.editing.placement import Placement
+    from faceedit_app.editing.project import View
     from faceedit_app.editing.session import EditSession
     from faceedit_app.editing.solve import Settings
     from faceedit_app.networks.engine import Engine
@@ -86,6 +87,8 @@ class Document(QObject):
     def _is_saved(self) -> None:
         if self._journal is not None:
             self._journal.saved(self.project)
+            if self.session is not None and not self.session.is_exported:
+                self._journal.record(self.session.state)  # media are in no export
         self.saved.emit()
 
     def use_engine(self, engine: Engine) -> None:
@@ -190,7 +193,7 @@ class Document(QObject):
             self.session.export(path)
             self._is_saved()
 
-    def save_project(self, path: Path, view: View, audio: Media | None, film: Media | None) -> None:
+    def save_project(self, path: Path, view: View, media: Placement) -> None:
         """Write take, edits, view, sound and film as one project.
 
         Raises:
@@ -204,7 +207,8 @@ class Document(QObject):
         take = session.take.path.absolute()
         # Of the take as it was opened: the file may be gone by now, or exported over.
         mark = session.fingerprint
-        write_project(path, Project(take, mark, session.state, view, audio, film))
+        project = Project(take, mark, session.state, view, media.sound, media.film)
+        write_project(path, project)
         session.mark_saved()
         self.project = path
         self._is_saved()

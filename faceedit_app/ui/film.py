@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QMenu, QSizePolicy, QVBoxLayout, QWid
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats.timing import format_time
 from faceedit_app.ui.media import Media
-from faceedit_app.ui.media_parts import Name, OffsetBox, remove_button
+from faceedit_app.ui.media_parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.palette import MUTED, PANEL
 from faceedit_app.ui.theme import MARGIN
 from faceedit_app.ui.timeline import Timeline
@@ -136,10 +136,7 @@ class Screen(QWidget):
         media, timeline = self._media, self._timeline
         menu = QMenu(self)
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        menu.addAction("Begin at the playhead").triggered.connect(
-            lambda: media.move_film(timeline.time)
-        )
-        menu.addAction("Begin with the take").triggered.connect(lambda: media.move_film(0.0))
+        placing_actions(menu, media, media.move_film, timeline)
         menu.addSeparator()
         menu.addAction("Remove film").triggered.connect(media.remove_film)
         menu.popup(event.globalPos())
@@ -160,6 +157,7 @@ class FilmPane(QWidget):
         self.offset = OffsetBox("film")
         self.offset.setFixedWidth(86)
         self.offset.valueChanged.connect(media.move_film)
+        self.offset.editingFinished.connect(media.acted)
         remove = remove_button("film")
         remove.clicked.connect(media.remove_film)
         foot = QWidget()

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.editing.placement import Media as Kept
+from faceedit_app.editing.placement import Placement
 from faceedit_app.formats.timecode import time_of_day
 from faceedit_app.media import beside
 from faceedit_app.ui.loading import Background
@@ -19,6 +21,8 @@ if TYPE_CHECKING:  # PyAV comes with these; it is loaded with the first file
     from faceedit_app.media.sound import Sound
 
 Item = TypeVar("Item")
+Kind = Literal["sound", "film"]
+KINDS: tuple[Kind, ...] = ("film", "sound")
 _NEAR = 60.0  # seconds after the take's beginning at which a film may be found by timecode
 _FAR = 24 * 3600.0  # seconds; an offset beyond is a slip of the hand
 
@@ -37,6 +41,20 @@ class Placed(Generic[Item]):
     path: Path
     offset: float
 
+    @property
+    def kept(self) -> Kept:
+        """What a project keeps of it."""
+        return Kept(self.path, self.offset)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What a file that the user named has in it; what could not be read is told by `errors`."""
+
+    film: Film | None
+    sound: Sound | None
+    errors: tuple[FaceEditError, ...]
+
 
 class Media(QObject):
     """Holds at most one sound and one film, reads them in the background and places them.
@@ -44,9 +62,14 @@ class Media(QObject):
     A film brings its own sound, unless a sound file is there. Sound and picture of one film are
     moved together.
 
+    Attributes:
+        base: what lies beside the take, as it lies there: what there is until the user acts.
+        is_held: sound or film is being dragged in time.
+
     Signals:
         sound_changed(), film_changed(): another one is there, or none.
         placed(): an offset changed.
+        acted(): a gesture of the user's is over: something was added, removed or put elsewhere.
         told(str): something went well, for the status bar.
         failed(object): a FaceEditError about a file that the user named.
         missed(object): a FaceEditError about a file that was found or remembered.
@@ -55,6 +78,7 @@ class Media(QObject):
     sound_changed = Signal()
     film_changed = Signal()
     placed = Signal()
+    acted = Signal()
     told = Signal(str)
     failed = Signal(object)
     missed = Signal(object)
@@ -64,74 +88,134 @@ class Media(QObject):
         self._background = background
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
-        # What a project named and is not there, or not yet: it must not be lost by saving.
-        self._kept: dict[str, dict[str, str | float]] = {}
+        self.base = Placement()
+        self.is_held = False
+        # What is wanted and is not there, or not yet: it must not be lost by saving.
+        self._kept: dict[Kind, Kept] = {}
         self._began: float | None = None
-        self._yields = False  # the sound that is there came with a film
         self._found = ""  # what to say when all is read
         self._job = 0  # what is read for an earlier take is not wanted any more
         self.pending = 0
 
-    # --- open --------------------------------------------------------------------------------
+    @property
+    def placement(self) -> Placement:
+        """Which sound and film there are, or are still being read, and where."""
 
-    def follow(self, take: Path, began: float | None = None) -> None:
-        """Another take is open: let go of the last one's, and take what lies beside this one.
+        def kept(kind: Kind, placed: Placed[Any] | None) -> Kept | None:
+            return self._kept.get(kind) if placed is None else placed.kept
+
+        return Placement(kept("sound", self.sound), kept("film", self.film))
+
+    # --- another take ------------------------------------------------------------------------
+
+    def follow(
+        self, take: Path, began: float | None = None, placement: Placement | None = None
+    ) -> None:
+        """Another take is open: let go of the last one's, and take what belongs to this one.
 
         Args:
             began: its first timecode as seconds since midnight. A film with timecode is placed
                 by it.
+            placement: what a project names; None = what lies beside the take.
         """
         self.clear()
         self._began = began
-        sound, film = beside(take)
+        sound, film = beside(take.absolute())
         found = [path for path in (film, sound) if path is not None]
-        if film is not None:
-            self._read_film(film, None, self.missed.emit)
-        if found:
-            self._read_sound(sound or found[0], 0.0, self.missed.emit, yields=sound is None)
+        heard = sound or film
+        self.base = Placement(Kept(heard) if heard else None, Kept(film) if film else None)
+        self.show(self.base if placement is None else placement, placement is None)
+        if found and placement is None:
             names = " and ".join(path.name for path in found)
             self._found = f"Opened {names}, found beside the take"
 
-    def add(self, path: Path) -> None:
-        """Read a file that the user named; it takes the place of its like when it is read."""
-        job = self._job
+    def show(self, wanted: Placement, beside_take: bool = False) -> None:
+        """Have this sound and film there, in place of what is: undo, or a project.
 
-        def probed(contents: tuple[bool, bool]) -> None:
-            if job == self._job:
-                self._add(path, *contents)
+        A file that is gone is told by `missed`, and stays in `placement` until another one takes
+        its place.
 
-        self._run(lambda: _contents(path), probed, self.failed.emit)
+        Args:
+            beside_take: they were not chosen by anybody: a film goes where its timecode says,
+                and what cannot be read was not wanted.
+        """
+        new: dict[Kind, Placed[Any] | None] = {"sound": self.sound, "film": self.film}
+        unread: list[tuple[Kind, Kept]] = []
+        for kind in KINDS:
+            want, there = getattr(wanted, kind), new[kind]
+            if getattr(self.placement, kind) == want:
+                continue
+            self._kept.pop(kind, None)
+            new[kind] = None
+            if want is not None and there is not None and there.path == want.path:
+                new[kind] = replace(there, offset=want.offset)
+            elif want is not None:
+                self._kept[kind] = want
+                unread.append((kind, want))
+        self._put(new["sound"], new["film"])
+        for kind, want in unread:
+            self._read(kind, want, beside_take)
 
-    def _add(self, path: Path, has_sound: bool, has_film: bool) -> None:
-        self.told.emit(f"Opening {path.name}…")
-        if has_film:
-            self._read_film(path, None, self.failed.emit)
-        if has_sound:
-            self._read_sound(path, 0.0, self.failed.emit, yields=has_film)
+    def clear(self) -> None:
+        """Without either, and without what is still being read."""
+        self._job += 1
+        self._found, self.base = "", Placement()
+        self._kept.clear()
+        self._put(None, None)
 
-    def _read_film(
-        self, path: Path, offset: float | None, failed: Callable[[object], None]
-    ) -> None:
-        """Place a film at `offset`, or where its timecode says."""
-        job = self._job
+    # --- read --------------------------------------------------------------------------------
 
-        def read() -> Film:
-            from faceedit_app.media.film import Film
+    def _read(self, kind: Kind, entry: Kept, beside_take: bool) -> None:
+        """Bring a wanted file, unless it is wanted no more when it has been read."""
+        path, job = entry.path, self._job
+        if not path.is_file():
+            error = FileError(path, "is not there any more", "add it again where it is now")
+            self.missed.emit(error)
+            return
 
-            return Film(path, lambda: job != self._job)
-
-        def done(film: Film) -> None:
-            if job == self._job:
-                at = self._by_timecode(film) if offset is None else offset
-                self._kept.pop("film", None)
-                self.film = Placed(film, path, at)
-                self.film_changed.emit()
-                if self._yields and self.sound is not None and self.sound.path != path:
-                    self.remove_sound()  # it came with the film that was here
+        def done(item: Any) -> None:
+            if job != self._job or item is None or self._kept.get(kind) != entry:
+                return
+            del self._kept[kind]
+            at = entry.offset
+            if kind == "film":
+                at = self._by_timecode(item) if beside_take else at
+                self._put(self.sound, Placed(item, path, at))
+            else:
+                if beside_take and self.film is not None and self.film.path == path:
+                    at = self.film.offset
+                self._put(Placed(item, path, at), self.film)
+            if beside_take:
                 self._place(at, path)  # its sound may have been there first
-                self._tell(path)
+                self._rebase(path, at)
+            self._tell()
 
-        self._run(read, done, failed)
+        def missed(error: object) -> None:
+            if beside_take and self._kept.get(kind) == entry:
+                del self._kept[kind]
+                self.base = replace(self.base, **{kind: None})
+            self.missed.emit(error)
+
+        self._run(self._reader(kind, path), done, missed)
+
+    def _reader(self, kind: Kind, path: Path) -> Callable[[], Any]:
+        job = self._job
+
+        def read() -> Film | Sound | None:
+            from faceedit_app.media.film import Film
+            from faceedit_app.media.sound import read_sound
+
+            reader: Callable[..., Film | Sound | None] = Film if kind == "film" else read_sound
+            return reader(path, lambda: job != self._job)
+
+        return read
+
+    def _rebase(self, path: Path, offset: float) -> None:
+        """It turned out where a file lies that was found beside the take."""
+        for kind in KINDS:
+            entry = getattr(self.base, kind)
+            if entry is not None and entry.path == path:
+                self.base = replace(self.base, **{kind: Kept(path, offset)})
 
     def _by_timecode(self, film: Film) -> float:
         """Where the film begins in the take if both tell the time of day, else at 0."""
@@ -144,34 +228,10 @@ class Media(QObject):
         # Clocks that were not set alike would only carry it out of sight.
         return offset if -film.duration < offset < _NEAR else 0.0
 
-    def _read_sound(
-        self, path: Path, offset: float, failed: Callable[[object], None], yields: bool = False
-    ) -> None:
-        """Place a sound; a film's `yields` to a sound file, which is there for a reason."""
-        job = self._job
-
-        def read() -> Sound | None:
-            from faceedit_app.media.sound import read_sound
-
-            return read_sound(path, lambda: job != self._job)
-
-        def done(sound: Sound | None) -> None:
-            beaten = yields and self.sound is not None and not self._yields
-            if job == self._job:
-                self._kept.pop("sound", None)
-            if job == self._job and sound is not None and not beaten:
-                self._yields = yields
-                at = self.film.offset if self.film and self.film.path == path else offset
-                self.sound = Placed(sound, path, at)
-                self.sound_changed.emit()
-                self._tell(path)
-
-        self._run(read, done, failed)
-
-    def _tell(self, path: Path) -> None:
+    def _tell(self) -> None:
         """What is there now, when the last file is read."""
-        if not self.pending:
-            self.told.emit(self._found or f"Added {path.name}")
+        if not self.pending and self._found:
+            self.told.emit(self._found)
             self._found = ""
 
     def _run(
@@ -194,7 +254,54 @@ class Media(QObject):
 
         self._background.run(work, arrived, missed)
 
-    # --- place -------------------------------------------------------------------------------
+    # --- what the user does ------------------------------------------------------------------
+
+    def add(self, path: Path) -> None:
+        """Read a file that the user named; what is in it takes the place of its like at once."""
+        path, job = path.absolute(), self._job
+        self.told.emit(f"Opening {path.name}…")
+
+        def read() -> _Found:
+            has_sound, has_film = _contents(path)
+            items: dict[str, Any] = {}
+            errors: list[FaceEditError] = []
+            for kind, has in zip(KINDS, (has_film, has_sound), strict=True):
+                try:
+                    items[kind] = self._reader(kind, path)() if has else None
+                except FaceEditError as error:
+                    errors.append(error)
+            return _Found(items.get("film"), items.get("sound"), tuple(errors))
+
+        def done(found: _Found) -> None:
+            if job != self._job:
+                return
+            for error in found.errors:
+                self.failed.emit(error)
+            if found.film is not None or found.sound is not None:
+                self._add(path, found)
+                self.told.emit(f"Added {path.name}")
+                self.acted.emit()
+
+        self._run(read, done, self.failed.emit)
+
+    def _add(self, path: Path, found: _Found) -> None:
+        sound, film, at = self.sound, self.film, 0.0
+        if found.film is not None:
+            if sound is not None and self._is_films(sound.path):
+                sound = None  # it came with the film that was here
+            at = self._by_timecode(found.film)
+            film = Placed(found.film, path, at)
+        # A sound file is there for a reason: the sound of a film yields to it.
+        if found.sound is not None and (found.film is None or sound is None):
+            sound = Placed(found.sound, path, at)
+        if sound is not None:
+            self._kept.pop("sound", None)
+        if film is not None:
+            self._kept.pop("film", None)
+        self._put(sound, film)
+
+    def _is_films(self, path: Path) -> bool:
+        return self.film is not None and self.film.path == path
 
     def move_sound(self, offset: float) -> None:
         """Put the beginning of the sound's file at a second of the take."""
@@ -209,76 +316,43 @@ class Media(QObject):
     def _place(self, offset: float, path: Path) -> None:
         """Sound and picture of one file keep together."""
         offset = min(max(round(offset, 4), -_FAR), _FAR)
-        moved = False
-        if self.sound is not None and self.sound.path == path and self.sound.offset != offset:
-            self.sound, moved = Placed(self.sound.item, path, offset), True
-        if self.film is not None and self.film.path == path and self.film.offset != offset:
-            self.film, moved = Placed(self.film.item, path, offset), True
-        if moved:
-            self.placed.emit()
-
-    # --- remove ------------------------------------------------------------------------------
+        sound, film = self.sound, self.film
+        if sound is not None and sound.path == path:
+            sound = replace(sound, offset=offset)
+        if film is not None and film.path == path:
+            film = replace(film, offset=offset)
+        self._put(sound, film)
 
     def remove_sound(self) -> None:
         """Without sound from now on."""
         self._kept.pop("sound", None)
-        if self.sound is not None:
-            self.sound = None
-            self.sound_changed.emit()
+        self._put(None, self.film)
+        self.acted.emit()
 
     def remove_film(self) -> None:
         """Without film from now on; the sound that it brought goes with it."""
         self._kept.pop("film", None)
-        film = self.film
-        if film is not None:
-            self.film = None
-            self.film_changed.emit()
-            if self.sound is not None and self.sound.path == film.path:
-                self.remove_sound()
+        brought = self.sound is not None and self._is_films(self.sound.path)
+        self._put(None if brought else self.sound, None)
+        self.acted.emit()
 
-    def clear(self) -> None:
-        """Without either, and without what is still being read."""
-        self._job += 1
-        self._found = ""
-        self.remove_sound()
-        self.remove_film()
+    def _put(self, sound: Placed[Sound] | None, film: Placed[Film] | None) -> None:
+        """Have these there, and tell what is different."""
+        old = self.sound, self.film
+        self.sound, self.film = sound, film
+        changed, moved = zip(*map(_differ, old, (sound, film)), strict=True)
+        for differs, signal in zip(changed, (self.sound_changed, self.film_changed), strict=True):
+            if differs:
+                signal.emit()
+        if any(moved):
+            self.placed.emit()
 
-    # --- project files -----------------------------------------------------------------------
 
-    def state(self) -> dict[str, dict[str, str | float] | None]:
-        """What a project keeps: `{"sound": {"path", "offset"} or None, "film": the same}`."""
-
-        def kept(kind: str, placed: Placed[Any] | None) -> dict[str, str | float] | None:
-            if placed is None:
-                return self._kept.get(kind)
-            return {"path": str(placed.path), "offset": placed.offset}
-
-        return {"sound": kept("sound", self.sound), "film": kept("film", self.film)}
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Read what a project kept, in place of what is there.
-
-        A file that is gone is told by `missed`, and stays in the state until another one takes
-        its place; a damaged entry counts as none.
-        """
-        self.clear()
-        film: Path | None = None
-        for kind in ("film", "sound"):
-            entry = state.get(kind) if isinstance(state, dict) else None
-            if not isinstance(entry, dict) or not isinstance(entry.get("path"), str):
-                continue
-            offset, path = entry.get("offset", 0.0), Path(entry["path"])
-            at = float(offset) if isinstance(offset, int | float) else 0.0
-            self._kept[kind] = {"path": str(path), "offset": at}
-            if not path.is_file():
-                error = FileError(path, "is not there any more", "add it again where it is now")
-                self.missed.emit(error)
-                continue
-            if kind == "film":
-                film = path
-                self._read_film(path, at, self.missed.emit)
-            else:
-                self._read_sound(path, at, self.missed.emit, yields=path == film)
+def _differ(old: Placed[Any] | None, new: Placed[Any] | None) -> tuple[bool, bool]:
+    """Whether it is another one, and whether it is the same one elsewhere."""
+    if old is None or new is None or old.item is not new.item:
+        return old is not new, False
+    return False, old.offset != new.offset
 
 
 def _contents(path: Path) -> tuple[bool, bool]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QWidget
 
+from faceedit_app.editing.placement import Placement
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
 from faceedit_app.ui import dialogs
@@ -64,12 +65,16 @@ class MediaCommands(QObject):
             self._store.set_folder("media", path.resolve().parent)
             self._media.add(path)
 
-    def follow(self, take: Take) -> None:
-        """A take is open: take what lies beside it, then what was dropped with it."""
+    def follow(self, take: Take, placement: Placement | None) -> None:
+        """A take is open: take what belongs to it, then what was dropped with it.
+
+        Args:
+            placement: what its project names; None = what lies beside it.
+        """
         codes, began = take.clip.timecodes, None
         if codes:
             began = time_of_day(codes[0], derive_base(parse_timecodes(codes))[0])
-        self._media.follow(take.path, began)
+        self._media.follow(take.path, began, placement)
         dropped, self._dropped = self._dropped, []
         for path in dropped:
             self._media.add(path)

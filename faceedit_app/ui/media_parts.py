@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QWheelEvent
-from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QSizePolicy, QToolButton
+from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QMenu, QSizePolicy, QToolButton
 
 from faceedit_app.ui.drawings import GRID
 from faceedit_app.ui.icons import icon
+from faceedit_app.ui.media import Media
 from faceedit_app.ui.palette import MUTED
+from faceedit_app.ui.timeline import Timeline
 
 _LEAST = 48  # pixels below which a name is not begun
 
@@ -73,6 +77,19 @@ class Name(QLabel):
         flags = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
         painter.setPen(self.palette().windowText().color())
         painter.drawText(self.rect(), flags, text)
+
+
+def placing_actions(
+    menu: QMenu, media: Media, move: Callable[[float], None], timeline: Timeline
+) -> None:
+    """The places that a sound or a film is put to by one click."""
+
+    def put(seconds: float) -> None:
+        move(seconds)
+        media.acted.emit()
+
+    menu.addAction("Begin at the playhead").triggered.connect(lambda: put(timeline.time))
+    menu.addAction("Begin with the take").triggered.connect(lambda: put(0.0))
 
 
 def remove_button(what: str) -> QToolButton:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -65,15 +66,8 @@ class ProjectCommands(QObject):
         return path is not None and self._save(path)
 
     def _save(self, path: Path) -> bool:
-        from faceedit_app.editing.project import Media as KeptMedia
-
-        kept = {
-            kind: KeptMedia(Path(str(entry["path"])).absolute(), float(entry["offset"]))
-            for kind, entry in self._media.state().items()
-            if entry is not None
-        }
         try:
-            self._document.save_project(path, self._view(), kept.get("sound"), kept.get("film"))
+            self._document.save_project(path, self._view(), self._media.placement)
         except FaceEditError as error:
             dialogs.show_error(self._window, error)
             return False
@@ -114,6 +108,7 @@ class ProjectCommands(QObject):
         self._background.run(read, lambda found: self._found(path, *found), failed)
 
     def _found(self, path: Path, project: Project, located: Located) -> None:
+        from faceedit_app.editing.placement import Placement
         from faceedit_app.editing.project import Whereabouts
 
         take = located.path
@@ -130,7 +125,9 @@ class ProjectCommands(QObject):
         keeps_note = located.where is Whereabouts.FOUND
 
         def prepare(session: EditSession) -> None:
-            session.begin_with(project.state)
+            # What stands beside the take by chance is not the project's.
+            media = Placement(project.audio, project.film)
+            session.begin_with(replace(project.state, media=media))
             if keeps_note:
                 session.mark_saved()
 
@@ -153,13 +150,6 @@ class ProjectCommands(QObject):
         unit = view.ui.get("unit")
         if unit in list(Unit):
             line.clock.choose(Unit(str(unit)))
-        media = {"sound": project.audio, "film": project.film}
-        kept = {
-            kind: {"path": str(entry.path), "offset": entry.offset}
-            for kind, entry in media.items()
-            if entry is not None
-        }
-        self._media.restore(kept)  # what stands beside the take by chance is not the project's
 
     # --- after a crash -----------------------------------------------------------------------
 

@@ -22,7 +22,7 @@ from faceedit_app.ui.curves.axes import Scale
 from faceedit_app.ui.curves.gestures import Brush, Pan
 from faceedit_app.ui.curves.ruler import turn_wheel
 from faceedit_app.ui.media import Media
-from faceedit_app.ui.media_parts import Name, OffsetBox, remove_button
+from faceedit_app.ui.media_parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.timeline import Timeline
 
 HEIGHT = 58  # pixels of the strip
@@ -75,6 +75,7 @@ class Waveform(QWidget):
     def _measure(self) -> None:
         sound = self._media.sound.item if self._media.sound is not None else None
         self._grabbed = self._picture = None
+        self._media.is_held = False
         if sound is not None:
             top = sound.columns(sound.start, sound.end, 1000)
             # One bang must not make all that is spoken small; it is cut off instead.
@@ -141,6 +142,7 @@ class Waveform(QWidget):
             if event.modifiers() & Qt.KeyboardModifier.AltModifier:
                 self._before = self._media.sound.offset
                 self._grabbed = x, self._before
+                self._media.is_held = True
                 self.setCursor(Qt.CursorShape.SizeHorCursor)
                 self.setFocus()  # for Esc
             else:
@@ -188,7 +190,8 @@ class Waveform(QWidget):
         self._let_go()
 
     def _let_go(self) -> None:
-        self._grabbed = None
+        self._grabbed, self._media.is_held = None, False
+        self._media.acted.emit()
         self.unsetCursor()
         self.update()
 
@@ -206,10 +209,7 @@ def sound_menu(parent: QWidget, media: Media, timeline: Timeline) -> QMenu:
     """Place the sound, or remove it."""
     menu = QMenu(parent)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    menu.addAction("Begin at the playhead").triggered.connect(
-        lambda: media.move_sound(timeline.time)
-    )
-    menu.addAction("Begin with the take").triggered.connect(lambda: media.move_sound(0.0))
+    placing_actions(menu, media, media.move_sound, timeline)
     menu.addSeparator()
     menu.addAction("Remove sound").triggered.connect(media.remove_sound)
     return menu
@@ -224,6 +224,7 @@ class SoundStrip(QWidget):
         self.name = Name()
         self.offset = OffsetBox("sound")
         self.offset.valueChanged.connect(media.move_sound)
+        self.offset.editingFinished.connect(media.acted)
         self.waveform = Waveform(media, timeline)
         remove = remove_button("sound")
         remove.clicked.connect(media.remove_sound)

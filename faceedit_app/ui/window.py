@@ -28,6 +28,7 @@ from faceedit_app.ui.icons import app_icon
 from faceedit_app.ui.keys import KeyArbiter
 from faceedit_app.ui.media import Media
 from faceedit_app.ui.media_commands import MediaCommands
+from faceedit_app.ui.media_steps import MediaSteps
 from faceedit_app.ui.playback import Playback
 from faceedit_app.ui.project_commands import ProjectCommands
 from faceedit_app.ui.sounding import Sounding
@@ -90,6 +91,7 @@ class MainWindow(WindowBase):
             self.edits.finish,
         )
         self.media = Media(self._background, self)
+        self.media_steps = MediaSteps(self.document, self.media)
         self.sounding = Sounding(self.media, self.timeline, self.playback, self._background)
         self.media_commands = MediaCommands(self, self.media, self.sounding, store)
         self.projects = ProjectCommands(
@@ -277,7 +279,7 @@ class MainWindow(WindowBase):
         if self.document.keeps_journal and self._store.hints_wanted():
             self._store.set_hints_seen()
             QTimer.singleShot(0, editor.hints.begin)  # once all has its place
-        self.media_commands.follow(session.take)
+        self.media_commands.follow(session.take, session.state.media)
 
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path
@@ -299,6 +301,7 @@ class MainWindow(WindowBase):
         return self.editor.curves if self.editor is not None else None
 
     def _settle(self) -> None:
+        self.media_steps.settle()
         if self.editor is not None:
             self.editor.settle()
 
