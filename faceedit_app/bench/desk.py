@@ -90,6 +90,12 @@ class Desk:
         """One of the eight."""
         return self.editor.curves.plots[CONTROL_IDS.index(control)]
 
+    def choose(self, *controls: str) -> None:
+        """Have curves edited together; none ends that."""
+        curves = self.editor.curves
+        for control in {*controls} ^ {*curves.chosen_controls}:
+            curves.headers[CONTROL_IDS.index(control)].picked.emit(True)
+
     def press(self, control: str, seconds: float) -> None:
         """Take hold of a curve."""
         plot = self.plot(control)

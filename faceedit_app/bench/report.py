@@ -146,12 +146,14 @@ def _processor() -> str:
 def text(found: dict[str, Any]) -> str:
     """The report for people."""
     drag, stages, start = found["drag"], found["stages"], found["start_s"]
+    one = found["drag_one"]
     lines = [
         f"{found['machine']['processor']}, {found['machine']['cores']} cores, "
         f"load {found['machine']['load'] or 0:.1f}",
         "",
         f"drag, 202 frames     {drag['median']:7.1f} ms   95 %: {drag['p95']:.1f}"
         f"   best: {drag['best']:.1f}   of the processors: {drag['processors']:.1f}",
+        f"drag of one curve     {one['median']:7.1f} ms   95 %: {one['p95']:.1f}",
         *(f"  {name:<18} {value:7.1f} ms" for name, value in stages.items()),
         f"networks, 202 frames {found['networks_202']['median']:7.1f} ms",
         "",

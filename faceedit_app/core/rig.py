@@ -170,6 +170,12 @@ class Distances:
     def lengths(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Lengths (..., C), mm, of `vectors` (..., C, 3); negative where a pair has passed."""
         x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
-        plain = np.sqrt(x * x + y * y + z * z)
+        plain: NDArray[Any] = np.sqrt(x * x + y * y + z * z)
+        if not self._may_pass:
+            return plain
         lengths: NDArray[Any] = np.where(self.shuts & (y * self.offsets[:, 1] < 0), -plain, plain)
         return lengths
+
+    @cached_property
+    def _may_pass(self) -> bool:
+        return bool(self.shuts.any())

@@ -20,9 +20,13 @@ from faceedit_app.core.rig import Distances
 Array = NDArray[np.float64]
 
 ITERATIONS = 6
-STEPS = np.array([1.0, 0.7, 0.4, 0.2, 0.1, 0.0])
-# A frame whose weights moved by no more than this is done: it is far below what can be seen.
-SETTLED = 1e-4
+# Shorter steps, tried where a full one leads farther away.
+STEPS = np.array([0.7, 0.4, 0.2, 0.1, 0.0])
+# A frame is done when its weights moved by no more than this: the next step is a small part of
+# that, far below what can be seen.
+SETTLED = 2e-3
+# It is also done when its controls are where they should be: within a tenth of what is allowed.
+MET = 0.01
 # How exactly an asked-for control must be met, and how much the others may give way, in mm.
 ASKED_MM = 0.05
 FREE_MM = 1.5
@@ -149,20 +153,32 @@ class _Solver:
         """
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
         vectors, active = frames.vectors.copy(), np.arange(len(change))
+        costs = frames.cost(self._lengths(vectors))
+        these = frames
         for iteration in range(ITERATIONS):
-            these, old, held = frames.at(active), change[active], frozen[active]
+            old, held = change[active], frozen[active]
             slopes, wanted = self._linear(these, vectors[active], old, passed and iteration == 0)
             aim = self._step(slopes, wanted, these.noise, old, held)
             aim *= self._shortening(aim)
             allowed = these.bounded(aim, self._coupled)
             stopped = held | (np.abs(allowed - aim) > 1e-9)
-            new, vectors[active] = self._line_search(these, vectors[active], old, allowed)
+            new, vectors[active], costs[active] = self._line_search(
+                these, vectors[active], costs[active], old, allowed
+            )
             change[active], frozen[active] = new, stopped
             moving = (np.abs(new - old) > SETTLED) | (stopped != held)
-            active = active[moving.any(axis=1)]
-            if not len(active):
+            going = moving.any(axis=1) & (costs[active] > MET)
+            if not going.any():
                 break
-        return change, np.maximum(self._distances.lengths(vectors), 0.0)
+            if not going.all():
+                active = active[going]
+                these = frames.at(active)
+        return change, self._lengths(vectors)
+
+    def _lengths(self, vectors: Array) -> Array:
+        """(..., C) mm; pairs that have passed each other touch."""
+        lengths: Array = np.maximum(self._distances.lengths(vectors), 0.0)
+        return lengths
 
     def _linear(
         self, frames: _Frames, vectors: Array, change: Array, passed: bool
@@ -171,21 +187,23 @@ class _Solver:
         lengths, directions = self._distances.directions(vectors, passed)
         by_control = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
         slopes = np.ascontiguousarray(by_control.transpose(1, 0, 2))
-        return slopes, frames.targets - lengths + (slopes @ change[:, :, None])[:, :, 0]
+        return slopes, frames.targets - lengths + np.einsum("nck,nk->nc", slopes, change)
 
     def _step(
         self, slopes: Array, wanted: Array, noise: Array, change: Array, frozen: NDArray[np.bool_]
     ) -> Array:
         """The most probable change with J change = wanted; frozen channels keep theirs."""
-        held = np.where(frozen, change, 0.0)
-        rest = wanted - (slopes @ held[:, :, None])[:, :, 0]
-        free = np.where(frozen[:, None, :], 0.0, slopes)
-        spread = free @ self._covariance  # (N, C, K)
+        rest, free, held = wanted, slopes, change
+        if frozen.any():
+            held = np.where(frozen, change, 0.0)
+            rest = wanted - np.einsum("nck,nk->nc", slopes, held)
+            free = np.where(frozen[:, None, :], 0.0, slopes)
+        spread = (free.reshape(-1, len(self._covariance)) @ self._covariance).reshape(free.shape)
         system = spread @ free.transpose(0, 2, 1)
         diagonal = np.arange(system.shape[1])
         system[:, diagonal, diagonal] += noise
         solved = np.linalg.solve(system, rest[:, :, None])  # (N, C, 1)
-        moved = (solved.transpose(0, 2, 1) @ spread)[:, 0]
+        moved: Array = (solved.transpose(0, 2, 1) @ spread)[:, 0]
         return np.where(frozen, held, moved)
 
     def _shortening(self, change: Array) -> Array | float:
@@ -198,16 +216,26 @@ class _Solver:
         return factor
 
     def _line_search(
-        self, frames: _Frames, vectors: Array, old: Array, new: Array
-    ) -> tuple[Array, Array]:
-        """Of some steps from `old` towards `new`, each frame's best, and the vectors there.
+        self, frames: _Frames, vectors: Array, costs: Array, old: Array, new: Array
+    ) -> tuple[Array, Array, Array]:
+        """The way from `old` to `new`, or as much of it as leads nearer, each frame by itself.
 
         A full step can carry a pair of vertices through each other, where the distance grows
         again. Vectors are linear in the weights, so that those of all steps come from two.
+
+        Returns:
+            The change (N, K), and the vectors (N, C, 3) and costs (N,) there.
         """
         moved = frames.vectors + (new @ self._moves).reshape(vectors.shape)
-        move = moved - vectors
-        trials = vectors + STEPS[:, None, None, None] * move
-        costs = frames.cost(np.maximum(self._distances.lengths(trials), 0.0))
-        step = STEPS[costs.argmin(axis=0)][:, None]
-        return old + step * (new - old), vectors + step[:, :, None] * move
+        reached = frames.cost(self._lengths(moved))
+        worse = np.flatnonzero(reached > costs)
+        if len(worse):
+            move = moved[worse] - vectors[worse]
+            trials = vectors[worse] + STEPS[:, None, None, None] * move
+            tried = frames.at(worse).cost(self._lengths(trials))
+            best = tried.argmin(axis=0), np.arange(len(worse))
+            step = STEPS[best[0]][:, None]
+            new = new.copy()
+            new[worse] = old[worse] + step * (new[worse] - old[worse])
+            moved[worse], reached[worse] = trials[best], tried[best]
+        return new, moved, reached

@@ -19,6 +19,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Distances, Rig
+from faceedit_app.editing.answers import Answers
 from faceedit_app.editing.chunks import Chunks, Piece
 from faceedit_app.editing.companions import Companions
 from faceedit_app.editing.edit import Edit
@@ -63,7 +64,6 @@ class Solver:
         self.controls = self.distances.measure(self.tracked)
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
-        self._answers: dict[tuple[str, int, float], NDArray[np.float32]] = {}
         self.use_engine(engine)
 
     def use_engine(self, engine: Engine | None) -> None:
@@ -76,7 +76,9 @@ class Solver:
         self._parts = {region.id: _Part(region, engine, self.distances, may) for region in REGIONS}
         lower = self._parts["lower"]
         self._companions = Companions(lower.region.controls, lower.control_covariance())
-        self._answers.clear()
+        self._answers = Answers(engine, self.grid) if engine else None
+        lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
+        self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
 
     def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
         """What has to be computed to answer edits, by chunk."""
@@ -92,18 +94,19 @@ class Solver:
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
         weights = self.tracked[rows].astype(np.float64)
-        wanted = {}
+        wanted = self._believable(asked.curves, tracked)
+        influences = {}
         for name, part in self._parts.items():
             influence = region_influence(mine, part.listens_to)
             if name in piece.regions:
                 influence = np.ones_like(influence)
             if influence.any():
-                wanted[name] = part.wanted(asked, tracked)
-                answer = self._answer(part, piece, near, wanted[name] - tracked)
-                self._combine(weights, part, answer, influence, rows, settings)
-        for name, part in self._parts.items():
-            if name in wanted:
-                self._reach(weights, part, mine, wanted[name][inner], settings)
+                influences[name] = influence
+        answers = self._answer(piece, tuple(influences), wanted - tracked)
+        for name, influence in influences.items():
+            self._combine(weights, self._parts[name], answers[name], influence, rows, settings)
+        for name in influences:
+            self._reach(weights, self._parts[name], mine, wanted[inner], settings)
         result = weights.astype(np.float32)
         controls = self.distances.measure(result)
         # A matrix product's last bits depend on how many frames it is made for.
@@ -111,36 +114,39 @@ class Solver:
         controls[same] = self.controls[rows][same]
         return Patch(mine.curves.astype(np.float32), result, controls)
 
-    def _answer(self, part: _Part, piece: Piece, near: slice, change: Array) -> Array:
-        """(N, K): what the networks add (preserve) or put (resynthesize) on the chunk's rows.
+    def _believable(self, curves: Array, tracked: Array) -> Array:
+        """(N, 8) mm: curves within what faces do, or what this face already did."""
+        low, high = np.minimum(self._low, tracked), np.maximum(self._high, tracked)
+        believable: Array = np.minimum(np.maximum(curves, low), high)
+        return believable
+
+    def _answer(self, piece: Piece, regions: tuple[str, ...], change: Array) -> dict[str, Array]:
+        """(N, K) by region: what the networks add (preserve) or put (resynthesize) on its rows.
 
         Args:
-            change: (N', 8) mm by which the controls on `near` differ from the take.
+            change: (N', 8) mm by which the controls near the piece differ from the take.
         """
         rows, settings = self.chunks.slice(piece.chunk), piece.settings
         anew = settings.mode is Mode.RESYNTHESIZE
-        if self.engine is None:
-            tracked = self.tracked[rows][:, part.columns].astype(np.float64)
-            return tracked if anew else np.zeros_like(tracked)
+        if self._answers is None:
+            share, tracked = float(anew), self.tracked[rows].astype(np.float64)
+            return {name: share * tracked[:, self._parts[name].columns] for name in regions}
+        if not regions:
+            return {}
         first, last = (int(i) for i in self.chunks.windows[piece.chunk])
-        edited = self.grid[first:last] + to_grid(self.clip.times[near], change, first, last)
-        answer = self.engine.answer(part.region.id, edited[None], settings.naturalness)[0]
-        if not anew:
-            answer -= self._unedited(part, piece.chunk, settings.naturalness)
-        return from_grid(answer, first, self.clip.times[rows])
-
-    def _unedited(self, part: _Part, chunk: int, naturalness: float) -> NDArray[np.float32]:
-        """What the networks answer to the take as tracked; it stays the same during a drag."""
-        assert self.engine is not None
-        key = (part.region.id, chunk, naturalness)
-        if key not in self._answers:
-            if any(known != naturalness for _, _, known in self._answers):
-                self._answers.clear()
-            first, last = self.chunks.windows[chunk]
-            tracked = self.grid[None, first:last]
-            answer = self.engine.answer(part.region.id, tracked, naturalness)[0]
-            self._answers[key] = answer.astype(np.float32)
-        return self._answers[key]
+        times = self.clip.times[slice(*piece.near)]
+        edited = self.grid[first:last] + to_grid(times, change, first, last)
+        found = []
+        for name in regions:
+            answer = self._answers.to(name, (first, last), edited, settings.naturalness)
+            if not anew:
+                answer = answer - self._answers.to_tracked(
+                    name, (first, last), settings.naturalness
+                )
+            found.append(answer)
+        all_of_them = from_grid(np.concatenate(found, axis=1), first, self.clip.times[rows])
+        ends = np.cumsum([answer.shape[1] for answer in found])
+        return dict(zip(regions, np.split(all_of_them, ends[:-1], axis=1), strict=True))
 
     def _combine(
         self,
@@ -225,17 +231,14 @@ class _Part:
         covariance: Array = slopes @ self.covariance @ slopes.T
         return covariance
 
-    def wanted(self, asked: Request, tracked: Array) -> Array:
-        """(N, 8) mm: the region's curves within what faces do, or what this face already did."""
-        curves = asked.curves.copy()
-        if self._model is None:
-            return curves
-        columns = [CONTROL_INDEX[control] for control in self._model.controls]
-        slack = BEYOND * (self._model.high - self._model.low)
-        low = np.minimum(self._model.low, tracked[:, columns])
-        high = np.maximum(self._model.high + slack, tracked[:, columns])
-        curves[:, columns] = np.clip(curves[:, columns], low, high)
-        return curves
+    def limits(self) -> tuple[Array, Array]:
+        """(8,) mm: how low and how high the controls it listens to are followed."""
+        low, high = np.full(len(CONTROLS), -np.inf), np.full(len(CONTROLS), np.inf)
+        if self._model is not None:
+            heard = [CONTROL_INDEX[control] for control in self._model.controls]
+            slack = BEYOND * (self._model.high - self._model.low)
+            low[heard], high[heard] = self._model.low, self._model.high + slack
+        return low, high
 
 
 def _upper(old: Array, influence: Array) -> Array:

@@ -71,8 +71,12 @@ class Engine:
         Returns:
             (B, N, K) weights of the region's channels, not bounded.
         """
-        model = self.models[region]
-        columns = [CONTROL_INDEX[c] for c in model.controls]
         length = curves.shape[1]
-        inputs = np.pad(curves[:, :, columns], ((0, 0), (0, -length % self.scale), (0, 0)), "edge")
-        return model(inputs.astype(np.float32), naturalness)[:, :length].astype(np.float64)
+        inputs = curves[:, :, self.columns(region)].astype(np.float32)
+        if missing := -length % self.scale:
+            inputs = np.pad(inputs, ((0, 0), (0, missing), (0, 0)), "edge")
+        return self.models[region](inputs, naturalness)[:, :length].astype(np.float64)
+
+    def columns(self, region: str) -> list[int]:
+        """Of the eight controls, those that a region listens to, in the order of its input."""
+        return [CONTROL_INDEX[control] for control in self.models[region].controls]
