@@ -65,23 +65,41 @@ class Journal:
         self._last: EditState | None = None  # what a reader has after those lines
         self._step = 0
         self._wake, self._closed = threading.Event(), False
+        self._thread = threading.Thread(target=self._sync, name="journal", daemon=True)
+        self._thread.start()
+        self._open()
+
+    def _open(self) -> bool:
+        """Begin the file; False if that cannot be."""
+        self._last, self._length = None, 0
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
             self._file = os.open(self.path, flags, 0o600)
             lock(self._file)
         except OSError as error:
-            self._fail(error)
             self._remove()
-            return
-        self._append(self._head())
-        self._thread = threading.Thread(target=self._sync, name="journal", daemon=True)
-        self._thread.start()
+            self._fail(error)
+            return False
+        return self._append(self._head())
+
+    def _is_there(self) -> bool:
+        """Whether the file can be found after a crash: its drive or folder may have gone."""
+        try:
+            return self._file is not None and os.path.samestat(
+                os.stat(self.path), os.fstat(self._file)
+            )
+        except OSError:
+            return False
 
     def record(self, state: EditState) -> None:
         """Write down what a finished gesture led to; takes well under a millisecond."""
-        if self._file is None:
+        if self._closed:
             return
+        if not self._is_there():
+            self._remove()
+            if not self._open():
+                return
         last = self._last
         entry: dict[str, Any] = {"step": self._step + 1}
         if last is None:
@@ -111,7 +129,7 @@ class Journal:
 
     def close(self) -> None:
         """The session ends and nothing needs to be recovered: remove the file."""
-        if self._closed or self._file is None:
+        if self._closed:
             return
         self._closed = True
         self._wake.set()
@@ -156,11 +174,13 @@ class Journal:
         while not self._closed:
             self._wake.wait()
             self._wake.clear()
-            if self._file is not None and not self._closed:
+            file = self._file
+            if file is not None and not self._closed:
                 try:
-                    os.fsync(self._file)
+                    os.fsync(file)
                 except OSError as error:
-                    self._fail(error)
+                    if file == self._file:  # not closed meanwhile because it was gone
+                        self._fail(error)
 
     def _fail(self, error: OSError) -> None:
         reason = (error.strerror or str(error)).lower()

@@ -11,10 +11,11 @@ from faceedit_app.ui.theme import GAP, MARGIN
 
 
 class Banner(QFrame):
-    """Shows one message until it is dismissed."""
+    """Shows messages, a line each, until they are dismissed."""
 
     def __init__(self) -> None:
         super().__init__()
+        self._said: dict[str, str] = {}  # details, by message
         self.setObjectName("banner")
         sign = QLabel()
         sign.setPixmap(picture("warning", ORANGE, 16, self.devicePixelRatioF()))
@@ -28,7 +29,7 @@ class Banner(QFrame):
         close.setToolTip("Dismiss")
         close.setAccessibleName("Dismiss")
         close.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        close.clicked.connect(self.hide)
+        close.clicked.connect(self.dismiss)
         row = QHBoxLayout(self)
         row.setContentsMargins(MARGIN, 3, MARGIN, 3)
         row.setSpacing(GAP)
@@ -38,7 +39,22 @@ class Banner(QFrame):
         self.hide()
 
     def say(self, text: str, detail: str = "") -> None:
-        """Show a message, with more in its tooltip."""
-        self.text.setText(text)
-        self.text.setToolTip(detail)
-        self.show()
+        """Show a message below those that are there, with more in its tooltip."""
+        self._said.pop(text, None)
+        self._said[text] = detail
+        self._show()
+
+    def unsay(self, text: str) -> None:
+        """A message is true no more."""
+        self._said.pop(text, None)
+        self._show()
+
+    def dismiss(self) -> None:
+        """All has been read."""
+        self._said.clear()
+        self._show()
+
+    def _show(self) -> None:
+        self.text.setText("\n".join(self._said))
+        self.text.setToolTip("\n".join(filter(None, self._said.values())))
+        self.setVisible(bool(self._said))

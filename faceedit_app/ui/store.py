@@ -16,6 +16,16 @@ class Store:
     def __init__(self, settings: QSettings | None = None) -> None:
         self._settings = settings or QSettings("FaceEdit", "FaceEdit")
 
+    def problem(self) -> str:
+        """Why settings cannot be kept, as one line; empty if all is well."""
+        self._settings.sync()
+        if self._settings.status() == QSettings.Status.NoError:
+            return ""
+        return (
+            f"{self._settings.fileName()}: recent files and the window's layout cannot be kept;"
+            " check the folder's permissions or free some space"
+        )
+
     def recent(self) -> list[Path]:
         """The takes that were opened last, newest first; those that are gone are left out."""
         value = self._settings.value("recent", [])

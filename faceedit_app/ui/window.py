@@ -64,6 +64,7 @@ class MainWindow(WindowBase):
         self._store = store
         self._rig: Rig | None = None
         self._face_wanted = False
+        self._journal_note = ""  # that was told
         self.editor: Editor | None = None
         self.document = Document(self)
         self.timeline = Timeline(self)
@@ -280,13 +281,18 @@ class MainWindow(WindowBase):
             self._store.set_hints_seen()
             QTimer.singleShot(0, editor.hints.begin)  # once all has its place
         self.media_commands.follow(session.take, session.state.media)
+        if problem := self._store.problem():
+            self.banner.say(problem, problem)
 
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path
         if name is not None:
             self.setWindowTitle(f"{name.name}[*] – FaceEdit")
-        if self.document.journal_note:
-            self.banner.say(self.document.journal_note)
+        before, self._journal_note = self._journal_note, self.document.journal_note
+        if self._journal_note and self._journal_note != before:
+            self.banner.say(self._journal_note, self._journal_note)
+        elif before and not self._journal_note:
+            self.banner.unsay(before)
         self.setWindowModified(not self.document.is_clean)
 
     def _say_reading(self, text: str) -> None:
