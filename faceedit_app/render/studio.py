@@ -84,7 +84,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             mode=GL.GL_TRIANGLES,
         )
         self._primitive._add_to_context()
-        self._vertices = np.hstack((rig.neutral, normals, looks, rig.colors)).astype(np.float32)
+        self._moving = self._own_buffers(rig.neutral, normals)
         self._runs: list[tuple[Any, Shading, int, int]] = []
         first = 0
         for shading, faces in groups:
@@ -96,7 +96,9 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._locations: dict[tuple[int, str], int] = {}
         self._targets: dict[int, Target] = {}
         self._drawn: tuple[Target, int]
-        self._vertices[:, 6:10] = vertex_looks(rig, self._bake(rig))
+        looks = vertex_looks(rig, self._bake(rig))
+        whole = np.hstack((rig.neutral, normals, looks, rig.colors)).astype(np.float32)
+        _fill(self._primitive._buffers[0], whole)
 
     def begin(
         self, vertices: Floats, camera: Camera, width: int, height: int, samples: int
@@ -119,6 +121,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         for target in self._targets.values():
             target.delete()
         self._targets = {}
+        GL.glDeleteBuffers(len(self._moving), self._moving)
         self._primitive.delete()
         super().delete()
 
@@ -136,14 +139,24 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         GL.glFrontFace(GL.GL_CW)  # the flip turns every triangle around
         GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
 
-    def _upload(self, vertices: Floats) -> None:
-        self._vertices[:, 3:6] = self._normals(vertices)
-        self._upload_positions(vertices)
+    def _own_buffers(self, *attributes: Floats) -> list[int]:
+        """Buffers in place of pyrender's for the first attributes, (V, 3) each.
 
-    def _upload_positions(self, vertices: Floats) -> None:
-        self._vertices[:, :3] = vertices
-        GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self._primitive._buffers[0])
-        GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, self._vertices.nbytes, self._vertices)
+        Positions and normals change with every frame; looks and colours, which pyrender keeps
+        between them, stay.
+        """
+        GL.glBindVertexArray(self._primitive._vaid)
+        names = [int(name) for name in GL.glGenBuffers(len(attributes))]
+        for place, (name, values) in enumerate(zip(names, attributes, strict=True)):
+            GL.glBindBuffer(GL.GL_ARRAY_BUFFER, name)
+            GL.glBufferData(GL.GL_ARRAY_BUFFER, values.nbytes, values, GL.GL_STREAM_DRAW)
+            GL.glVertexAttribPointer(place, 3, GL.GL_FLOAT, GL.GL_FALSE, 0, None)
+        GL.glBindVertexArray(0)
+        return names
+
+    def _upload(self, vertices: Floats) -> None:
+        _fill(self._moving[0], vertices)
+        _fill(self._moving[1], self._normals(vertices))
 
     def _bake(self, rig: Rig) -> Floats:
         """The shade of each vertex, (V,) float32, from depth images of `_depth`."""
@@ -154,7 +167,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             self._begin(target)
             self._depth._bind()
             self._set_matrix(self._depth, "clip_from_world", clip_from_world)
-            self._upload_positions(vertices)
+            _fill(self._moving[0], vertices)
             GL.glBindVertexArray(self._primitive._vaid)
             count = self._primitive.indices.size
             GL.glDrawElements(GL.GL_TRIANGLES, count, GL.GL_UNSIGNED_INT, None)
@@ -226,3 +239,9 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
     def _set_matrix(self, program: Any, name: str, matrix: NDArray[np.float64]) -> None:
         location = self._location(program, name)
         GL.glUniformMatrix4fv(location, 1, GL.GL_TRUE, matrix.astype(np.float32))
+
+
+def _fill(buffer: int, values: Floats) -> None:
+    """Put other values into a buffer of the same size."""
+    GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer)
+    GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, values.nbytes, np.ascontiguousarray(values))

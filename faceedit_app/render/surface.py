@@ -103,7 +103,9 @@ def by_shading(rig: Rig) -> list[tuple[Shading, NDArray[np.int32]]]:
 
 
 class NormalSolver:
-    """Exact area-weighted vertex normals, by one sparse product a frame.
+    """Exact area-weighted vertex normals, by one sparse product a frame and coordinate.
+
+    Coordinates are kept apart: numpy works on long rows several times as fast as on triples.
 
     Args:
         faces: (F, 3) int, counter-clockwise seen from outside.
@@ -115,17 +117,16 @@ class NormalSolver:
         owners = np.repeat(np.arange(len(faces), dtype=np.int32), 3)
         ones = np.ones(len(corners), np.float32)
         self._gather = sparse.csr_matrix((ones, (corners, owners)), (vertex_count, len(faces)))
-        self._a, self._b, self._c = (np.ascontiguousarray(column) for column in faces.T)
+        self._corners = np.ascontiguousarray(faces.T, np.intp)
 
     def __call__(self, vertices: Floats) -> Floats:
         """(V, 3) float32 vertices -> (V, 3) float32 unit normals; zero where no face is."""
-        first = vertices[self._a]
-        u, v = vertices[self._b] - first, vertices[self._c] - first
-        areas = np.empty_like(u)  # the cross product, whose length is twice the area
-        areas[:, 0] = u[:, 1] * v[:, 2] - u[:, 2] * v[:, 1]
-        areas[:, 1] = u[:, 2] * v[:, 0] - u[:, 0] * v[:, 2]
-        areas[:, 2] = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-        normals: Floats = self._gather @ areas
-        lengths = np.sqrt(np.einsum("vx,vx->v", normals, normals))
-        normals /= np.maximum(lengths, np.float32(1e-20))[:, None]
-        return normals
+        corners = np.take(np.ascontiguousarray(vertices.T), self._corners, axis=1)  # (3, 3, F)
+        u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        normals = np.empty((3, len(vertices)), np.float32)
+        for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            # The cross product, whose length is twice the area.
+            normals[x] = self._gather @ (u[y] * v[z] - u[z] * v[y])
+        lengths = np.sqrt((normals * normals).sum(axis=0))
+        normals /= np.maximum(lengths, np.float32(1e-20))
+        return np.ascontiguousarray(normals.T)
