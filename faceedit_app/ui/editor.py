@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QAbstractScrollArea, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QAbstractScrollArea, QAbstractSlider, QSplitter, QVBoxLayout, QWidget
 
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.curves import CurvesPanel
@@ -151,6 +151,13 @@ class Editor(QWidget):
     def drop(self) -> bool:
         """Esc: no more hints, or nothing proposed any more; False if there was neither."""
         return self.hints.finish() or self.proposal.discard()
+
+    def let_go(self) -> None:
+        """The mouse is lost to another window: what was dragged until then is kept."""
+        for part in (self.curves, self.sound.waveform, self.face.viewport):
+            part.let_go()
+        for slider in self.findChildren(QAbstractSlider):
+            slider.setSliderDown(False)
 
     def settle(self) -> None:
         """Bring gestures on the sliders to their end."""

@@ -73,6 +73,7 @@ class Viewport(QWidget):
         self.setMinimumSize(QSize(240, 240))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setMouseTracking(True)  # a release that was lost shows by the next move
         self.setAccessibleName("Face")
 
     # --- what is shown -----------------------------------------------------------------------
@@ -264,6 +265,8 @@ class Viewport(QWidget):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Left turns around the face, middle and right move the view."""
+        if not event.buttons():
+            self.let_go()
         if self._grabbed is None:
             return
         moved = event.position() - self._grabbed
@@ -277,8 +280,12 @@ class Viewport(QWidget):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Let go of the view."""
         if not event.buttons():
-            self._grabbed = None
-            self.unsetCursor()
+            self.let_go()
+
+    def let_go(self) -> None:
+        """The view is no longer turned."""
+        self._grabbed = None
+        self.unsetCursor()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Back to the front."""

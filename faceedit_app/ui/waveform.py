@@ -53,6 +53,7 @@ class Waveform(QWidget):
         self.setAccessibleDescription("Waveform of the take's sound. Alt and drag moves it.")
         self.setToolTip(_TIP)
         self.setMinimumWidth(40)
+        self.setMouseTracking(True)  # a release that was lost shows by the next move
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         media.sound_changed.connect(self._measure)
@@ -151,6 +152,8 @@ class Waveform(QWidget):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Go on with what the press began."""
+        if not event.buttons() and event.type() == QEvent.Type.MouseMove:
+            self.let_go()
         x = event.position().x()
         if self._drag is not None:
             self._timeline.show_range(*self._drag.moved(x))
@@ -167,9 +170,15 @@ class Waveform(QWidget):
         """The end of it."""
         if event.button() == Qt.MouseButton.LeftButton and self._grabbed is not None:
             self.mouseMoveEvent(event)
-            self._let_go()
+            self._end_move()
         if not event.buttons():
-            self._drag, self._scrubs = None, False
+            self.let_go()
+
+    def let_go(self) -> None:
+        """Keep what was dragged."""
+        self._drag, self._scrubs = None, False
+        if self._grabbed is not None:
+            self._end_move()
 
     def event(self, event: QEvent) -> bool:
         """During a drag Esc is not the window's."""
@@ -187,9 +196,9 @@ class Waveform(QWidget):
 
     def _cancel(self) -> None:
         self._media.move_sound(self._before)
-        self._let_go()
+        self._end_move()
 
-    def _let_go(self) -> None:
+    def _end_move(self) -> None:
         self._grabbed, self._media.is_held = None, False
         self._media.acted.emit()
         self.unsetCursor()

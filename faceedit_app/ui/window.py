@@ -313,6 +313,11 @@ class MainWindow(WindowBase):
 
     # --- window events -----------------------------------------------------------------------
 
+    def let_go(self) -> None:
+        """Another window has the mouse now: drags end here."""
+        if self.editor is not None:
+            self.editor.let_go()
+
     def show_drop(self, active: bool) -> None:
         """A file hovers over the window, or no longer."""
         self.start_page.show_drop(active)

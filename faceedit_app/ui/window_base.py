@@ -23,11 +23,17 @@ class WindowBase(QMainWindow):
         self._on_paint = work
 
     def event(self, event: QEvent) -> bool:
-        """Notice the first paint."""
+        """Notice the first paint, and the loss of the mouse to another window or a dialog."""
+        if event.type() in (QEvent.Type.WindowDeactivate, QEvent.Type.WindowBlocked):
+            self.let_go()
         if event.type() == QEvent.Type.Paint and self._on_paint is not None:
             QTimer.singleShot(0, self._on_paint)
             self._on_paint = None
         return super().event(event)
+
+    def let_go(self) -> None:
+        """A button that is held will go up where we do not see it."""
+        raise NotImplementedError
 
     def show_drop(self, active: bool) -> None:
         """A file hovers over the window, or no longer."""

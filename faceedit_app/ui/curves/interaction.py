@@ -135,9 +135,11 @@ class Interaction(QObject):
         """Go on with the gesture, or only hover."""
         if self.session is None:
             return
+        if not event.buttons():
+            self.let_go()
         if self._band.is_dragging:
             self._band.move(plot.current_scale, event)
-        elif self.drag is not None:
+        elif self.drag is not None and not self._nudges.isActive():
             self._drag_to(event)
             if self.is_dragging:
                 self._preview_soon()  # and marks with it: all plots are painted once, not twice
@@ -162,6 +164,17 @@ class Interaction(QObject):
         if not plot.viewport().rect().contains(event.position().toPoint()):
             self.leave(plot)
         self.changed.emit()
+
+    def let_go(self) -> None:
+        """The button went up where nobody saw it: keep what was dragged until then."""
+        self._pan = None
+        self._band.release()
+        if self.drag is None or self._nudges.isActive():
+            return
+        if self.drag.moving:
+            self._finish()
+        else:
+            self.cancel()
 
     def wheel(self, plot: CurvePlot, event: QWheelEvent) -> None:
         """During a drag the falloff, else zoom and pan."""

@@ -198,6 +198,11 @@ class CurvesPanel(QWidget):
         self._make_room()
         self._show_state()
 
+    def let_go(self) -> None:
+        """The mouse is lost to another window: what was dragged until then is kept."""
+        for part in (self._mouse, self.range_bar, self.ruler):
+            part.let_go()
+
     # --- keeping in step -------------------------------------------------------------------
 
     def _focus_moved(self, plot: CurvePlot) -> None:

@@ -84,6 +84,8 @@ class RangeBar(QWidget):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Go on with it, or show what a press would grab."""
+        if not event.buttons():
+            self.let_go()
         x = min(max(event.position().x(), 0.0), float(self.width()))
         if self._selecting is not None:
             seconds = self._timeline.snap(self.scale.time_at(x))
@@ -102,7 +104,11 @@ class RangeBar(QWidget):
         self.update()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """The end of it; a click on nothing selects nothing."""
+        """The end of it."""
+        self.let_go()
+
+    def let_go(self) -> None:
+        """Keep what was dragged; a click on nothing selects nothing."""
         if self._selecting is not None:
             selection = self._timeline.selection
             if selection is not None and selection[0] == selection[1]:

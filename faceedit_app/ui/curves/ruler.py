@@ -45,6 +45,7 @@ class Ruler(QWidget):
         self._drag: RulerDrag | Pan | None = None
         timeline.clock.changed.connect(self.update)
         self.setFixedHeight(style.RULER_HEIGHT)
+        self.setMouseTracking(True)  # a release that was lost shows by the next move
         self.setObjectName("ruler")
         self.setAccessibleName("Time ruler")
         self.setAccessibleDescription("Drag to scrub; Shift and drag to select a time range.")
@@ -87,6 +88,8 @@ class Ruler(QWidget):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Go on with what the press began."""
+        if not event.buttons() and event.type() == QEvent.Type.MouseMove:
+            self.let_go()
         x = event.position().x()
         if isinstance(self._drag, Pan):
             self._timeline.show_range(*self._drag.moved(x))
@@ -101,6 +104,10 @@ class Ruler(QWidget):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """The end of it."""
         self.mouseMoveEvent(event)
+        self.let_go()
+
+    def let_go(self) -> None:
+        """Keep what was dragged."""
         drag, self._drag = self._drag, None
         if isinstance(drag, RulerDrag) and drag.selecting:
             selection = self._timeline.selection
