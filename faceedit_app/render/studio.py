@@ -6,6 +6,9 @@ from one thread, with the context current.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +17,7 @@ from numpy.typing import NDArray
 from OpenGL import GL
 from pyrender.primitive import Primitive
 from pyrender.renderer import Renderer
-from pyrender.shader_program import ShaderProgramCache
+from pyrender.shader_program import ShaderProgram
 
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import Camera, projection
@@ -27,6 +30,7 @@ Pixels = NDArray[np.uint8]
 SAMPLES = 4
 _DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade
 _SHADERS = Path(__file__).parent / "shaders"
+_INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 _FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
 
 
@@ -55,6 +59,40 @@ class Target:
         GL.glDeleteRenderbuffers(2, self._buffers)
 
 
+class Program(ShaderProgram):  # type: ignore[misc]  # pyrender has no types
+    """A pair of shaders in some variant.
+
+    pyrender replaces the names of variants wherever they stand; here they are the shader
+    language's own, and a file can include another one.
+
+    Args:
+        vertex, fragment: the files.
+        variant: what is defined in them.
+    """
+
+    def __init__(self, vertex: Path, fragment: Path, variant: Sequence[str]) -> None:
+        super().__init__(str(vertex), str(fragment), defines=dict.fromkeys(variant, 1))
+
+    def _load(self, shader_filename: str) -> str:
+        path = Path(shader_filename)
+        version, _, text = path.read_text(encoding="utf-8").partition("\n")
+        for name in _INCLUDE.findall(text):
+            shared = path.with_name(name).read_text(encoding="utf-8")
+            text = text.replace(f'#include "{name}"', shared)
+        return "\n".join([version, *(f"#define {name}" for name in self.defines), text])
+
+
+@dataclass(frozen=True)
+class Run:
+    """Faces that are drawn alike: `count` indices from the `first` on, finely or quickly."""
+
+    fine: Program
+    quick: Program
+    shading: Shading
+    first: int
+    count: int
+
+
 class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
     """Draws one character in one call.
 
@@ -69,7 +107,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
     def __init__(self, rig: Rig, background: tuple[float, float, float]) -> None:
         super().__init__(1, 1)
         self.dpscale = 1  # pyrender doubles every size on macOS, meaning a screen
-        self._program_cache = ShaderProgramCache(str(_SHADERS))
+        self._programs: list[Program] = []
         self._background = np.asarray(background, np.float32)
         self._normals = NormalSolver(rig.faces, len(rig.neutral))
         normals = self._normals(rig.neutral)
@@ -85,11 +123,13 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         )
         self._primitive._add_to_context()
         self._moving = self._own_buffers(rig.neutral, normals)
-        self._runs: list[tuple[Any, Shading, int, int]] = []
+        self._runs: list[Run] = []
         first = 0
         for shading, faces in groups:
-            program = self._program("face", shading.value)
-            self._runs.append((program, shading, first, faces.size))
+            fine = quick = self._program("face", shading.value)
+            if shading is Shading.FLESH:
+                quick = self._program("face", shading.value, "QUICK")
+            self._runs.append(Run(fine, quick, shading, first, faces.size))
             first += faces.size
         self._backdrop = self._program("backdrop")
         self._depth = self._program("depth")
@@ -103,11 +143,15 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
     def begin(
         self, vertices: Floats, camera: Camera, width: int, height: int, samples: int
     ) -> None:
-        """Have `vertices` (V, 3), metres, drawn; whoever draws works on while this returns."""
+        """Have `vertices` (V, 3), metres, drawn; whoever draws works on while this returns.
+
+        Args:
+            samples: of each pixel; 0 is one, and a quicker light.
+        """
         self._upload(vertices)
         target = self._target(width, height, samples)
         self._begin(target)
-        self._draw_face(camera, width / height)
+        self._draw_face(camera, width / height, quick=samples == 0)
         self._draw_backdrop()
         GL.glFlush()
         self._drawn = target, samples
@@ -121,6 +165,8 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         for target in self._targets.values():
             target.delete()
         self._targets = {}
+        for program in self._programs:
+            program.delete()
         GL.glDeleteBuffers(len(self._moving), self._moving)
         self._primitive.delete()
         super().delete()
@@ -179,20 +225,21 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         finally:
             target.delete()
 
-    def _draw_face(self, camera: Camera, aspect: float) -> None:
+    def _draw_face(self, camera: Camera, aspect: float, quick: bool) -> None:
         view = camera.view()
         clip = _FLIP @ projection(aspect) @ view
         GL.glBindVertexArray(self._primitive._vaid)
         GL.glCullFace(GL.GL_BACK)
-        for program, shading, first, count in self._runs:
+        for run in self._runs:
+            program = run.quick if quick else run.fine
             program._bind()
             self._set_matrix(program, "clip_from_world", clip)
             self._set_matrix(program, "camera_from_world", view)
             # Nothing but the skin is known to be closed; lashes and brows are thin.
-            toggle = GL.glEnable if shading is Shading.FLESH else GL.glDisable
+            toggle = GL.glEnable if run.shading is Shading.FLESH else GL.glDisable
             toggle(GL.GL_CULL_FACE)
-            start = GL.GLvoidp(4 * first)
-            GL.glDrawElements(GL.GL_TRIANGLES, count, GL.GL_UNSIGNED_INT, start)
+            start = GL.GLvoidp(4 * run.first)
+            GL.glDrawElements(GL.GL_TRIANGLES, run.count, GL.GL_UNSIGNED_INT, start)
         GL.glDisable(GL.GL_CULL_FACE)
 
     def _draw_backdrop(self) -> None:
@@ -222,12 +269,10 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             target = self._targets[samples] = Target(width, height, samples)
         return target
 
-    def _program(self, name: str, variant: str = "ONLY") -> Any:
-        program = self._program_cache.get_program(
-            f"{name}.vert", f"{name}.frag", defines={variant: 1}
-        )
-        if not program._in_context():
-            program._add_to_context()
+    def _program(self, name: str, *variant: str) -> Program:
+        program = Program(_SHADERS / f"{name}.vert", _SHADERS / f"{name}.frag", variant)
+        program._add_to_context()
+        self._programs.append(program)
         return program
 
     def _location(self, program: Any, name: str) -> int:

@@ -95,11 +95,16 @@ def vertex_looks(rig: Rig, shade: Floats) -> Floats:
 
 
 def by_shading(rig: Rig) -> list[tuple[Shading, NDArray[np.int32]]]:
-    """The faces of each variant of the shader, (F', 3) int32, in drawing order."""
+    """The faces of each variant of the shader, (F', 3) int32, in drawing order.
+
+    Software OpenGL remembers the last few hundred vertices that it moved to the screen: faces that
+    share vertices follow each other.
+    """
     runs: dict[Shading, list[NDArray[np.int32]]] = {shading: [] for shading in Shading}
     for material in rig.materials:
         runs[look_of(material).shading].append(rig.faces[material.start : material.stop])
-    return [(shading, np.concatenate(faces)) for shading, faces in runs.items() if faces]
+    joined = [(shading, np.concatenate(faces)) for shading, faces in runs.items() if faces]
+    return [(shading, faces[faces.min(axis=1).argsort(kind="stable")]) for shading, faces in joined]
 
 
 class NormalSolver:

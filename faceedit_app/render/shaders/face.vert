@@ -8,11 +8,17 @@ layout(location = 3) in vec4 colour; // linear RGB
 uniform mat4 clip_from_world;
 uniform mat4 camera_from_world;
 
+#ifdef QUICK
+out vec3 shown;
+
+#include "light.glsl"
+#else
 out vec3 towards_camera;
 out vec3 camera_normal;
 out vec2 sky;     // how far the normal points up, -1..1; light that arrives from above
 out vec3 surface; // roughness, flesh, wet
 out vec3 albedo;
+#endif
 #ifdef HAIR
 out vec3 strand;
 out float around;
@@ -21,11 +27,17 @@ out float around;
 void main() {
     gl_Position = clip_from_world * vec4(position, 1.0);
     mat3 turn = mat3(camera_from_world);
-    towards_camera = -normalize((camera_from_world * vec4(position, 1.0)).xyz);
+    vec3 view = -normalize((camera_from_world * vec4(position, 1.0)).xyz);
+#ifdef QUICK
+    // While things move: from vertex to vertex there is too little difference to be seen.
+    shown = lit(view, turn * normal, vec2(normal.y, look.w), look.xyz, colour.rgb);
+#else
+    towards_camera = view;
     camera_normal = turn * normal;
     sky = vec2(normal.y, look.w);
     surface = look.xyz;
     albedo = colour.rgb;
+#endif
 #ifdef HAIR
     // Hair is combed back, along the surface.
     vec3 back = vec3(0.0, -0.25, -1.0);

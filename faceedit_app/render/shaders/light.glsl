@@ -1,0 +1,90 @@
+// A portrait studio: warm key from the upper left, cool fill, rim light, sky and floor.
+// All in camera space: the lights stand around the camera, so each view is lit for that view.
+const vec3 KEY_FROM = vec3(-0.58, 0.50, 0.643);
+const vec3 FILL_FROM = vec3(0.80, 0.05, 0.60);
+const vec3 RIM_FROM = vec3(0.66, 0.45, -0.60);
+// Half way from each light to a far camera; that it is near makes no visible difference.
+const vec3 KEY_HALF = vec3(-0.320, 0.276, 0.906);
+const vec3 FILL_HALF = vec3(0.447, 0.028, 0.894);
+const vec2 CATCH_AT = vec2(-0.11, 0.055); // the catch light: a round lamp, by its mirror normal
+const float CATCH_SIZE = 0.045;
+const float KEY_GRAZING = 0.822; // squared cosine between light and half way
+const float FILL_GRAZING = 0.80;
+
+const vec3 KEY = vec3(1.00, 0.91, 0.80) * 1.40;
+const vec3 FILL = vec3(0.70, 0.82, 1.00) * 0.17;
+const vec3 RIM = vec3(0.80, 0.90, 1.00) * 1.10;
+const vec3 SKY = vec3(0.92, 0.93, 1.00) * 0.26;
+const vec3 FLOOR = vec3(1.00, 0.72, 0.58) * 0.18;
+
+// Light that travels through flesh: red reaches farthest around the edge of a shadow.
+const vec3 SCATTER = vec3(0.42, 0.16, 0.09);
+
+vec3 lambert(float facing, vec3 wrap) {
+    return max((facing + wrap) / ((1.0 + wrap) * (1.0 + wrap)), 0.0);
+}
+
+// Cook-Torrance with GGX, in a form without powers or roots.
+float gloss(float cosine, float roughness, float grazing) {
+    float a = roughness * roughness;
+    float a2 = a * a;
+    float tail = cosine * cosine * (a2 - 1.0) + 1.0;
+    return a2 / (4.0 * tail * tail * grazing * (roughness + 0.5));
+}
+
+vec3 srgb(vec3 linear) {
+    vec3 s1 = sqrt(linear);
+    vec3 s2 = sqrt(s1);
+    vec3 s3 = sqrt(s2);
+    return 0.662002687 * s1 + 0.684122060 * s2 - 0.323583601 * s3 - 0.0225411470 * linear;
+}
+
+// sRGB of a point. `sky`: how far the normal points up, -1..1, and light that arrives from above;
+// `surface`: roughness, flesh, wet. Hair reads `strand` and `around` too.
+vec3 lit(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo) {
+    float roughness = surface.x;
+    float flesh = surface.y;
+    // Shade on flesh is warm too: what light is left has come through it.
+    vec3 arriving = sky.y + SCATTER * (flesh * sky.y * (1.0 - sky.y));
+
+    float key_facing = dot(normal, KEY_FROM);
+    float fill_facing = dot(normal, FILL_FROM);
+    vec3 wrap = SCATTER * flesh + 0.04;
+    float edge = 1.0 - clamp(dot(normal, view), 0.0, 1.0);
+    float fresnel = edge * edge * edge;
+    vec3 back = RIM * (max(dot(normal, RIM_FROM) + 0.25, 0.0) * fresnel);
+
+    vec3 light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (vec3(0.36, 0.29, 0.26) + 0.7 * arriving);
+    light += KEY * lambert(key_facing, wrap) * arriving;
+    light += FILL * lambert(fill_facing, wrap) + back;
+
+    float mirror = (0.04 + 0.25 * fresnel * edge) * sky.y;
+#ifdef HAIR
+    float along = dot(strand, KEY_HALF) / max(length(strand), 1e-3);
+    float across = max(1.0 - along * along, 0.0);
+    across *= across;
+    across *= across;
+    across *= across;
+    float streak = 0.75 + 0.25 * sin(around * 90.0) * sin(around * 37.0 + 1.0);
+    vec3 shine = KEY * (max(key_facing + 0.3, 0.0) * across * across * 0.09 * streak);
+    shine *= 0.3 + 8.0 * albedo;
+#else
+    vec3 shine = KEY * (gloss(max(dot(normal, KEY_HALF), 0.0), roughness, KEY_GRAZING)
+                        * max(key_facing, 0.0));
+    shine += FILL * (gloss(max(dot(normal, FILL_HALF), 0.0), roughness, FILL_GRAZING)
+                     * max(fill_facing, 0.0));
+    shine *= mirror;
+#endif
+#ifdef THIN
+    shine = vec3(0.0); // a lash is too thin to show a highlight
+#endif
+#ifdef WET
+    float off = length(normal.xy - CATCH_AT);
+    float inside = clamp((CATCH_SIZE - off) / (1.2 * roughness * roughness) + 0.5, 0.0, 1.0);
+    shine += vec3(surface.z * 0.65 * inside);
+#endif
+
+    vec3 colour = albedo * light + shine + back * 0.05;
+    colour = colour * (1.0 + colour * 0.16) / (1.0 + colour * 0.36);
+    return srgb(colour);
+}
