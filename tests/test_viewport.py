@@ -6,14 +6,18 @@ import numpy as np
 import pytest
 from faces import shipped_rig
 from PySide6.QtCore import QPoint, QPointF, Qt
-from PySide6.QtGui import QWheelEvent
+from PySide6.QtGui import QColor, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from windows import Bench, FakeRenderer, drag
 
 from faceedit_app import render
 from faceedit_app.core.errors import Unavailable
+from faceedit_app.ui.palette import ACCENT
 from faceedit_app.ui.viewport import IDLE_MS, Viewport
+from faceedit_app.ui.window import MainWindow
+
+LEFT = Qt.MouseButton.LeftButton
 
 
 @pytest.fixture
@@ -178,3 +182,97 @@ def test_the_real_renderer_shows_a_face(bench: Bench, monkeypatch: pytest.Monkey
     assert middle.red() > corner.red() + 40, "skin is lighter than the backdrop"
     assert middle.red() > middle.blue()
     viewport.close()
+
+
+# --- by keys -------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def window(bench: Bench) -> MainWindow:
+    """A window on a take, with the keyboard at the face."""
+    window = bench.editing()
+    window.activateWindow()
+    bench.qtbot.waitActive(window)
+    QTest.keyClick(window, Qt.Key.Key_9)
+    assert face_of(window).hasFocus()
+    return window
+
+
+def face_of(window: MainWindow) -> Viewport:
+    assert window.editor is not None
+    return window.editor.face.viewport
+
+
+NONE, SHIFT = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ShiftModifier
+
+
+def test_arrows_turn_the_face_as_a_drag_would_and_the_playhead_stays(window: MainWindow) -> None:
+    face = face_of(window)
+    for key, way in (
+        (Qt.Key.Key_Right, QPoint(20, 0)),
+        (Qt.Key.Key_Left, QPoint(-20, 0)),
+        (Qt.Key.Key_Up, QPoint(0, -20)),
+        (Qt.Key.Key_Down, QPoint(0, 20)),
+    ):
+        cameras = []
+        for turn in (lambda k=key: QTest.keyClick(face, k), lambda w=way: drag(face, w, LEFT)):
+            face.reset_camera()
+            before = face.camera
+            turn()
+            cameras.append((face.camera.yaw - before.yaw, face.camera.pitch - before.pitch))
+        assert np.abs(cameras).max() > 0.05
+        np.testing.assert_array_equal(np.sign(cameras[0]), np.sign(cameras[1]))
+    assert window.timeline.frame == 0
+
+
+def test_shift_and_arrows_move_the_view(window: MainWindow) -> None:
+    face = face_of(window)
+    before = face.camera
+    QTest.keyClick(face, Qt.Key.Key_Right, SHIFT)
+    QTest.keyClick(face, Qt.Key.Key_Up, SHIFT)
+    assert face.camera.target[0] < before.target[0], "the face goes right"
+    assert face.camera.target[1] < before.target[1], "and up"
+    assert face.camera.yaw == before.yaw
+    assert window.timeline.frame == 0
+
+
+@pytest.mark.parametrize("closer", [Qt.Key.Key_Plus, Qt.Key.Key_Equal])
+def test_plus_and_minus_zoom_the_face_and_not_the_curves(
+    window: MainWindow, closer: Qt.Key
+) -> None:
+    face, view = face_of(window), window.timeline.view
+    before = face.camera.distance
+    QTest.keyClick(face, closer, SHIFT if closer == Qt.Key.Key_Plus else NONE)
+    assert face.camera.distance < before
+    QTest.keyClick(face, Qt.Key.Key_Minus)
+    assert face.camera.distance == pytest.approx(before)
+    assert window.timeline.view == view
+
+
+def test_other_keys_are_still_the_windows(bench: Bench, window: MainWindow) -> None:
+    face = face_of(window)
+    QTest.keyClick(face, Qt.Key.Key_Right)
+    QTest.keyClick(face, Qt.Key.Key_0)
+    assert face.camera.yaw == 0
+    QTest.keyClick(face, Qt.Key.Key_End)
+    assert window.timeline.frame == window.timeline.frames - 1
+    QTest.keyClick(face, Qt.Key.Key_Home)
+    QTest.keyClick(face, Qt.Key.Key_Space)
+    assert window.playback.playing
+    QTest.keyClick(face, Qt.Key.Key_Space)
+    assert not window.playback.playing
+    QTest.keyClick(face, Qt.Key.Key_Home)
+    QTest.keyClick(face, Qt.Key.Key_Escape)
+    assert not face.hasFocus()
+    QTest.keyClick(window.focusWidget(), Qt.Key.Key_Right)
+    assert window.timeline.frame == 1
+
+
+def test_the_focus_is_seen_and_the_mouse_does_not_take_it(bench: Bench, window: MainWindow) -> None:
+    face = face_of(window)
+    edges = (0, face.height() // 2), (face.width() // 2, face.height() - 1)
+    assert all(face.grab().toImage().pixelColor(*at) == QColor(ACCENT) for at in edges)
+    QTest.keyClick(face, Qt.Key.Key_Escape)
+    assert not any(face.grab().toImage().pixelColor(*at) == QColor(ACCENT) for at in edges)
+    drag(face, QPoint(30, 0), LEFT)
+    assert not face.hasFocus()

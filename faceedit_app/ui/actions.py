@@ -193,6 +193,8 @@ COMMANDS: tuple[Command, ...] = (
                 f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")
         for number, control in enumerate(CONTROLS, start=1)
     ),
+    Command("focus_face", "View", "Look around by &keys", ("9",),
+            "Give the keyboard to the face: arrows turn it, + and - zoom; Esc gives it back"),
 
     Command("play", "Playback", "&Play / pause", ("Space",), "Play or pause", "play"),
     Command("play_around", "Playback", "Play a&round", ("/",),
@@ -246,6 +248,8 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Face", "Middle or right drag", "Move the view"),
     ("Face", "Wheel", "Zoom"),
     ("Face", "Double click", "Reset the camera"),
+    ("Face", "Arrows, after 9", "Turn around the face; with Shift move the view"),
+    ("Face", "+ and −, after 9", "Zoom; 0 looks from the front again"),
     ("Face", "Hold B", "See the face as tracked"),
     ("Sound", "Drag", "Scrub, and hear it"),
     ("Sound", "Alt and drag", "Move the sound in time; with Shift ten times finer"),

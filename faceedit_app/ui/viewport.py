@@ -8,14 +8,17 @@ import time
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, QTimer
+from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import (
     QCloseEvent,
     QColor,
+    QFocusEvent,
     QImage,
+    QKeyEvent,
     QMouseEvent,
     QPainter,
     QPaintEvent,
+    QPen,
     QResizeEvent,
     QWheelEvent,
 )
@@ -23,7 +26,8 @@ from PySide6.QtWidgets import QLabel, QSizePolicy, QWidget
 
 from faceedit_app import render
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.ui.palette import BORDER, PANEL, TEXT
+from faceedit_app.ui.camera_keys import moved_by_key
+from faceedit_app.ui.palette import ACCENT, BORDER, PANEL, TEXT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -75,6 +79,9 @@ class Viewport(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setMouseTracking(True)  # a release that was lost shows by the next move
         self.setAccessibleName("Face")
+        self.setAccessibleDescription("Arrows turn it, with Shift they move it; + and - zoom.")
+        # The mouse leaves the keyboard where it is, so that the arrows go on moving the playhead.
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     # --- what is shown -----------------------------------------------------------------------
 
@@ -168,6 +175,13 @@ class Viewport(QWidget):
         if self._stale:
             self._draw()
         painter = QPainter(self)
+        self._paint_picture(painter)
+        if self.hasFocus():
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+            painter.setPen(QPen(QColor(ACCENT), 2))
+            painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
+
+    def _paint_picture(self, painter: QPainter) -> None:
         if self._image is not None:
             if self._image.size() == QSize(*self._pixels()):
                 painter.drawImage(self.rect(), self._image)  # pixel by pixel
@@ -274,7 +288,7 @@ class Viewport(QWidget):
         if event.buttons() & Qt.MouseButton.LeftButton:
             self._look(self._camera.orbit(-moved.x() * ORBIT, moved.y() * ORBIT))
         elif event.buttons():
-            metres = self._camera.distance * 0.39 / max(1, self.height())
+            metres = self._metres()
             self._look(self._camera.pan(-moved.x() * metres, moved.y() * metres))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
@@ -297,6 +311,41 @@ class Viewport(QWidget):
         if notches:
             self._look(self._camera.zoom(ZOOM_STEP**notches))
         event.accept()
+
+    def _metres(self) -> float:
+        """Of a pixel, at the face."""
+        return self._camera.distance * 0.39 / max(1, self.height())
+
+    # --- keys --------------------------------------------------------------------------------
+
+    def event(self, event: QEvent) -> bool:
+        """The keys for looking around are its own while it has the keyboard, not shortcuts."""
+        if (
+            event.type() == QEvent.Type.ShortcutOverride
+            and isinstance(event, QKeyEvent)
+            and moved_by_key(self._camera, event, self._metres()) is not None
+        ):
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Look around: see `camera_keys`."""
+        camera = moved_by_key(self._camera, event, self._metres())
+        if camera is not None:
+            self._look(camera)
+        else:
+            super().keyPressEvent(event)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """It shows that it has the keyboard."""
+        super().focusInEvent(event)
+        self.update()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """And that it has not."""
+        super().focusOutEvent(event)
+        self.update()
 
     def _look(self, camera: render.Camera) -> None:
         self._camera, self._is_home = camera, False
