@@ -215,6 +215,8 @@ COMMANDS: tuple[Command, ...] = (
             "One second forward"),
     Command("start", "Playback", "Go to &start", ("Home",), "Go to the first frame", "start"),
     Command("end", "Playback", "Go to &end", ("End",), "Go to the last frame", "end"),
+    Command("go_to", "Playback", "&Go to a time…", ("G",),
+            "Type where to go: seconds, a frame or a timecode, as times are shown"),
     Command("mark_start", "Playback", "Selection starts &here", ("I",),
             "Start the selection at the playhead", starts_group=True),
     Command("mark_end", "Playback", "Selection ends here", ("O",),

@@ -14,6 +14,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.ui.time_entry import TimeEntry
+
 GLANCE = Qt.Key.Key_B
 _ADJUSTING = {
     Qt.Key.Key_Left,
@@ -104,5 +106,7 @@ class KeyArbiter(QObject):
 
 
 def _takes_words(widget: QWidget) -> bool:
-    """Whether it is a field for words; the one inside a number field is not."""
-    return isinstance(widget, QLineEdit) and not isinstance(widget.parent(), QAbstractSpinBox)
+    """Whether it is a field for words; one for a time, or inside a number field, is not."""
+    return isinstance(widget, QLineEdit) and not (
+        isinstance(widget, TimeEntry) or isinstance(widget.parent(), QAbstractSpinBox)
+    )

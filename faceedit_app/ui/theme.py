@@ -116,6 +116,7 @@ QLineEdit {{
     background: {BACKGROUND}; border: 1px solid {ACCENT}; border-radius: 3px; padding: 0 4px;
     selection-background-color: {ACCENT_DEEP};
 }}
+QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
 
 QSplitter::handle {{ background: {BACKGROUND}; }}
 QSplitter::handle:hover {{ background: {ACCENT_DEEP}; }}

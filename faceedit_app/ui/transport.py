@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QMouseEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
@@ -12,7 +14,9 @@ from faceedit_app.ui.clock import Unit, times
 from faceedit_app.ui.icons import icon
 from faceedit_app.ui.playback import SPEEDS, Playback
 from faceedit_app.ui.theme import GAP
+from faceedit_app.ui.time_entry import TimeEntry
 from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.typed_time import typed_frame
 from faceedit_app.ui.widgets import Choice, bar_row, caption, icon_button
 
 _UNITS = (Unit.TIMECODE, Unit.SECONDS, Unit.FRAMES)
@@ -30,9 +34,11 @@ class Transport(QWidget):
         self.speed = self._speed_box()
         self.extras = QHBoxLayout()  # what the window adds to it
         self.clock, self.seconds, self.frame = (
-            TimeLabel(actions[f"unit_{unit}"]) for unit in _UNITS
+            TimeLabel(actions[f"unit_{unit}"], self.type_time) for unit in _UNITS
         )
         self._labels = (self.clock, self.seconds, self.frame)
+        self.entry = TimeEntry(self)
+        self.entry.ended.connect(lambda: self.window().setFocus())  # the keys are the window's
         self._lay_out(actions)
         timeline.playhead_moved.connect(self._show_time)
         timeline.clock.changed.connect(self._show_unit)
@@ -86,6 +92,19 @@ class Transport(QWidget):
         for label, text in zip(self._labels, texts, strict=True):
             label.setText(text)
 
+    def type_time(self) -> None:
+        """Let the user type where to go, in the unit that times are shown in."""
+        clip, unit = self._clip, self._timeline.clock.unit
+        if clip is None:
+            return
+
+        def go(text: str) -> None:
+            self._timeline.go_to_frame(typed_frame(clip, text, unit, self._timeline.frame))
+
+        label = self._labels[_UNITS.index(unit)]
+        text = label.text().partition("/")[0].removeprefix("frame").strip()
+        self.entry.begin(label, text, f"Go to a time, in {unit}", go)
+
     def _show_unit(self) -> None:
         """The time that the ruler shows stands out."""
         for label, unit in zip(self._labels, _UNITS, strict=True):
@@ -93,13 +112,21 @@ class Transport(QWidget):
 
 
 class TimeLabel(QLabel):
-    """A time; a click makes it the one that the ruler shows."""
+    """A time; a click makes it the one that the ruler shows, another one is for typing.
 
-    def __init__(self, action: QAction) -> None:
+    Args:
+        action: makes it the one that the ruler shows.
+        type_time: lets the user type into it.
+    """
+
+    def __init__(self, action: QAction, type_time: Callable[[], None]) -> None:
         super().__init__()
-        self._action = action
+        self._action, self._type_time = action, type_time
         self.setCursor(Qt.CursorShape.PointingHandCursor)
-        self.setToolTip(f"{action.statusTip()}. Click: the ruler too.")
+        self.setToolTip(
+            f"{action.statusTip()}. Click: the ruler too.\n"
+            "Click again, or press G, to type where to go."
+        )
         self.show_chosen(False)
 
     def show_chosen(self, chosen: bool) -> None:
@@ -109,5 +136,8 @@ class TimeLabel(QLabel):
         self.style().polish(self)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Choose this one."""
-        self._action.trigger()
+        """Choose this one, else type into it."""
+        if self._action.isChecked():
+            self._type_time()
+        else:
+            self._action.trigger()

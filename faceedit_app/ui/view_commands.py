@@ -52,6 +52,7 @@ class ViewCommands:
             "edit_down": self._on_edits(lambda edits: edits.bring(1)),
             "delete_edit": self._on_edits(EditsPanel.delete),
             "reset_camera": self._with(lambda editor: editor.face.viewport.reset_camera()),
+            "go_to": self._with(lambda editor: editor.transport.type_time()),
             "focus_face": self._with(lambda editor: editor.face.viewport.setFocus()),
             "show_edited": self._with(lambda editor: editor.face.set_tracked(False)),
             "show_tracked": self._with(

@@ -1,0 +1,101 @@
+"""A field over the clock of the transport, to type where to go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QEvent, QPoint, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QKeyEvent
+from PySide6.QtWidgets import QLineEdit, QToolTip, QWidget
+
+
+class TimeEntry(QLineEdit):
+    """Is there while a time is typed.
+
+    Signals:
+        ended(): it is typed, or given up.
+    """
+
+    ended = Signal()
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._go: Callable[[str], None] | None = None
+        self.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.setAcceptDrops(False)  # files are the window's
+        self.returnPressed.connect(self._try)
+        self.textEdited.connect(lambda: self._show_refused(False))
+        self.hide()
+
+    def begin(self, over: QWidget, text: str, name: str, go: Callable[[str], None]) -> None:
+        """Take the place of a label.
+
+        Args:
+            text: what stands there at first, to be typed over.
+            name: what is typed, for screen readers.
+            go: does what the text says; raises ValueError with a line for the user.
+        """
+        self._go = go
+        self.setAccessibleName(name)
+        self._show_refused(False)
+        wide = self.fontMetrics().horizontalAdvance(text) + 24
+        place = over.geometry().adjusted(min(over.width() - wide, -4), -2, 4, 2)
+        self.setGeometry(place)
+        self.setText(text)
+        self.selectAll()
+        self.show()
+        self.raise_()
+        self.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def _try(self) -> None:
+        assert self._go is not None
+        try:
+            self._go(self.text())
+        except ValueError as error:
+            self._show_refused(True)
+            self.selectAll()
+            above = self.mapToGlobal(QPoint(0, -2 * self.height()))
+            QToolTip.showText(above, str(error), self)
+            self.setAccessibleDescription(str(error))
+            return
+        self._end()
+
+    def _show_refused(self, refused: bool) -> None:
+        self.setProperty("refused", refused)
+        self.style().unpolish(self)
+        self.style().polish(self)
+        if not refused:
+            self.setAccessibleDescription("Enter goes there, Esc stays")
+
+    def _end(self) -> None:
+        self.hide()
+        self.ended.emit()
+
+    def event(self, event: QEvent) -> bool:
+        """What is typed is no shortcut; Space is, as everywhere."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            plain = event.modifiers() in (
+                Qt.KeyboardModifier.NoModifier,
+                Qt.KeyboardModifier.ShiftModifier,
+                Qt.KeyboardModifier.KeypadModifier,
+            )
+            if plain and event.key() != Qt.Key.Key_Space:
+                event.accept()
+                return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc gives up."""
+        if event.key() == Qt.Key.Key_Escape:
+            self._end()
+        else:
+            super().keyPressEvent(event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Whoever goes elsewhere gives up, but for a menu or another window."""
+        super().focusOutEvent(event)
+        if event.reason() not in (
+            Qt.FocusReason.PopupFocusReason,
+            Qt.FocusReason.ActiveWindowFocusReason,
+        ):
+            self.hide()
