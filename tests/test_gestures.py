@@ -33,7 +33,6 @@ from faceedit_app.ui.curves.gestures import (
     wheel_means,
 )
 from faceedit_app.ui.curves.line import offsets
-from faceedit_app.ui.curves.polyline import peaks, visible_polyline, visible_rows
 
 SCALE = Scale(width=500, height=100, view=(0.0, 10.0), span=(0.0, 20.0))  # 0.2 mm a pixel
 
@@ -204,54 +203,6 @@ def test_frames_are_marked_at_deep_zoom_only() -> None:
 
 
 # --- lines ---------------------------------------------------------------------------------
-
-
-def test_few_samples_are_all_drawn_with_one_beyond_each_edge() -> None:
-    times = np.arange(100) / 10
-    assert visible_rows(times, 2.0, 3.0) == slice(19, 32)
-    line = visible_polyline(times, times, 2.0, 3.0, 500)
-    assert len(line.x) == 13
-    assert line.joined is None
-
-
-@given(st.integers(5_000, 40_000), st.integers(100, 1500), st.integers(0, 5))
-def test_peaks_survive_thinning(count: int, columns: int, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    times, values = np.arange(count) / 60, random.normal(size=count)
-    spikes = random.integers(count, size=5)
-    values[spikes] = [9, 8, -7, -9, 11]
-    line = visible_polyline(times, values, 0, times[-1], columns)
-    assert len(line.x) <= max(2 * columns + 2, 3 * columns)
-    assert line.y.max() == values.max()
-    assert line.y.min() == values.min()
-    assert (np.diff(line.x) >= 0).all()
-
-
-def test_panning_does_not_make_peaks_flicker() -> None:
-    values = np.random.default_rng(0).normal(size=10_000)
-    here, there = peaks(values, slice(1000, 5000), 16), peaks(values, slice(1007, 5007), 16)
-    common = np.intersect1d(here, there)
-    assert len(common) >= len(here) - 4
-
-
-def test_only_what_differs_is_drawn_and_it_joins_its_neighbours() -> None:
-    times, values = np.arange(20.0), np.zeros(20)
-    shown = np.zeros(20, bool)
-    shown[[5, 6, 12]] = True
-    line = visible_polyline(times, values, 0, 19, 500, shown)
-    assert line.x.tolist() == [4, 5, 6, 7, 11, 12, 13]
-    assert line.joined is not None
-    assert line.joined.tolist() == [True, True, True, False, True, True, False]
-    assert len(visible_polyline(times, values, 0, 19, 500, np.zeros(20, bool)).x) == 0
-
-
-def test_a_short_difference_is_seen_in_a_long_take() -> None:
-    times, values = np.arange(36_000) / 60, np.zeros(36_000)
-    shown = np.zeros(36_000, bool)
-    shown[20_000] = True
-    line = visible_polyline(times, values, 0, 600, 800, shown)
-    assert len(line.x) >= 2
-    assert abs(line.x - times[20_000]).min() < 1.0
 
 
 def test_wide_lines_are_made_of_thin_ones() -> None:

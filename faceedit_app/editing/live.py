@@ -7,11 +7,14 @@ whether some were begun and given up for others.
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Mapping
 
 from faceedit_app.core.clip import Floats
-from faceedit_app.editing.chunks import Piece
+from faceedit_app.editing.chunks import Piece, Rows
 from faceedit_app.editing.solve import Solver
+
+REMEMBERED = 1024  # changes of chunks
 
 
 class Live:
@@ -37,6 +40,8 @@ class Live:
         self._waiting: list[int] = []  # chunks, the most urgent last
         self._total = 0
         self._sight = (0, 0, 0)
+        self._changes: deque[Rows] = deque(maxlen=REMEMBERED)
+        self._count = 0
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -64,6 +69,7 @@ class Live:
             self.asked[rows] = self.achieved[rows] = self.tracked[rows]
             self.weights[rows] = self._solver.tracked[rows]
             del self._shown[chunk], self._changed[chunk]
+            self._note(rows)
         self._wanted = pieces
         shown = self._shown
         self._waiting = [chunk for chunk, piece in pieces.items() if shown.get(chunk) != piece]
@@ -108,6 +114,27 @@ class Live:
         self.asked[rows] = patch.asked
         self.achieved[rows] = patch.controls
         self.weights[rows] = patch.weights
+        self._note(rows)
         self._shown[chunk] = piece
         differs = (patch.weights != self._solver.tracked[rows]).any(axis=1)
         self._changed[chunk] = int(differs.sum())
+
+    def _note(self, rows: slice) -> None:
+        self._changes.append((rows.start, rows.stop))
+        self._count += 1
+
+    def changes(self, since: int) -> tuple[int, Rows]:
+        """What has changed: for those who keep something that follows from the arrays.
+
+        Args:
+            since: the number that the last call gave, 0 at first.
+
+        Returns:
+            A number for the next call, and a range that holds all frames that changed since.
+        """
+        missed = self._count - since
+        if missed > len(self._changes):  # too long ago
+            return self._count, (0, len(self.tracked))
+        news = list(self._changes)[len(self._changes) - missed :]
+        first = min((first for first, _ in news), default=0)
+        return self._count, (first, max((last for _, last in news), default=0))

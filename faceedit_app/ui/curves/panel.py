@@ -18,10 +18,11 @@ from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
 from faceedit_app.ui.curves.paint import Marks
-from faceedit_app.ui.curves.plot import CurvePlot, Handle, Lines
+from faceedit_app.ui.curves.plot import CurvePlot, Handle
 from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.range_fields import RangeFields
 from faceedit_app.ui.curves.ruler import Ruler
+from faceedit_app.ui.curves.sight import Sight
 from faceedit_app.ui.timeline import Timeline
 from faceedit_app.ui.tooling import Tool, Tooling
 
@@ -64,6 +65,8 @@ class CurvesPanel(QWidget):
         self.session: EditSession | None = None
         self._gaps: tuple[tuple[float, float], ...] = ()
         self._width = 0.0  # seconds in view
+        self._sight: Sight | None = None
+        self._columns = 0  # of pixels
         self._band = BandMouse(timeline, self)
         self._mouse = Interaction(timeline, self.tooling, self._band, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
@@ -116,6 +119,7 @@ class CurvesPanel(QWidget):
             plot.scale_changed.connect(lambda h=header, p=plot: h.show_scale(p.current_scale))
             header.picked.connect(lambda add, p=plot: self._pick(p, add))
             header.close_up_asked.connect(lambda p=plot: self._toggle_close_up(p))
+        self.plots[0].scale_changed.connect(self._show_columns)
         self.timeline.view_changed.connect(self._show_view)
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
@@ -177,6 +181,7 @@ class CurvesPanel(QWidget):
         """Show another take, or none."""
         self._mouse.cancel()
         self.session = self._mouse.session = session
+        self._sight = Sight(session) if session is not None else None
         clip = session.take.clip if session is not None else None
         self._gaps = ()
         if clip is not None:
@@ -186,7 +191,6 @@ class CurvesPanel(QWidget):
             )
         self.ruler.show_clip(clip)
         self._pages.setCurrentIndex(0 if session is None else 1)
-        self._show_lines()
         for plot in self.plots:
             plot.span_chosen = plot.close_up = False
         self._width = 0.0
@@ -194,6 +198,8 @@ class CurvesPanel(QWidget):
 
     def refresh(self) -> None:
         """The session's arrays changed: draw them, and make room for a curve that grew."""
+        if self._sight is not None:
+            self._sight.refresh()
         self._show_lines()
         self._make_room()
         self._show_state()
@@ -234,40 +240,51 @@ class CurvesPanel(QWidget):
         self._width = last - first
         for plot in self.plots:
             plot.show_view(self.timeline.view)
-            if zoomed:
-                self._fit(plot)
+        self._look()
+        if zoomed:
+            for index in range(len(self.plots)):
+                self._fit(index)
         self._make_room()
         self.ruler.update()
         self._show_state()
 
-    def _show_lines(self) -> None:
-        session = self.session
-        for i, plot in enumerate(self.plots):
-            lines = None
-            if session is not None:
-                curves = (session.tracked, session.asked, session.achieved)
-                lines = Lines(session.take.clip.times, *(curve[:, i] for curve in curves))
-            plot.show_lines(lines)
+    def _show_columns(self) -> None:
+        """More or fewer pixels show more or fewer points."""
+        if self.plots[0].columns != self._columns:
+            self._look()
 
-    def _fit(self, plot: CurvePlot) -> None:
+    def _look(self) -> None:
+        self._columns = self.plots[0].columns
+        if self._sight is not None:
+            self._sight.look(self.timeline.view, self._columns)
+        self._show_lines()
+
+    def _show_lines(self) -> None:
+        for i, plot in enumerate(self.plots):
+            plot.show_lines(self._sight.lines(i) if self._sight is not None else None)
+
+    def _fit(self, index: int) -> None:
         """Fit a value axis to what is in view, unless the user chose it."""
-        if plot.lines is None or plot.span_chosen or self.is_dragging:
+        plot, sight = self.plots[index], self._sight
+        if sight is None or plot.span_chosen or self.is_dragging:
             return
-        low, high = float(plot.lines.tracked.min()), float(plot.lines.tracked.max())
-        least = SMALLEST_SPAN if plot.close_up else LEAST_SHARE * (high - low)
-        plot.show_span(fitted_span(*plot.extent(), least))
+        height = float(sight.high[index] - sight.low[index])
+        least = SMALLEST_SPAN if plot.close_up else LEAST_SHARE * height
+        plot.show_span(fitted_span(*sight.extent(index), least))
 
     def _toggle_close_up(self, plot: CurvePlot) -> None:
         """Fit a value axis as closely as it makes sense, or no longer."""
         plot.close_up = not (plot.close_up or plot.span_chosen)
         plot.span_chosen = False
-        self._fit(plot)
+        self._fit(self.plots.index(plot))
 
     def _make_room(self) -> None:
         """Extend value axes that a visible curve has left, unless the user chose them."""
-        for plot in self.plots:
-            if plot.lines is not None and not plot.span_chosen and not self.is_dragging:
-                plot.show_span(grown_span(plot.span, *plot.extent()))
+        if self._sight is None or self.is_dragging:
+            return
+        for index, plot in enumerate(self.plots):
+            if not plot.span_chosen:
+                plot.show_span(grown_span(plot.span, *self._sight.extent(index)))
 
     def _show_state(self) -> None:
         """Playhead, bands, handle, values and hint."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
@@ -24,10 +23,8 @@ from faceedit_app.ui.curves import paint, style
 from faceedit_app.ui.curves.axes import Scale, Span, value_ticks
 from faceedit_app.ui.curves.backdrop import Backdrop
 from faceedit_app.ui.curves.line import WideLine
-from faceedit_app.ui.curves.polyline import EMPTY, Mask, Values, visible_polyline, visible_rows
-
-# Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
-SAME = 0.005
+from faceedit_app.ui.curves.polyline import EMPTY
+from faceedit_app.ui.curves.sight import Lines
 
 
 class Mouse(Protocol):
@@ -50,16 +47,6 @@ class Mouse(Protocol):
 
     def cancel(self) -> None:
         """Esc."""
-
-
-@dataclass(frozen=True)
-class Lines:
-    """A curve's three lines, each (T,) mm, and their (T,) times."""
-
-    times: Values
-    tracked: Values
-    asked: Values
-    face: Values
 
 
 @dataclass(frozen=True)
@@ -139,7 +126,6 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         """Make a range of seconds visible."""
         self.view = view
         self._apply_scale()
-        self._draw_lines()
 
     def show_span(self, span: Span) -> None:
         """Make a range of millimetres visible."""
@@ -150,7 +136,16 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
     def show_lines(self, lines: Lines | None) -> None:
         """Draw these curves."""
         self.lines = lines
-        self._draw_lines()
+        shown = (EMPTY,) * 3 if lines is None else (lines.tracked, lines.face, lines.asked)
+        drawn = [curve.show_line(line) for curve, line in zip(self._curves, shown, strict=True)]
+        if any(drawn):
+            self.viewport().update()
+
+    @property
+    def columns(self) -> int:
+        """Of the screen's pixels, across."""
+        columns: int = round(self.viewport().width() * self.devicePixelRatioF())
+        return columns
 
     def show_marks(self, marks: paint.Marks, handle: Handle | None, dot: float | None) -> None:
         """Draw bands, playhead and handle; `dot` is the face's value at the playhead."""
@@ -164,13 +159,6 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         else:
             self.viewport().update()
 
-    def extent(self) -> Span:
-        """Lowest and highest value in view, of all three lines."""
-        assert self.lines is not None
-        rows = visible_rows(self.lines.times, *self.view)
-        lines = [line[rows] for line in (self.lines.tracked, self.lines.asked, self.lines.face)]
-        return float(min(v.min() for v in lines)), float(max(v.max() for v in lines))
-
     def _apply_scale(self) -> None:
         box = self.getViewBox()
         box.setRange(xRange=self.view, yRange=self.span, padding=0)
@@ -180,34 +168,6 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
             curve.show_in(QRectF(first, low, last - first, high - low))
         self.viewport().update()
         self.scale_changed.emit()
-
-    def _draw_lines(self) -> None:
-        lines = self.lines
-        if lines is None:
-            drawn = [curve.show_line(EMPTY) for curve in self._curves]
-        else:
-            # Where lines coincide only the face is drawn: a take without edits is one calm line.
-            drawn = [
-                self._draw(self._face, lines.face, None),
-                self._draw(self._tracked, lines.tracked, self._apart(lines.tracked, lines.face)),
-                self._draw(self._asked, lines.asked, self._apart(lines.asked, lines.tracked)),
-            ]
-        if any(drawn):
-            self.viewport().update()
-
-    def _apart(self, one: Values, other: Values) -> Mask:
-        """(T,) in which frames two lines differ; those out of view are not looked at."""
-        assert self.lines is not None
-        rows = visible_rows(self.lines.times, *self.view)
-        apart = np.zeros(len(one), np.bool_)
-        apart[rows] = np.abs(one[rows] - other[rows]) > SAME
-        return apart
-
-    def _draw(self, curve: WideLine, values: Values, shown: Mask | None) -> bool:
-        assert self.lines is not None
-        columns = round(self.viewport().width() * self.devicePixelRatioF())
-        line = visible_polyline(self.lines.times, values, *self.view, columns, shown)
-        return curve.show_line(line)
 
     # --- painting --------------------------------------------------------------------------
 
@@ -310,8 +270,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Another size needs other ticks and other points."""
         super().resizeEvent(event)
-        if hasattr(self, "_asked"):  # pyqtgraph resizes while it is being built
-            self._draw_lines()
+        if hasattr(self, "_curves"):  # pyqtgraph resizes while it is being built
             self.scale_changed.emit()
 
     def sizeHint(self) -> QSize:

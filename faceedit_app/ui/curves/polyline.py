@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Values = NDArray[np.floating]
-Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 # Below this many samples per pixel column all are drawn: thinning would cost more than it saves.
@@ -26,29 +25,6 @@ def bin_size(rows: slice, columns: int) -> int:
     """Samples that share a pixel column; 1 where all of them are drawn."""
     count = rows.stop - rows.start
     return 1 if count <= DENSE * max(columns, 1) else -(-count // max(columns, 1))
-
-
-def peaks(values: Values, rows: slice, size: int) -> Indices:
-    """Indices of each bin's lowest and highest sample, in order of time.
-
-    Bins start at multiples of `size` in the take, not at the edge of the view: peaks then do not
-    flicker while the view is panned.
-    """
-    if size <= 1:
-        return np.arange(rows.start, rows.stop)
-    start = rows.start - rows.start % size
-    whole = (rows.stop - start) // size
-    bins = values[start : start + whole * size].reshape(whole, size)
-    offsets = start + size * np.arange(whole)
-    pair = np.stack([bins.argmin(axis=1), bins.argmax(axis=1)], axis=1)
-    pair.sort(axis=1)
-    found: Indices = (offsets[:, None] + pair).ravel()
-    rest = np.arange(start + whole * size, rows.stop)
-    if len(rest):
-        tail = values[rest]
-        ends = sorted((int(tail.argmin()), int(tail.argmax())))
-        found = np.concatenate([found, rest[ends]])
-    return found
 
 
 @dataclass(frozen=True)
@@ -79,43 +55,10 @@ class Polyline:
 EMPTY = Polyline(np.empty(0), np.empty(0))
 
 
-def visible_polyline(
-    times: Values,
-    values: Values,
-    first: float,
-    last: float,
-    columns: int,
-    shown: Mask | None = None,
-) -> Polyline:
-    """The points to draw of a curve: every sample, or each pixel column's extremes.
-
-    Args:
-        times, values: (T,) seconds, increasing, and what is drawn.
-        first, last: seconds that are visible.
-        columns: pixels across.
-        shown: (T,) which frames to draw; None draws all of them. A frame next to a shown one is
-            drawn too, so that runs join what lies beside them.
-    """
-    rows = visible_rows(times, first, last)
-    size = bin_size(rows, columns)
-    if shown is not None and not shown[rows].any():
-        return Polyline(times[:0], values[:0])
-    index = peaks(values, rows, size)
-    if shown is None:
-        return Polyline(times[index], values[index], None, size > 1)
-    keep = _near(shown, index, size)
-    index = index[keep]
-    joined = np.append(keep[1:], False)[keep]
+def run_of(x: Values, y: Values, shown: Mask, thinned: bool) -> Polyline:
+    """The points (N,) of a curve that are shown, those next to each other joined."""
+    if not shown.any():
+        return EMPTY
+    joined = np.append(shown[1:], False)[shown]
     every = bool(joined[:-1].all())
-    return Polyline(times[index], values[index], None if every else joined, size > 1)
-
-
-def _near(shown: Mask, index: Indices, reach: int) -> Mask:
-    """For each of `index`: is a frame shown within `reach` frames?"""
-    low, high = int(index[0]) - reach, int(index[-1]) + reach + 1
-    low, high = max(low, 0), min(high, len(shown))
-    counts = np.concatenate([[0], np.cumsum(shown[low:high])])
-    after = np.minimum(index + reach + 1, high) - low
-    before = np.maximum(index - reach, low) - low
-    near: Mask = counts[after] > counts[before]
-    return near
+    return Polyline(x[shown], y[shown], None if every else joined, thinned)

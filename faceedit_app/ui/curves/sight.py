@@ -1,0 +1,133 @@
+"""What of a take's curves is in view: the few points that a screen can show, for all plots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.curves.axes import Span
+from faceedit_app.ui.curves.envelope import BASE, Envelope, Values, highest, lowest
+from faceedit_app.ui.curves.polyline import Mask, Polyline, bin_size, run_of, visible_rows
+
+# Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
+SAME = 0.005
+_LINES = 3  # tracked, face, asked
+
+
+@dataclass(frozen=True)
+class Lines:
+    """A curve's three lines, as they are drawn."""
+
+    tracked: Polyline
+    face: Polyline
+    asked: Polyline
+
+
+class Sight:
+    """The curves of a session as they are seen, C of them.
+
+    Few frames are drawn one by one; of many, what each column of pixels shows is read from an
+    `Envelope` that is kept up to date with what edits change.
+
+    Attributes:
+        low, high: (C,) mm, of the take as tracked.
+    """
+
+    def __init__(self, session: EditSession) -> None:
+        self._live, self._seen = session.live, 0
+        self._times = session.take.clip.times
+        self._curves = session.tracked.shape[1]
+        self.low, self.high = session.tracked.min(axis=0), session.tracked.max(axis=0)
+        self._envelope: Envelope | None = None
+        self.look((0.0, 1.0), 1)
+
+    def look(self, view: Span, columns: int) -> None:
+        """Say what is in view.
+
+        Args:
+            view: first and last visible second.
+            columns: of pixels.
+        """
+        self._rows = visible_rows(self._times, *view)
+        self._size = bin_size(self._rows, columns)
+        if self._size >= BASE:
+            self._size = Envelope.bin_size(self._size)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Read the curves again."""
+        self._seen, changed = self._live.changes(self._seen)
+        if self._envelope is not None:
+            self._envelope.update(*changed)
+        if self._size == 1:
+            low = high = self._read(self._rows)
+            self._x = self._times[self._rows]
+        else:
+            self._x, low, high = self._binned()
+        y = low if low is high else _alternating(low, high)
+        c = self._curves
+        self._y = np.ascontiguousarray(y[:, : _LINES * c].T).reshape(_LINES, c, -1)
+        # A frame next to one that differs is drawn too, so that runs join what lies beside them.
+        near = _widened(high[:, _LINES * c :] > SAME)
+        if low is not high:
+            near = near.repeat(2, axis=0)
+        self._near = near.T.reshape(2, c, -1)
+
+    def lines(self, curve: int) -> Lines:
+        """The three lines of one of the curves."""
+        thinned = self._size > 1
+        tracked, face, asked = self._y[:, curve]
+        # Where lines coincide only the face is drawn: a take without edits is one calm line.
+        return Lines(
+            run_of(self._x, tracked, self._near[0, curve], thinned),
+            Polyline(self._x, face, None, thinned),
+            run_of(self._x, asked, self._near[1, curve], thinned),
+        )
+
+    def extent(self, curve: int) -> Span:
+        """Lowest and highest value in view, of all three lines."""
+        y = self._y[:, curve]
+        return float(y.min()), float(y.max())
+
+    def _read(self, rows: slice) -> Values:
+        """(N, 5 C): the three lines, and how far the face and the asked one are from tracked."""
+        live = self._live
+        tracked, face, asked = live.tracked[rows], live.achieved[rows], live.asked[rows]
+        apart = np.abs(face - tracked), np.abs(asked - tracked)
+        return np.concatenate([tracked, face, asked, *apart], axis=1)
+
+    def _binned(self) -> tuple[NDArray[np.float64], Values, Values]:
+        """Times (2 N,) of each bin's two points, lowest and highest values (N, 5 C).
+
+        Bins start at multiples of their size in the take, not at the edge of the view: peaks then
+        do not flicker while the view is panned.
+        """
+        size, frames = self._size, len(self._times)
+        first, last = self._rows.start // size, -(-self._rows.stop // size)
+        if size < BASE:
+            values = self._read(slice(first * size, min(last * size, frames)))
+            low, high = lowest(values, size), highest(values, size)
+        else:
+            if self._envelope is None:
+                self._envelope = Envelope(self._read, frames, (_LINES + 2) * self._curves)
+            low, high = self._envelope.bins(first, last, size)
+        starts = size * np.arange(first, last)
+        within = np.stack([starts, np.minimum(starts + size // 2, frames - 1)], axis=1)
+        return self._times[within.ravel()], low, high
+
+
+def _alternating(low: Values, high: Values) -> Values:
+    """(N, C) and (N, C) -> (2 N, C): each bin's lowest, then its highest."""
+    pairs: Values = np.stack([low, high], axis=1).reshape(-1, low.shape[1])
+    return pairs
+
+
+def _widened(mask: Mask) -> Mask:
+    """(N, C) mask with the neighbours in time of what it holds."""
+    wide = mask.copy()
+    wide[1:] |= mask[:-1]
+    wide[:-1] |= mask[1:]
+    return wide
