@@ -338,6 +338,46 @@ def test_the_film_shows_the_picture_of_the_frame(bench: Bench, devices: list[Fak
     assert shown(bench, window) == 18
 
 
+def test_a_mirrored_film_is_shown_as_in_a_mirror_and_kept_in_the_project(
+    bench: Bench, devices: list[FakeOutput]
+) -> None:
+    window = bench.editing()
+    assert not window.actions_["mirror_film"].isEnabled()
+    window.media.add(make_film(bench.folder / "a.mp4", 60, 30))
+    settle(bench, window)
+    window.timeline.go_to_time(1.0)
+    shown(bench, window)
+    screen = editor_of(window).film.screen_
+    plain = screen.grab().toImage()
+    steps = window.document.session.state
+    trigger(window, "mirror_film")
+    assert window.actions_["mirror_film"].isChecked()
+    mirrored = screen.grab().toImage()
+    assert mirrored != plain
+    differ = [
+        abs(a - b)
+        for y in range(0, plain.height(), 7)
+        for x in range(0, plain.width(), 3)
+        for a, b in zip(
+            mirrored.pixelColor(x, y).getRgb(),
+            plain.pixelColor(plain.width() - 1 - x, y).getRgb(),
+            strict=True,
+        )
+    ]
+    assert np.mean(differ) < 3.0
+    assert window.document.session.state == steps, "no step: it is a way to look"
+    bench.answers["save_project"] = bench.folder / "p.faceedit"
+    trigger(window, "save")
+    again = bench.window(bench.folder / "p.faceedit")
+    settle(bench, again)
+    assert again.media.mirrored
+    assert again.actions_["mirror_film"].isChecked()
+    other = make_livelink_csv(bench.folder / "another.csv", seconds=1.0)
+    again.files.open(other)
+    bench.qtbot.waitUntil(lambda: again.document.path == other)
+    assert not again.media.mirrored
+
+
 def test_outside_of_the_film_it_says_where_it_is(bench: Bench, devices: list[FakeOutput]) -> None:
     window = with_media(bench, make_film(bench.folder / "a.mp4", 30, 30))
     screen = editor_of(window).film.screen_
@@ -732,7 +772,11 @@ def test_after_a_crash_the_sound_is_back_where_it_was(
     assert again.media.placement == Placement(Kept(bench.folder / "voice.wav", 0.3))
     assert again.media.sound is not None
     assert again.isWindowModified()
-    assert "Recovered 2 steps" in again.status.currentMessage()
+    message = "Recovered 2 steps of take.csv; Undo takes all back at once"
+    assert again.status.currentMessage() == message
+    trigger(again, "undo")
+    assert again.media.placement == Placement()
+    assert not again.actions_["undo"].isEnabled()
 
 
 def test_a_late_answer_for_an_earlier_take_is_dropped(bench: Bench) -> None:

@@ -188,6 +188,9 @@ COMMANDS: tuple[Command, ...] = (
             checkable=True),
     Command("show_both", "View", "Show &both faces", ("Shift+T",),
             "Show the tracked face beside the edited one", checkable=True),
+    Command("mirror_film", "View", "&Mirror film",
+            tip="Show the film as in a mirror, where left and right are not those of the face",
+            checkable=True),
     *(
         Command(f"curve_{number}", "View", f"&{number} {control.label}", (str(number),),
                 f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")

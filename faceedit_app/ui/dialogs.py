@@ -89,7 +89,10 @@ def ask_recover(parent: QWidget, pending: Pending) -> Recover:
     box.setText(f"FaceEdit ended unexpectedly while {pending.take.name} was edited.")
     steps = "1 step" if pending.gestures == 1 else f"{pending.gestures} steps"
     when = QDateTime.fromSecsSinceEpoch(int(pending.when)).toString("yyyy-MM-dd HH:mm")
-    box.setInformativeText(f"{steps} that were not saved can be brought back, up to {when}.")
+    box.setInformativeText(
+        f"{steps} that were not saved can be brought back, up to {when}. Undo then takes all of"
+        " it back at once."
+    )
     role = QMessageBox.ButtonRole
     choices = {
         box.addButton("Recover", role.AcceptRole): Recover.RECOVER,

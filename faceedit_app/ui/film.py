@@ -47,6 +47,7 @@ class Screen(QWidget):
         self.setAccessibleName("Film")
         media.film_changed.connect(self._load)
         media.placed.connect(self.follow)
+        media.turned.connect(self.update)
         timeline.playhead_moved.connect(self.follow)
         self.arrived.connect(self._show, Qt.ConnectionType.QueuedConnection)
         self.broken.connect(self._stop, Qt.ConnectionType.QueuedConnection)
@@ -127,6 +128,9 @@ class Screen(QWidget):
         wide, high = width * scale, height * scale
         left, top = 0.5 * (self.width() - wide), 0.5 * (self.height() - high)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        if self._media.mirrored:
+            painter.translate(self.width(), 0)
+            painter.scale(-1, 1)
         pixels = self._picture
         image = QImage(pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32)
         painter.drawImage(QRectF(left, top, wide, high), image)

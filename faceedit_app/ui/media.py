@@ -65,10 +65,12 @@ class Media(QObject):
     Attributes:
         base: what lies beside the take, as it lies there: what there is until the user acts.
         is_held: sound or film is being dragged in time.
+        mirrored: the film is shown as in a mirror; some phones write selfies that way.
 
     Signals:
         sound_changed(), film_changed(): another one is there, or none.
         placed(): an offset changed.
+        turned(): the film is mirrored, or no longer.
         acted(): a gesture of the user's is over: something was added, removed or put elsewhere.
         told(str): something went well, for the status bar.
         failed(object): a FaceEditError about a file that the user named.
@@ -78,6 +80,7 @@ class Media(QObject):
     sound_changed = Signal()
     film_changed = Signal()
     placed = Signal()
+    turned = Signal()
     acted = Signal()
     told = Signal(str)
     failed = Signal(object)
@@ -89,7 +92,7 @@ class Media(QObject):
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
         self.base = Placement()
-        self.is_held = False
+        self.is_held = self.mirrored = False
         # What is wanted and is not there, or not yet: it must not be lost by saving.
         self._kept: dict[Kind, Kept] = {}
         self._began: float | None = None
@@ -162,6 +165,7 @@ class Media(QObject):
         self._found, self.base = "", Placement()
         self._kept.clear()
         self._put(None, None)
+        self.mirror(False)
 
     # --- read --------------------------------------------------------------------------------
 
@@ -322,6 +326,12 @@ class Media(QObject):
         if film is not None and film.path == path:
             film = replace(film, offset=offset)
         self._put(sound, film)
+
+    def mirror(self, mirrored: bool) -> None:
+        """Show the film as in a mirror, or as it is; that is a way to look, and no step."""
+        if mirrored != self.mirrored:
+            self.mirrored = mirrored
+            self.turned.emit()
 
     def remove_sound(self) -> None:
         """Without sound from now on."""

@@ -32,6 +32,7 @@ class MediaCommands(QObject):
         sounding.set_muted(muted)
         media.sound_changed.connect(self._sync)
         media.film_changed.connect(self._sync)
+        media.turned.connect(self._sync)
         sounding.changed.connect(self._sync)
         sounding.settled.connect(lambda: store.set_volume(sounding.volume, sounding.muted))
 
@@ -41,6 +42,7 @@ class MediaCommands(QObject):
             "add_media": self.ask_add,
             "remove_sound": self._media.remove_sound,
             "remove_film": self._media.remove_film,
+            "mirror_film": lambda: self._media.mirror(not self._media.mirrored),
             "mute": lambda: self._sounding.set_muted(not self._sounding.muted),
         }
 
@@ -55,6 +57,8 @@ class MediaCommands(QObject):
         has_sound = self._media.sound is not None
         self._actions["remove_sound"].setEnabled(has_sound)
         self._actions["remove_film"].setEnabled(self._media.film is not None)
+        self._actions["mirror_film"].setEnabled(self._media.film is not None)
+        self._actions["mirror_film"].setChecked(self._media.mirrored)
         self._actions["mute"].setEnabled(has_sound)
         self._actions["mute"].setChecked(self._sounding.muted)
 

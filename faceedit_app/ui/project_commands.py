@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.formats.timing import counted
 from faceedit_app.ui import dialogs
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.file_commands import PROJECT, FileCommands
@@ -85,7 +86,11 @@ class ProjectCommands(QObject):
             line.view,
             line.selection,
             line.falloff,
-            {"falloff_out": line.falloff_out, "unit": line.clock.unit.value},
+            {
+                "falloff_out": line.falloff_out,
+                "unit": line.clock.unit.value,
+                "mirror_film": self._media.mirrored,
+            },
         )
 
     # --- open --------------------------------------------------------------------------------
@@ -150,6 +155,7 @@ class ProjectCommands(QObject):
         unit = view.ui.get("unit")
         if unit in list(Unit):
             line.clock.choose(Unit(str(unit)))
+        self._media.mirror(view.ui.get("mirror_film") is True)
 
     # --- after a crash -----------------------------------------------------------------------
 
@@ -175,7 +181,8 @@ class ProjectCommands(QObject):
 
         def opened() -> None:
             pending.discard()
-            self.told.emit(f"Recovered {pending.gestures} steps of {pending.take.name}")
+            steps = counted(pending.gestures, "step")
+            self.told.emit(f"Recovered {steps} of {pending.take.name}; Undo takes all back at once")
             session = self._document.session
             if session is not None and session.fingerprint != pending.fingerprint:
                 self.warned.emit(f"{pending.take.name} has changed since these edits were made")
