@@ -134,6 +134,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._backdrop = self._program("backdrop")
         self._depth = self._program("depth")
         self._locations: dict[tuple[int, str], int] = {}
+        self._matrices: dict[tuple[int, str], NDArray[np.float64]] = {}
         self._targets: dict[int, Target] = {}
         self._drawn: tuple[Target, int]
         looks = vertex_looks(rig, self._bake(rig))
@@ -282,8 +283,12 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         return self._locations[key]
 
     def _set_matrix(self, program: Any, name: str, matrix: NDArray[np.float64]) -> None:
-        location = self._location(program, name)
-        GL.glUniformMatrix4fv(location, 1, GL.GL_TRUE, matrix.astype(np.float32))
+        """Programs remember their matrices; the camera stands still most of the time."""
+        key = (int(program._program_id), name)
+        if not np.array_equal(self._matrices.get(key, 0.0), matrix):
+            self._matrices[key] = matrix
+            location = self._location(program, name)
+            GL.glUniformMatrix4fv(location, 1, GL.GL_TRUE, matrix.astype(np.float32))
 
 
 def _fill(buffer: int, values: Floats) -> None:

@@ -37,12 +37,12 @@ class FacePane(QWidget):
         self._overlay = QWidget(self)
         row = QHBoxLayout(self._overlay)
         row.setContentsMargins(MARGIN, MARGIN, MARGIN, 0)
-        row.addWidget(
-            segments((show_edited, "Edited"), (show_tracked, "Tracked"), (show_both, "Both"))
-        )
+        which = segments((show_edited, "Edited"), (show_tracked, "Tracked"), (show_both, "Both"))
+        row.addWidget(which)
         row.addStretch()
         camera = icon_button(reset_camera)
         row.addWidget(camera)
+        self.viewport.covered_by = (which, camera)
         # Only its buttons take the mouse: the face between them can be turned.
         self._overlay.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
         timeline.playhead_moved.connect(self.refresh)

@@ -8,7 +8,7 @@ import time
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, QSize, Qt, QTimer
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import (
     QCloseEvent,
     QColor,
@@ -19,6 +19,7 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPen,
+    QRegion,
     QResizeEvent,
     QWheelEvent,
 )
@@ -54,6 +55,7 @@ class Viewport(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.draws = 0
+        self.covered_by: tuple[QWidget, ...] = ()  # widgets that stand upon the picture
         self._note = QLabel("Preparing the face…", self)
         self._note.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._note.setWordWrap(True)
@@ -127,7 +129,20 @@ class Viewport(QWidget):
         """Draw soon: roughly now, smoothly when nothing has changed for a moment."""
         self._stale, self._smooth, self._hurried = True, False, False
         self._idle.start()
-        self.update()
+        self.update(self._uncovered())
+
+    def _uncovered(self) -> QRegion:
+        """Where the picture is seen for certain.
+
+        Buttons upon the picture would be painted anew with each of its frames, for the few pixels
+        of their corners; those can wait for the smooth picture.
+        """
+        region = QRegion(self.rect())
+        for widget in self.covered_by:
+            if widget.isVisible():
+                corner = self.mapFromGlobal(widget.mapToGlobal(QPoint(0, 0)))
+                region -= QRect(corner, widget.size())
+        return region
 
     def hurry(self) -> None:
         """Have the picture drawn while the rest of the window is painted, not after it."""

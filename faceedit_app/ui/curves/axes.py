@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from PySide6.QtGui import QTransform
 
 Span = tuple[float, float]
 Values = NDArray[np.floating]
@@ -46,6 +47,12 @@ class Scale:
     def mm_per_pixel(self) -> float:
         """Millimetres that one pixel up stands for."""
         return (self.span[1] - self.span[0]) / max(self.height, 1.0)
+
+    @property
+    def transform(self) -> QTransform:
+        """From seconds and millimetres to pixels."""
+        x, y = 1.0 / self.seconds_per_pixel, 1.0 / self.mm_per_pixel
+        return QTransform(x, 0.0, 0.0, -y, -x * self.view[0], y * self.span[1])
 
     def time_at(self, x: float) -> float:
         """Seconds at a pixel."""

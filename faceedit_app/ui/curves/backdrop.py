@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 
-from PySide6.QtCore import QRectF
+from PySide6.QtCore import QRect, QRectF
 from PySide6.QtGui import QPainter, QPixmap
 from PySide6.QtWidgets import QWidget
 
@@ -27,7 +27,7 @@ class Backdrop:
     def paint(
         self,
         painter: QPainter,
-        rect: QRectF,
+        rect: QRect,
         looks: Hashable,
         draw: Callable[[QPainter, QRectF], None],
     ) -> None:
@@ -47,5 +47,8 @@ class Backdrop:
             with QPainter(self._picture) as inside:
                 draw(inside, QRectF(0.0, 0.0, size.width(), size.height()))
             self._key = key
-        source = QRectF(rect.topLeft() * ratio, rect.size() * ratio)
-        painter.drawPixmap(rect, self._picture, source)
+        part = QRectF(rect)
+        source = QRectF(
+            ratio * part.x(), ratio * part.y(), ratio * part.width(), ratio * part.height()
+        )
+        painter.drawPixmap(part, self._picture, source)

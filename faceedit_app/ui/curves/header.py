@@ -2,18 +2,53 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from PySide6.QtCore import QRectF, Qt, Signal
-from PySide6.QtGui import QFontMetricsF, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtGui import QFont, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from faceedit_app.core.regions import Control
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import Scale, value_ticks
+from faceedit_app.ui.curves.backdrop import Backdrop
 
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
 _AXIS = 38  # pixels for the numbers
-_FLAGS = Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
+_FLAGS = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Name, value and remark as one block, centred; the name gets two lines where it needs them.
+
+    Attributes:
+        name_font, value_font: the remark is in the name's.
+        name, value, note: where each is written; no note where there is none, or no room.
+    """
+
+    name_font: QFont
+    value_font: QFont
+    name: QRectF
+    value: QRectF
+    note: QRectF | None
+
+    @classmethod
+    def of(cls, widget: QWidget, label: str, with_note: bool) -> Layout:
+        """The block of a widget."""
+        name, value = style.scaled_font(widget, 0.92), style.scaled_font(widget, 1.08, bold=True)
+        height = widget.height()
+        room = QRectF(_TEXT_LEFT, 0, widget.width() - _TEXT_LEFT - _AXIS, height)
+        metrics = QFontMetricsF(name)
+        name_height = metrics.boundingRect(room, _FLAGS, label).height()
+        text_height = name_height + QFontMetricsF(value).height()
+        with_note = with_note and text_height + metrics.height() <= height
+        whole = text_height + (metrics.height() if with_note else 0.0)
+        top = max(0.5 * (height - whole), 0.0)
+        tops = (top, top + name_height, top + text_height)
+        places = [room.translated(0, y) for y in tops]
+        return cls(name, value, places[0], places[1], places[2] if with_note else None)
 
 
 class Header(QWidget):
@@ -34,7 +69,10 @@ class Header(QWidget):
         self.note = ""
         self._scale: Scale | None = None
         self._active = self._chosen = False
+        self._backdrop = Backdrop(self)
+        self._layout: Layout
         self.setFixedWidth(style.HEADER_WIDTH)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         self.setToolTip(
             f"{control.hint}\nDouble click: enlarge small movements.\n"
@@ -77,40 +115,34 @@ class Header(QWidget):
         self.close_up_asked.emit()
         event.accept()
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        """Bar, name, value, numbers."""
-        painter = QPainter(self)
-        ground = style.PLOT_ACTIVE if self._active else style.PLOT
-        painter.fillRect(self.rect(), style.color(ground))
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Bar, name, value, numbers; only the value and the remark on it change often."""
+        looks = (self._active, self._chosen, self._scale, bool(self.note), self.font().key())
+        with QPainter(self) as painter:
+            self._backdrop.paint(painter, event.rect(), looks, self._paint_still)
+            painter.setFont(self._layout.value_font)
+            painter.setPen(style.color(style.TEXT))
+            painter.drawText(self._layout.value, _FLAGS, self.value)
+            if self._layout.note is not None:
+                painter.setFont(self._layout.name_font)
+                painter.setPen(style.color(style.MUTED))
+                painter.drawText(self._layout.note, _FLAGS, self.note)
+
+    def _paint_still(self, painter: QPainter, _rect: QRectF) -> None:
+        """Whatever stays while the value changes."""
+        self._layout = Layout.of(self, self.control.label, bool(self.note))
+        painter.fillRect(
+            self.rect(), style.color(style.PLOT_ACTIVE if self._active else style.PLOT)
+        )
         region = style.color(style.REGION_COLORS[self.control.region])
         if self._chosen:
             tint = style.color(style.REGION_COLORS[self.control.region], 46)
             painter.fillRect(self.rect(), tint)
         painter.fillRect(QRectF(0, 0, 2 * _BAR if self._chosen else _BAR, self.height()), region)
-        self._paint_text(painter)
-        self._paint_axis(painter)
-
-    def _paint_text(self, painter: QPainter) -> None:
-        """Name and value as one block, centred; the name gets two lines where it needs them."""
-        name, value = style.scaled_font(self, 0.92), style.scaled_font(self, 1.08, bold=True)
-        room = QRectF(_TEXT_LEFT, 0, self.width() - _TEXT_LEFT - _AXIS, self.height())
-        metrics = QFontMetricsF(name)
-        name_height = metrics.boundingRect(room, int(_FLAGS), self.control.label).height()
-        value_height = QFontMetricsF(value).height()
-        note_height = metrics.height() if self.note else 0.0
-        text_height = name_height + value_height
-        show_note = bool(self.note) and text_height + note_height <= self.height()
-        top = max(0.5 * (self.height() - text_height - (note_height if show_note else 0.0)), 0.0)
-        painter.setFont(name)
+        painter.setFont(self._layout.name_font)
         painter.setPen(style.color(style.TEXT if self._active else style.LABEL))
-        painter.drawText(room.translated(0, top), int(_FLAGS), self.control.label)
-        painter.setFont(value)
-        painter.setPen(style.color(style.TEXT))
-        painter.drawText(room.translated(0, top + name_height), int(_FLAGS), self.value)
-        if show_note:
-            painter.setFont(name)
-            painter.setPen(style.color(style.MUTED))
-            painter.drawText(room.translated(0, top + text_height), int(_FLAGS), self.note)
+        painter.drawText(self._layout.name, _FLAGS, self.control.label)
+        self._paint_axis(painter)
 
     def _paint_axis(self, painter: QPainter) -> None:
         if self._scale is None:

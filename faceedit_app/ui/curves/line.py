@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 
 import pyqtgraph as pg
-from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainter, QPen, QTransform
-from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from faceedit_app.ui.curves.polyline import Polyline
 
@@ -27,13 +25,7 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
         super().__init__(skipFiniteCheck=True)
         self._wanted = pen
         self._line: Polyline | None = None
-        self._room = QRectF(0.0, 0.0, 1.0, 1.0)
-
-    def show_in(self, room: QRectF) -> None:
-        """Say what part of the plane is in view, seconds by millimetres."""
-        if room != self._room:
-            self.prepareGeometryChange()
-            self._room = room
+        self._hair: tuple[float, QPen] = (0.0, pen)
 
     def show_line(self, line: Polyline) -> bool:
         """Draw other points; False if they are the ones already drawn."""
@@ -46,19 +38,15 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
         self.path = None
         return True
 
-    def boundingRect(self) -> QRectF:
-        """What is in view: points beyond it are few, and no axis follows this item."""
-        return self._room
-
-    def paint(
-        self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None
-    ) -> None:
+    def paint(self, painter: QPainter, *_: object) -> None:
         """Draw it, in its full width unless it fills its pixel columns anyway."""
         if self._line is None or len(self._line.x) < 2:
             return
         ratio = painter.device().devicePixelRatioF()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
-        painter.setPen(_hairline(self._wanted, ratio))
+        if self._hair[0] != ratio:
+            self._hair = ratio, _hairline(self._wanted, ratio)
+        painter.setPen(self._hair[1])
         path, place = self.getPath(), painter.transform()
         for dx, dy in offsets(1.0 if self._line.thinned else ratio * self._wanted.widthF()):
             painter.setTransform(place * QTransform.fromTranslate(dx / ratio, dy / ratio))

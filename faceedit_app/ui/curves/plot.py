@@ -12,6 +12,7 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
+    QPaintEvent,
     QPen,
     QResizeEvent,
     QWheelEvent,
@@ -92,8 +93,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.viewport().setCursor(Qt.CursorShape.SizeVerCursor)
         self.setMinimumHeight(style.ROW_HEIGHT)
-        # Marks lie outside the scene, and the scene would ask for a second picture of each change.
-        self.setCacheMode(QGraphicsView.CacheModeFlag(0))
+        # The scene would ask for a second picture of each change.
         self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.NoViewportUpdate)
         self._prepare()
 
@@ -160,22 +160,29 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
             self.viewport().update()
 
     def _apply_scale(self) -> None:
-        box = self.getViewBox()
-        box.setRange(xRange=self.view, yRange=self.span, padding=0)
-        box.updateMatrix()  # left to the paint event, it would ask for a second one
-        (first, last), (low, high) = self.view, self.span
-        for curve in self._curves:
-            curve.show_in(QRectF(first, low, last - first, high - low))
+        self.getViewBox().setRange(xRange=self.view, yRange=self.span, padding=0)
         self.viewport().update()
         self.scale_changed.emit()
 
     # --- painting --------------------------------------------------------------------------
 
-    def drawBackground(self, painter: QPainter, rect: QRectF) -> None:
-        """Paint what lies behind the lines."""
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint backdrop, lines and marks.
+
+        Qt would first look through pyqtgraph's scene for what is to be painted, and prepare each
+        item: a third of the time, to find the same three lines.
+        """
+        scale = self.current_scale
         still = replace(self._marks, playhead=0.0)
-        looks = (self.current_scale, still, self._is_active)
-        self._backdrop.paint(painter, rect, looks, self._draw_backdrop)
+        with QPainter(self.viewport()) as painter:
+            self._backdrop.paint(
+                painter, event.rect(), (scale, still, self._is_active), self._draw_backdrop
+            )
+            painter.setTransform(scale.transform)
+            for curve in self._curves:
+                curve.paint(painter)
+            painter.resetTransform()
+            self._draw_marks(painter)
 
     @property
     def _is_active(self) -> bool:
@@ -194,8 +201,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
             paint.draw_brush(painter, scale, self._marks.brush, self._marks.alpha)
         paint.draw_gaps(painter, scale, self._marks.gaps, alpha=90)
 
-    def drawForeground(self, painter: QPainter, _rect: QRectF) -> None:
-        """Paint what lies before the lines."""
+    def _draw_marks(self, painter: QPainter) -> None:
         scale, color = self.current_scale, style.REGION_COLORS[self.control.region]
         if self.lines is None:
             return
