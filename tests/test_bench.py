@@ -65,6 +65,8 @@ def test_the_report_has_all_that_was_asked_for(found: dict[str, Any]) -> None:
     assert set(found["start_s"]) == {"window", "face", "edit"}
     assert set(found["ratio"]) == {"naive", "holden", "gl_limit", "cpu_limit", "blender"}
     assert "640" in found["playback_fps"]
+    assert (found["busy"]["frames"], found["busy"]["edits"]) == (1_000, 20)
+    assert {"toggle", "delete", "undo", "strength", "smile"} <= set(found["busy"]["answers"])
     assert "202" in found["peak_mb"]
     assert found["local_edit_ratio_200k"] > 0
     assert {"processor", "cores", "python", "packages"} <= set(found["machine"])
@@ -79,6 +81,9 @@ def test_its_numbers_make_sense(found: dict[str, Any]) -> None:
     start = found["start_s"]
     assert 0 < start["window"] < start["face"] <= start["edit"]
     assert found["peak_mb"]["202"] > 50
+    for row in found["busy"]["answers"].values():
+        assert 0 < row["answer"] <= row["longest_answer"]
+        assert row["complete"] > 0
     for row in found["lengths"].values():
         assert row["whole"]["complete"] >= row["whole"]["visible"] > 0
 
@@ -86,7 +91,15 @@ def test_its_numbers_make_sense(found: dict[str, Any]) -> None:
 @pytest.mark.timeout(120)
 def test_people_can_read_it(found: dict[str, Any]) -> None:
     words = text(found)
-    for part in ("drag, 202 frames", "networks", "playback", "start", "peak memory", "blender"):
+    for part in (
+        "drag, 202 frames",
+        "networks",
+        "playback",
+        "start",
+        "peak memory",
+        "blender",
+        "20 edits",
+    ):
         assert part in words
 
 

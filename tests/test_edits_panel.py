@@ -143,6 +143,42 @@ def test_delete(window: MainWindow) -> None:
     assert names(window) == list(NAMES)
 
 
+def test_deleting_leaves_the_view_where_it_is(window: MainWindow) -> None:
+    """The next edit of the list may lie anywhere in the take."""
+    panel, session = panel_of(window), window.document.session
+    assert session is not None
+    here, far = (Edit(("mouth_width",), Op.OFFSET, at, at + 0.1, 0.1, 1.0) for at in (0.2, 2.7))
+    window.document.act(lambda session: session.put((here, far)))
+    window.timeline.show_range(0.0, 0.8)
+    click(panel, 0)
+    panel.delete()
+    assert session.edits == (far,)
+    assert panel.current == 0
+    assert window.timeline.view == pytest.approx((0.0, 0.8))
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert session.edits == ()
+
+
+def test_switching_is_one_step_and_computed_once(
+    window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    panel, session = panel_of(window), window.document.session
+    assert session is not None
+    click(panel, 0)
+    shown: list[object] = []
+    show = session.live.show
+    monkeypatch.setattr(session.live, "show", lambda pieces: (shown.append(pieces), show(pieces)))
+    window.actions_["toggle_edit"].trigger()
+    assert not session.edits[0].enabled
+    assert len(shown) == 1
+    panel.strength.setSliderDown(True)
+    panel.strength.setSliderPosition(40)
+    assert len(shown) == 2
+    panel.strength.setSliderDown(False)
+    assert len(shown) == 2, "letting go keeps what is shown"
+    assert session.edits[0].strength == pytest.approx(0.4)
+
+
 def test_arrows_walk_the_list(window: MainWindow) -> None:
     panel = panel_of(window)
     click(panel, 0)

@@ -15,7 +15,7 @@ import numpy as np
 from threadpoolctl import threadpool_info
 
 from faceedit_app import __version__
-from faceedit_app.bench import references, starting, window
+from faceedit_app.bench import busy, references, starting, window
 from faceedit_app.bench.clocks import Times
 from faceedit_app.bench.desk import Desk
 from faceedit_app.core.resources import shipped
@@ -34,12 +34,13 @@ class Plan:
     repetitions: int = 200
     lengths: tuple[int, ...] = (202, 2_000, 20_000, 200_000)
     sizes: tuple[int, ...] = (640, 1024)
+    listed: tuple[int, int] = (busy.FRAMES, busy.EDITS)  # frames, edits
     seconds: float = 5.0  # of playback
     starts: int = 5
     compared: bool = True
 
 
-QUICK = Plan(6, (202, 1_000), (640,), 0.5, 1, False)
+QUICK = Plan(6, (202, 1_000), (640,), (1_000, 20), 0.5, 1, False)
 
 
 def run(plan: Plan, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
@@ -64,6 +65,8 @@ def run(plan: Plan, say: Callable[[str], None] = lambda _: None) -> dict[str, An
         say("editing takes of any length")
         times = max(plan.repetitions // 4, 2)
         found["lengths"] = window.lengths(desk, plan.lengths, times)
+        say("a take with many edits")
+        found["busy"] = busy.busy(desk, max(plan.repetitions // 25, 2), *plan.listed)
         say("playing")
         played = {str(size): window.playback(desk, size, plan.seconds) for size in plan.sizes}
         found["playback"] = played
@@ -153,8 +156,8 @@ def text(found: dict[str, Any]) -> str:
         "",
         f"drag, 202 frames     {drag['median']:7.1f} ms   95 %: {drag['p95']:.1f}"
         f"   best: {drag['best']:.1f}   of the processors: {drag['processors']:.1f}",
-        f"drag of one curve     {one['median']:7.1f} ms   95 %: {one['p95']:.1f}",
         *(f"  {name:<18} {value:7.1f} ms" for name, value in stages.items()),
+        f"drag of one curve    {one['median']:7.1f} ms   95 %: {one['p95']:.1f}",
         f"networks, 202 frames {found['networks_202']['median']:7.1f} ms",
         "",
         "take       local  in overview   whole: visible  complete  longest block  cancel   (ms)",
@@ -166,7 +169,8 @@ def text(found: dict[str, Any]) -> str:
             f" {whole['visible']:16.1f} {whole['complete']:9.0f} {whole['longest_block']:14.0f}"
             f" {whole['cancel']:7.0f}"
         )
-    lines += [f"local edit, longest to shortest: {found['local_edit_ratio_200k']:.2f}", ""]
+    lines.append(f"local edit, longest to shortest: {found['local_edit_ratio_200k']:.2f}")
+    lines += [*busy.text(found["busy"]), ""]
     for size, run in found["playback"].items():
         lines.append(f"playback {size:>5}: {run['fps']:.1f} fps, {run['dropped']} dropped")
     lines.append(

@@ -129,9 +129,9 @@ class EditSession:
     def commit(self) -> None:
         """Keep what floats as one undo step."""
         if self._floating is not None:
+            # It is shown already: nothing has to be computed, or looked for.
             edits, self._floating = self._floating, None
-            if not self._change(replace(self._state, edits=edits)):
-                self._refresh()
+            self._change(replace(self._state, edits=edits), is_shown=True)
 
     def cancel(self) -> None:
         """Drop what floats."""
@@ -148,6 +148,10 @@ class EditSession:
     def reset(self, start: float, end: float, controls: Sequence[str] = CONTROL_IDS) -> None:
         """Bring controls back to the take as tracked from `start` to `end` seconds."""
         self.add(Edit(tuple(controls), Op.RESET, start, end, 0.0))
+
+    def put(self, edits: Sequence[Edit]) -> None:
+        """Have another list of edits, as one undo step."""
+        self._change(replace(self._state, edits=tuple(edits)))
 
     def replace_edit(self, index: int, edit: Edit) -> None:
         """Put another edit in the place of one, as one undo step."""
@@ -218,18 +222,17 @@ class EditSession:
         edits[index] = edit
         return tuple(edits)
 
-    def _change(self, state: EditState) -> bool:
+    def _change(self, state: EditState, is_shown: bool = False) -> None:
         """Go to a new state, as one undo step; a step to where one is would be no step."""
-        if state == self._state:
-            return False
-        self._undo.append(self._state)
-        self._redo.clear()
-        self._arrive(state)
-        return True
+        if state != self._state:
+            self._undo.append(self._state)
+            self._redo.clear()
+            self._arrive(state, is_shown)
 
-    def _arrive(self, state: EditState) -> None:
+    def _arrive(self, state: EditState, is_shown: bool = False) -> None:
         self._state, self._floating = state, None
-        self._refresh()
+        if not is_shown:
+            self._refresh()
         if self.on_finished is not None:
             self.on_finished(state)
 

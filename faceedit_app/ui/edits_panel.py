@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -142,7 +142,10 @@ class EditsPanel(QWidget):
 
     def select_new(self, count: int = 1) -> None:
         """Select the newest edits, to be weakened; the range on the curves stays the user's."""
-        rows = range(max(len(self.model.edits) - count, 0), len(self.model.edits))
+        self._select_quietly(range(max(len(self.model.edits) - count, 0), len(self.model.edits)))
+
+    def _select_quietly(self, rows: Sequence[int]) -> None:
+        """Select edits, and leave range and view as they are."""
         with QSignalBlocker(self.list.selectionModel()):
             self._select_rows(list(rows))
         self.is_tied = False
@@ -253,9 +256,13 @@ class EditsPanel(QWidget):
         """Take the selected edits out."""
         rows = self.rows
         if rows:
+            self.is_tied = False
             self._document.act(lambda session: session.remove(*rows))
             left = len(self.model.edits)
-            self.select(min(rows[0], left - 1) if left else None)
+            if left:  # the next one is at hand, wherever in the take it is
+                self._select_quietly([min(rows[0], left - 1)])
+            else:
+                self.select(None)
 
     def toggle(self) -> None:
         """Switch the selected edits on or off."""
@@ -264,8 +271,7 @@ class EditsPanel(QWidget):
             on = not edits[rows[0]].enabled
             for row in rows:
                 edits[row] = replace(edits[row], enabled=on)
-            self._document.preview_list(edits)
-            self._document.commit()
+            self._document.act(lambda session: session.put(edits))
 
     def rename(self) -> None:
         """Type another name."""
