@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import wave
 from fractions import Fraction
 from pathlib import Path
@@ -29,6 +30,17 @@ def make_wav(
         out.setsampwidth(2)
         out.setframerate(rate)
         out.writeframes(samples.tobytes())
+    return path
+
+
+def make_broadcast_wav(path: Path, began: float) -> Path:
+    """The same, in a Broadcast WAV that began so many seconds after midnight."""
+    plain = make_wav(path).read_bytes()
+    texts = bytes(256 + 32 + 32) + b"2026-01-01" + b"12:00:00"
+    chunk = texts + struct.pack("<QH", round(began * 8000), 1) + bytes(254)
+    bext = b"bext" + struct.pack("<I", len(chunk)) + chunk
+    size = struct.pack("<I", len(plain) + len(bext) - 8)
+    path.write_bytes(b"RIFF" + size + b"WAVE" + bext + plain[12:])
     return path
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from films import make_film, make_wav, number_of
+from films import make_broadcast_wav, make_film, make_wav, number_of
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
@@ -422,6 +422,27 @@ def test_a_film_with_timecode_is_placed_by_it(
     assert window.media.film.offset == pytest.approx(expected, abs=1e-3)
     assert window.media.sound is not None
     assert window.media.sound.offset == window.media.film.offset
+
+
+@pytest.mark.parametrize(("later", "offset"), [(0.5, 0.5), (-0.25, -0.25), (3600.0, 0.0)])
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_broadcast_wav_is_placed_by_its_clock(
+    bench: Bench, devices: list[FakeOutput], later: float, offset: float, beside: bool
+) -> None:
+    began = 12 * 3600.0  # the take's first timecode
+    path = bench.take.with_suffix(".wav") if beside else bench.folder / "boom.wav"
+    make_broadcast_wav(path, began + later)
+    window = bench.editing()
+    if not beside:
+        window.media.add(path)
+    bench.qtbot.waitUntil(lambda: window.media.sound is not None, timeout=10_000)
+    assert window.media.sound is not None
+    assert window.media.sound.offset == pytest.approx(offset, abs=0.02)
+    assert window.isWindowModified() is not beside
+    if not beside:  # moved by hand, it stays there
+        window.media.move_sound(1.0)
+        trigger(window, "undo")
+        assert window.media.sound.offset == pytest.approx(offset, abs=0.02)
 
 
 def test_a_film_that_vanishes_says_so(bench: Bench, devices: list[FakeOutput]) -> None:

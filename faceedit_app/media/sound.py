@@ -64,6 +64,7 @@ class Sound:
         start: seconds from the file's beginning to the first sample. In a film the beginning
             is the first picture, so that sound and picture keep their distance.
         peaks: what its waveform is drawn from.
+        began: seconds since midnight at which it began, where the file tells (Broadcast WAV).
     """
 
     path: Path
@@ -71,6 +72,7 @@ class Sound:
     samples: Samples
     start: float
     peaks: Peaks
+    began: float | None = None
 
     @property
     def channels(self) -> int:
@@ -172,11 +174,19 @@ def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound |
             raise FileError(path, f"is {hours:.1f} hours long", "cut out the part of the take")
         tape = _Tape(container)
         origin = tape.roll(container, stopped)
+        began = _began(container)
     if not tape.pieces:
         raise FileError(path, "has a sound track with nothing in it", "choose another file")
     samples = np.concatenate(tape.pieces)
     start = 0.0 if origin is None else tape.start - origin
-    return Sound(path, tape.rate, samples, start, Peaks.of(samples))
+    return Sound(path, tape.rate, samples, start, Peaks.of(samples), began)
+
+
+def _began(container: InputContainer) -> float | None:
+    """A Broadcast WAV counts the samples from midnight to its first; other files do not."""
+    count, rate = container.metadata.get("time_reference", ""), container.streams.audio[0].rate
+    known = count.isdecimal() and len(count) <= 20  # 64 bits; other files may say anything
+    return int(count) / rate if known and rate else None
 
 
 class _Tape:

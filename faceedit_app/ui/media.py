@@ -117,8 +117,8 @@ class Media(QObject):
         """Another take is open: let go of the last one's, and take what belongs to this one.
 
         Args:
-            began: its first timecode as seconds since midnight. A film with timecode is placed
-                by it.
+            began: its first timecode as seconds since midnight. A film with timecode and a
+                Broadcast WAV are placed by it.
             placement: what a project names; None = what lies beside the take.
         """
         self.clear()
@@ -139,7 +139,7 @@ class Media(QObject):
         its place.
 
         Args:
-            beside_take: they were not chosen by anybody: a film goes where its timecode says,
+            beside_take: they were not chosen by anybody: each goes where its clock says,
                 and what cannot be read was not wanted.
         """
         new: dict[Kind, Placed[Any] | None] = {"sound": self.sound, "film": self.film}
@@ -181,9 +181,8 @@ class Media(QObject):
             if job != self._job or item is None or self._kept.get(kind) != entry:
                 return
             del self._kept[kind]
-            at = entry.offset
+            at = self._by_clock(item) if beside_take else entry.offset
             if kind == "film":
-                at = self._by_timecode(item) if beside_take else at
                 self._put(self.sound, Placed(item, path, at))
             else:
                 if beside_take and self.film is not None and self.film.path == path:
@@ -221,16 +220,21 @@ class Media(QObject):
             if entry is not None and entry.path == path:
                 self.base = replace(self.base, **{kind: Kept(path, offset)})
 
-    def _by_timecode(self, film: Film) -> float:
-        """Where the film begins in the take if both tell the time of day, else at 0."""
-        if self._began is None or film.timecode is None:
-            return 0.0
-        begins = time_of_day(film.timecode, round(film.rate))
-        if begins is None:
+    def _by_clock(self, item: Film | Sound) -> float:
+        """Where film or sound begins in the take if both tell the time of day, else at 0."""
+        from faceedit_app.media.sound import Sound
+
+        if isinstance(item, Sound):
+            begins, lasts = item.began, item.end
+        else:
+            code = item.timecode
+            begins = None if code is None else time_of_day(code, round(item.rate))
+            lasts = item.duration
+        if self._began is None or begins is None:
             return 0.0
         offset = round(begins - self._began, 4)
         # Clocks that were not set alike would only carry it out of sight.
-        return offset if -film.duration < offset < _NEAR else 0.0
+        return offset if -lasts < offset < _NEAR else 0.0
 
     def _tell(self) -> None:
         """What is there now, when the last file is read."""
@@ -289,11 +293,12 @@ class Media(QObject):
         self._run(read, done, self.failed.emit)
 
     def _add(self, path: Path, found: _Found) -> None:
-        sound, film, at = self.sound, self.film, 0.0
+        sound, film = self.sound, self.film
+        at = 0.0 if found.sound is None else self._by_clock(found.sound)
         if found.film is not None:
             if sound is not None and self._is_films(sound.path):
                 sound = None  # it came with the film that was here
-            at = self._by_timecode(found.film)
+            at = self._by_clock(found.film)
             film = Placed(found.film, path, at)
         # A sound file is there for a reason: the sound of a film yields to it.
         if found.sound is not None and (found.film is None or sound is None):
