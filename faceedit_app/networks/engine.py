@@ -74,7 +74,7 @@ class Engine:
         length = curves.shape[1]
         inputs = curves[:, :, self.columns(region)].astype(np.float32)
         if missing := -length % self.scale:
-            inputs = np.pad(inputs, ((0, 0), (0, missing), (0, 0)), "edge")
+            inputs = np.concatenate([inputs, np.repeat(inputs[:, -1:], missing, axis=1)], axis=1)
         return self.models[region](inputs, naturalness)[:, :length].astype(np.float64)
 
     def columns(self, region: str) -> list[int]:

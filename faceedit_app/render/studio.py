@@ -30,6 +30,7 @@ Pixels = NDArray[np.uint8]
 SAMPLES = 4
 _DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade
 _SHADERS = Path(__file__).parent / "shaders"
+_WALL = -1  # among the targets: the backdrop alone
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 _FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
 
@@ -152,8 +153,11 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._upload(vertices)
         target = self._target(width, height, samples)
         self._begin(target)
+        if samples == 0:
+            self._copy_backdrop(target)
         self._draw_face(camera, width / height, quick=samples == 0)
-        self._draw_backdrop()
+        if samples:
+            self._draw_backdrop()
         GL.glFlush()
         self._drawn = target, samples
 
@@ -243,8 +247,20 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             GL.glDrawElements(GL.GL_TRIANGLES, run.count, GL.GL_UNSIGNED_INT, start)
         GL.glDisable(GL.GL_CULL_FACE)
 
+    def _copy_backdrop(self, target: Target) -> None:
+        """Put the backdrop into a target of one sample: it never changes, and a copy is quick."""
+        wall = self._targets.get(_WALL)
+        if wall is None or wall.size != target.size:
+            wall = self._target(*target.size, 0, _WALL)
+            self._begin(wall)
+            self._draw_backdrop()
+            self._begin(target)
+        _blit(wall, target)
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, target.name)
+
     def _draw_backdrop(self) -> None:
         """Behind the face, so that only what the face leaves free is filled."""
+        GL.glBindVertexArray(self._primitive._vaid)
         self._backdrop._bind()
         GL.glUniform3f(self._location(self._backdrop, "background"), *self._background)
         GL.glDrawArrays(GL.GL_TRIANGLES, 0, 3)
@@ -254,20 +270,19 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         width, height = target.size
         if samples:
             plain = self._target(width, height, 0)
-            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, target.name)
-            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, plain.name)
-            rectangle = (0, 0, width, height)
-            GL.glBlitFramebuffer(*rectangle, *rectangle, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
+            _blit(target, plain)
             target = plain
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, target.name)
         GL.glReadPixels(0, 0, width, height, GL.GL_BGRA, GL.GL_UNSIGNED_BYTE, out)
 
-    def _target(self, width: int, height: int, samples: int) -> Target:
-        target = self._targets.get(samples)
+    def _target(self, width: int, height: int, samples: int, use: int | None = None) -> Target:
+        """The one of its use, which is its number of samples if nothing else, at some size."""
+        use = samples if use is None else use
+        target = self._targets.get(use)
         if target is None or target.size != (width, height):
             if target is not None:
                 target.delete()
-            target = self._targets[samples] = Target(width, height, samples)
+            target = self._targets[use] = Target(width, height, samples)
         return target
 
     def _program(self, name: str, *variant: str) -> Program:
@@ -289,6 +304,14 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             self._matrices[key] = matrix
             location = self._location(program, name)
             GL.glUniformMatrix4fv(location, 1, GL.GL_TRUE, matrix.astype(np.float32))
+
+
+def _blit(source: Target, to: Target) -> None:
+    """Copy the colours, or what the samples of each pixel come to."""
+    GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, source.name)
+    GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, to.name)
+    rectangle = (0, 0, *source.size)
+    GL.glBlitFramebuffer(*rectangle, *rectangle, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
 
 
 def _fill(buffer: int, values: Floats) -> None:
