@@ -212,3 +212,10 @@ def test_the_layout_is_remembered(bench: Bench) -> None:
     again = bench.window(bench.take)
     assert again.editor is not None
     assert again.editor.panes.sizes()[0] == pytest.approx(sizes[0], abs=4)
+
+
+def test_the_first_window_fits_on_the_screen_with_its_title_bar(bench: Bench) -> None:
+    window = bench.window()
+    room = window.screen().availableGeometry()
+    assert 600 <= window.height() < room.height()
+    assert window.width() <= max(room.width(), window.minimumWidth())

@@ -12,7 +12,7 @@ from PySide6.QtGui import (
     QCloseEvent,
     QShowEvent,
 )
-from PySide6.QtWidgets import QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import shipped
@@ -150,9 +150,14 @@ class MainWindow(WindowBase):
         self.setStatusBar(self.status)
         self.setMinimumSize(1000, 600)
         if not self._store.restore_window(self):
-            room = self.screen().availableGeometry()
-            self.resize(min(_FIRST_SIZE[0], room.width()), min(_FIRST_SIZE[1], room.height()))
+            self._take_first_size()
         self.start_page.show_recent(self._store.recent())
+
+    def _take_first_size(self) -> None:
+        """As large as is useful, or as fits on the screen with the title bar."""
+        room, bar = self.screen().availableGeometry(), QStyle.PixelMetric.PM_TitleBarHeight
+        height = room.height() - self.style().pixelMetric(bar)
+        self.resize(min(_FIRST_SIZE[0], room.width()), min(_FIRST_SIZE[1], height))
 
     def _connect(self) -> None:
         self.document.opened.connect(self._opened)
