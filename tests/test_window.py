@@ -11,6 +11,7 @@ from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.editing.edit import Op, read_edits
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.dialogs import Unsaved
+from faceedit_app.ui.window import MainWindow
 
 OPENING = CONTROL_INDEX["mouth_opening"]
 
@@ -215,7 +216,8 @@ def test_the_layout_is_remembered(bench: Bench) -> None:
 
 
 def test_the_first_window_fits_on_the_screen_with_its_title_bar(bench: Bench) -> None:
-    window = bench.window()
+    window = MainWindow(bench.store())  # as it comes, nothing resized it
+    bench.qtbot.addWidget(window)
     room = window.screen().availableGeometry()
     assert 600 <= window.height() < room.height()
     assert window.width() <= max(room.width(), window.minimumWidth())
