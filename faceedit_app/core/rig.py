@@ -101,10 +101,16 @@ class Rig:
     def from_arkit(self, weights: Floats) -> Floats:
         """Reorder (..., 52) weights in ARKit order to this rig's `channels`; others are 0."""
         out = np.zeros((*weights.shape[:-1], len(self.channels)), np.float32)
-        for i, channel in enumerate(ARKIT_CHANNELS):
-            if channel in self.channel_index:
-                out[..., self.channel_index[channel]] = weights[..., i]
+        theirs, ours = self._arkit_places
+        out[..., ours] = weights[..., theirs]
         return out
+
+    @cached_property
+    def _arkit_places(self) -> tuple[list[int], list[int]]:
+        """Where the channels that both have stand: in ARKit's order, and in ours."""
+        index = self.channel_index
+        theirs = [i for i, channel in enumerate(ARKIT_CHANNELS) if channel in index]
+        return theirs, [index[ARKIT_CHANNELS[i]] for i in theirs]
 
 
 @dataclass(frozen=True)
