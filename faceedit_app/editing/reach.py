@@ -25,8 +25,8 @@ STEPS = np.array([0.7, 0.4, 0.2, 0.1, 0.0])
 # A frame is done when its weights moved by no more than this: the next step is a small part of
 # that, far below what can be seen.
 SETTLED = 2e-3
-# It is also done when its controls are where they should be: within a fifth of what is allowed.
-MET = 0.04
+# It is also done when its controls are where they should be: an asked-for one within 0.016 mm.
+MET = 0.1
 # How exactly an asked-for control must be met, and how much the others may give way, in mm.
 ASKED_MM = 0.05
 FREE_MM = 1.5
