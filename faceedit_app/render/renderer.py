@@ -58,18 +58,24 @@ class FaceRenderer:
         if self._image.shape[:2] != (height, width):
             self._image = _image(width, height)
 
-    def draw(self, vertices: Floats, camera: Camera, smooth: bool = True) -> Pixels:
+    def draw(
+        self, vertices: Floats, camera: Camera, smooth: bool = True, tint: Floats | None = None
+    ) -> Pixels:
         """One image of the face: `begin` and `finish`."""
-        self.begin(vertices, camera, smooth)
+        self.begin(vertices, camera, smooth, tint)
         return self.finish()
 
-    def begin(self, vertices: Floats, camera: Camera, smooth: bool = True) -> None:
+    def begin(
+        self, vertices: Floats, camera: Camera, smooth: bool = True, tint: Floats | None = None
+    ) -> None:
         """Have an image drawn, and return before it is: other work can be done meanwhile.
 
         Args:
             vertices: (V, 3) float32, metres, such as `rig.vertices(weights)`.
             camera: where from.
             smooth: with antialiased edges; leave it out while dragging or playing.
+            tint: (V,) float32 in 0..1, such as `difference.tint_of(…)`: how far each vertex
+                is from another face, to be seen by its colour; None is the plain face.
         """
         if self._studio is None:
             raise Unavailable("The face cannot be drawn: its view is closed; open it again")
@@ -77,7 +83,7 @@ class FaceRenderer:
 
         height, width = self._image.shape[:2]
         self._context.make_current()
-        self._studio.begin(vertices, camera, width, height, SAMPLES if smooth else 0)
+        self._studio.begin(vertices, camera, width, height, SAMPLES if smooth else 0, tint)
 
     def finish(self) -> Pixels:
         """The image that was begun last, at the size of then.

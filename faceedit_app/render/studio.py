@@ -21,6 +21,7 @@ from pyrender.shader_program import ShaderProgram
 
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import Camera, projection
+from faceedit_app.render.difference import Tinter
 from faceedit_app.render.shade import bake_shade
 from faceedit_app.render.surface import NormalSolver, Shading, by_shading, vertex_looks
 
@@ -32,6 +33,7 @@ _DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade
 _SHADERS = Path(__file__).parent / "shaders"
 _WALL = -1  # among the targets: the backdrop alone
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
+_POSITION, _NORMAL, _COLOUR = 0, 1, 3  # where the shader has what may change with each frame
 _FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
 
 
@@ -123,7 +125,10 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             mode=GL.GL_TRIANGLES,
         )
         self._primitive._add_to_context()
-        self._moving = self._own_buffers(rig.neutral, normals)
+        self._colors, self._tinter, self._is_plain = rig.colors, Tinter(rig.colors), True
+        self._moving = self._own_buffers(
+            {_POSITION: rig.neutral, _NORMAL: normals, _COLOUR: rig.colors}
+        )
         self._runs: list[Run] = []
         first = 0
         for shading, faces in groups:
@@ -143,14 +148,22 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         _fill(self._primitive._buffers[0], whole)
 
     def begin(
-        self, vertices: Floats, camera: Camera, width: int, height: int, samples: int
+        self,
+        vertices: Floats,
+        camera: Camera,
+        width: int,
+        height: int,
+        samples: int,
+        tint: Floats | None = None,
     ) -> None:
         """Have `vertices` (V, 3), metres, drawn; whoever draws works on while this returns.
 
         Args:
             samples: of each pixel; 0 is one, and a quicker light.
+            tint: (V,) in 0..1, how much of the tint each has; None is none at all.
         """
         self._upload(vertices)
+        self._colour(tint)
         target = self._target(width, height, samples)
         self._begin(target)
         if samples == 0:
@@ -172,7 +185,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._targets = {}
         for program in self._programs:
             program.delete()
-        GL.glDeleteBuffers(len(self._moving), self._moving)
+        GL.glDeleteBuffers(len(self._moving), list(self._moving.values()))
         self._primitive.delete()
         super().delete()
 
@@ -190,24 +203,32 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         GL.glFrontFace(GL.GL_CW)  # the flip turns every triangle around
         GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
 
-    def _own_buffers(self, *attributes: Floats) -> list[int]:
-        """Buffers in place of pyrender's for the first attributes, (V, 3) each.
+    def _own_buffers(self, attributes: dict[int, Floats]) -> dict[int, int]:
+        """Buffers in place of pyrender's for some attributes, (V, 3) or (V, 4) each.
 
-        Positions and normals change with every frame; looks and colours, which pyrender keeps
-        between them, stay.
+        These change with the frames; the looks, which pyrender keeps between them, stay.
         """
         GL.glBindVertexArray(self._primitive._vaid)
         names = [int(name) for name in GL.glGenBuffers(len(attributes))]
-        for place, (name, values) in enumerate(zip(names, attributes, strict=True)):
+        for name, (place, values) in zip(names, attributes.items(), strict=True):
+            values = np.ascontiguousarray(values, np.float32)
             GL.glBindBuffer(GL.GL_ARRAY_BUFFER, name)
             GL.glBufferData(GL.GL_ARRAY_BUFFER, values.nbytes, values, GL.GL_STREAM_DRAW)
-            GL.glVertexAttribPointer(place, 3, GL.GL_FLOAT, GL.GL_FALSE, 0, None)
+            GL.glVertexAttribPointer(place, values.shape[1], GL.GL_FLOAT, GL.GL_FALSE, 0, None)
         GL.glBindVertexArray(0)
-        return names
+        return dict(zip(attributes, names, strict=True))
 
     def _upload(self, vertices: Floats) -> None:
-        _fill(self._moving[0], vertices)
-        _fill(self._moving[1], self._normals(vertices))
+        _fill(self._moving[_POSITION], vertices)
+        _fill(self._moving[_NORMAL], self._normals(vertices))
+
+    def _colour(self, tint: Floats | None) -> None:
+        """Colours stay where they are until there is a tint, and once after it."""
+        if tint is not None:
+            _fill(self._moving[_COLOUR], self._tinter(tint))
+        elif not self._is_plain:
+            _fill(self._moving[_COLOUR], self._colors)
+        self._is_plain = tint is None
 
     def _bake(self, rig: Rig) -> Floats:
         """The shade of each vertex, (V,) float32, from depth images of `_depth`."""
@@ -218,7 +239,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             self._begin(target)
             self._depth._bind()
             self._set_matrix(self._depth, "clip_from_world", clip_from_world)
-            _fill(self._moving[0], vertices)
+            _fill(self._moving[_POSITION], vertices)
             GL.glBindVertexArray(self._primitive._vaid)
             count = self._primitive.indices.size
             GL.glDrawElements(GL.GL_TRIANGLES, count, GL.GL_UNSIGNED_INT, None)

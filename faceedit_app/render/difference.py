@@ -1,0 +1,59 @@
+"""Tinting a face where and how far it is from another one: the colours, in numpy alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.rig import MILLIMETRES, Rig
+
+Floats = NDArray[np.float32]
+
+FULL = 4.0  # mm from the other face; from there on the tint grows no more
+# Violet, linear RGB: darker than skin, bluer than lips, and neither the window's sky nor orange.
+COLOUR = (0.15, 0.04, 0.55)
+
+
+def tint_of(vertices: Floats, others: Floats) -> Floats:
+    """How much each vertex is tinted: (V,) float32, 0 where both faces agree, 1 from `FULL` on.
+
+    Args:
+        vertices, others: (V, 3) float32, metres, of the same character.
+    """
+    apart = vertices - others
+    apart *= np.float32(MILLIMETRES / FULL)
+    lengths: Floats = np.sqrt(np.einsum("vx,vx->v", apart, apart))
+    return np.minimum(lengths, np.float32(1.0), out=lengths)
+
+
+class Tinter:
+    """The colours of a character under a tint.
+
+    Args:
+        colors: (V, 4) float32 in 0..1, linear RGB and alpha.
+    """
+
+    def __init__(self, colors: Floats) -> None:
+        # Between square roots equal steps look about equal; between linear values the first half
+        # of the way from light skin to a dark colour is hardly seen.
+        self._plain = np.sqrt(colors)
+        self._way = np.sqrt(np.array([*COLOUR, 1.0], np.float32)) - self._plain
+        self._way[:, 3] = 0.0
+
+    def __call__(self, tint: Floats) -> Floats:
+        """Colours (V, 4) float32 for a `tint` (V,) in 0..1."""
+        mixed: Floats = self._way * tint[:, None]
+        mixed += self._plain
+        mixed *= mixed
+        return mixed
+
+
+def ramp(rig: Rig, steps: int) -> Floats:
+    """What the tint makes of skin, (steps, 3) float32, sRGB in 0..1: none first, full last."""
+    skin = [rig.faces[m.start : m.stop] for m in rig.materials if "skin" in m.name.casefold()]
+    vertices = np.unique(np.concatenate(skin) if skin else rig.faces)
+    colors = np.tile(np.median(rig.colors[vertices], axis=0), (steps, 1)).astype(np.float32)
+    tinted = Tinter(colors)(np.linspace(0.0, 1.0, steps, dtype=np.float32))[:, :3]
+    low = tinted <= 0.0031308
+    srgb: Floats = np.where(low, 12.92 * tinted, 1.055 * tinted ** (1 / 2.4) - 0.055)
+    return np.clip(srgb, 0.0, 1.0)
