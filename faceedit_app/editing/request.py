@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.editing.companions import Companions
-from faceedit_app.editing.edit import Edit, Op, fade
+from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.filters import gaussian
 
 Array = NDArray[np.float64]
@@ -100,8 +100,11 @@ def request(
 
 
 def _spread(edit: Edit, times: Array) -> Array:
+    """(N,) in 0..1: over the edit 1, then fading so that velocity and acceleration are steady."""
     first, last = edit.reach
-    return fade(np.maximum(first - times, times - last), SPILL)
+    left = np.clip(1.0 - np.maximum(first - times, times - last) / SPILL, 0.0, 1.0)
+    spread: Array = left**3 * (10.0 - 15.0 * left + 6.0 * left**2)
+    return spread
 
 
 def _share(edit: Edit) -> float:
