@@ -10,6 +10,8 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, QWidget
 from pytestqt.qtbot import QtBot
 
+from faceedit_app.editing.journal import Pending
+from faceedit_app.editing.session import EditState
 from faceedit_app.ui import dialogs
 
 
@@ -84,3 +86,25 @@ def test_the_suggested_name_is_taken_and_its_ending_added(parent: QWidget, tmp_p
     assert dialogs.ask_export(parent, tmp_path / "take_edited.csv") == tmp_path / "mine.csv"
     when_asked(lambda dialog: dialog.reject())
     assert dialogs.ask_save_edits(parent, tmp_path / "take_edits.json") is None
+
+
+@pytest.mark.parametrize(
+    ("gestures", "words"),
+    [(1, "1 step that was not saved"), (3, "3 steps that were not saved")],
+)
+def test_recovery_counts_in_whole_sentences(
+    parent: QWidget, tmp_path: Path, gestures: int, words: str
+) -> None:
+    said: list[str] = []
+
+    def read(dialog: QDialog) -> None:
+        assert isinstance(dialog, QMessageBox)
+        said.append(dialog.informativeText())
+        dialog.reject()
+
+    take, state = tmp_path / "take.csv", EditState()
+    when_asked(read)
+    pending = Pending(tmp_path / "journal", take, None, None, state, gestures, 0.0)
+    assert dialogs.ask_recover(parent, pending) is dialogs.Recover.LATER
+    assert said[0].startswith(words)
+    assert ("at once" in said[0]) == (gestures > 1)

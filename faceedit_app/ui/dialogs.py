@@ -87,11 +87,12 @@ def ask_recover(parent: QWidget, pending: Pending) -> Recover:
     box.setWindowTitle("FaceEdit")
     box.setTextFormat(Qt.TextFormat.PlainText)
     box.setText(f"FaceEdit ended unexpectedly while {pending.take.name} was edited.")
-    steps = "1 step" if pending.gestures == 1 else f"{pending.gestures} steps"
+    one = pending.gestures == 1
+    steps = "1 step that was" if one else f"{pending.gestures} steps that were"
     when = QDateTime.fromSecsSinceEpoch(int(pending.when)).toString("yyyy-MM-dd HH:mm")
     box.setInformativeText(
-        f"{steps} that were not saved can be brought back, up to {when}. Undo then takes all of"
-        " it back at once."
+        f"{steps} not saved can be brought back, up to {when}."
+        + ("" if one else " Undo then takes all of it back at once.")
     )
     role = QMessageBox.ButtonRole
     choices = {
