@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt
+from PySide6.QtGui import QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
@@ -319,6 +319,32 @@ def test_values_at_the_playhead(panel: CurvesPanel) -> None:
     session.preview(Edit(("mouth_opening",), Op.OFFSET, 0.5, 0.5, 0.1, 500.0))
     panel.refresh()
     assert panel.headers[0].note.startswith("asked 5")  # no mouth opens half a metre
+
+
+def test_names_do_not_hop_when_there_is_more_to_say(panel: CurvesPanel) -> None:
+    """In playback through edits they would hop again and again."""
+    header = panel.headers[1]
+    header.resize(header.width(), 60)
+
+    def name() -> QImage:
+        return header.grab(QRect(0, 0, 120, 22)).toImage()
+
+    header.show_value("44.2 mm")
+    bare = name()
+    header.show_value("44.2 mm", "tracked 45.6")
+    assert name() == bare
+
+
+def test_what_reads_the_same_is_not_said_twice(panel: CurvesPanel) -> None:
+    session = session_of(panel)
+    panel.timeline.go_to_frame(25)
+    asked = round(float(session.tracked[25, 0]) + 3.0, 1)
+    session.asked[25, 0], session.achieved[25, 0] = asked - 0.04, asked + 0.04
+    panel._show_state()
+    assert panel.headers[0].note == ""
+    session.achieved[25, 0] = asked + 0.06
+    panel._show_state()
+    assert panel.headers[0].note == f"asked {asked:.1f}"
 
 
 def test_lines_that_coincide_are_drawn_once(panel: CurvesPanel) -> None:

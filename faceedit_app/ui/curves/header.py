@@ -23,9 +23,11 @@ _FLAGS = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
 class Layout:
     """Name, value and remark as one block, centred; the name gets two lines where it needs them.
 
+    The remark has its place whether there is one or not: names must not hop in playback.
+
     Attributes:
         name_font, value_font: the remark is in the name's.
-        name, value, note: where each is written; no note where there is none, or no room.
+        name, value, note: where each is written; no note where there is no room.
     """
 
     name_font: QFont
@@ -35,7 +37,7 @@ class Layout:
     note: QRectF | None
 
     @classmethod
-    def of(cls, widget: QWidget, label: str, with_note: bool) -> Layout:
+    def of(cls, widget: QWidget, label: str) -> Layout:
         """The block of a widget."""
         name, value = style.scaled_font(widget, 0.92), style.scaled_font(widget, 1.08, bold=True)
         height = widget.height()
@@ -43,7 +45,7 @@ class Layout:
         metrics = QFontMetricsF(name)
         name_height = metrics.boundingRect(room, _FLAGS, label).height()
         text_height = name_height + QFontMetricsF(value).height()
-        with_note = with_note and text_height + metrics.height() <= height
+        with_note = text_height + metrics.height() <= height
         whole = text_height + (metrics.height() if with_note else 0.0)
         top = max(0.5 * (height - whole), 0.0)
         tops = (top, top + name_height, top + text_height)
@@ -117,7 +119,7 @@ class Header(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Bar, name, value, numbers; only the value and the remark on it change often."""
-        looks = (self._active, self._chosen, self._scale, bool(self.note), self.font().key())
+        looks = (self._active, self._chosen, self._scale, self.font().key())
         with QPainter(self) as painter:
             self._backdrop.paint(painter, event.rect(), looks, self._paint_still)
             painter.setFont(self._layout.value_font)
@@ -130,7 +132,7 @@ class Header(QWidget):
 
     def _paint_still(self, painter: QPainter, _rect: QRectF) -> None:
         """Whatever stays while the value changes."""
-        self._layout = Layout.of(self, self.control.label, bool(self.note))
+        self._layout = Layout.of(self, self.control.label)
         painter.fillRect(
             self.rect(), style.color(style.PLOT_ACTIVE if self._active else style.PLOT)
         )

@@ -340,5 +340,10 @@ class CurvesPanel(QWidget):
 def _note(tracked: float, asked: float, face: float) -> str:
     """What else to know about a value: that the face fell short, or moved along unasked."""
     if abs(asked - tracked) > _APART:
-        return f"asked {asked:.1f}" if abs(asked - face) > _APART else ""
-    return f"tracked {tracked:.1f}" if abs(tracked - face) > _APART else ""
+        return f"asked {asked:.1f}" if _read_apart(asked, face) else ""
+    return f"tracked {tracked:.1f}" if _read_apart(tracked, face) else ""
+
+
+def _read_apart(one: float, other: float) -> bool:
+    """Whether two values differ, and can be seen to in one decimal."""
+    return abs(one - other) > _APART and f"{one:.1f}" != f"{other:.1f}"
