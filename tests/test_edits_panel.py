@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLineEdit
+from PySide6.QtWidgets import QApplication, QLineEdit
 from test_curves_panel import drag, turn
 from windows import Bench, drag_curve
 
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.edits_delegate import cells
+from faceedit_app.ui.edits_model import columns
 from faceedit_app.ui.edits_panel import EditsPanel
 from faceedit_app.ui.window import MainWindow
 
@@ -116,6 +118,67 @@ def test_rename(bench: Bench, window: MainWindow) -> None:
     QTest.keyClicks(editor, "open wide")
     QTest.keyClick(editor, Qt.Key.Key_Return)
     bench.qtbot.waitUntil(lambda: names(window) == ["first", "open wide", "third"])
+
+
+def test_after_renaming_the_list_has_the_keyboard_again(bench: Bench, window: MainWindow) -> None:
+    """It went on to the speed of playback, where arrows then changed something else."""
+    panel = panel_of(window)
+    window.activateWindow()
+    click(panel, 1)
+    QTest.keyClick(window, Qt.Key.Key_F2)
+    field = panel.list.findChild(QLineEdit)
+    assert field is not None
+    QTest.keyClicks(field, "open wide")
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    bench.qtbot.waitUntil(lambda: names(window)[1] == "open wide")
+    bench.qtbot.waitUntil(lambda: QApplication.focusWidget() is panel.list)
+    QTest.keyClick(panel.list, Qt.Key.Key_Down)
+    assert panel.current == 2
+
+
+def test_the_falloff_of_a_chosen_edit_is_not_that_of_the_next_drag(window: MainWindow) -> None:
+    panel, line, session = panel_of(window), window.timeline, session_of(window)
+    line.set_falloffs(0.35, 0.4)
+    click(panel, 0)
+    click(panel, 1)
+    assert (line.falloff, line.falloff_out) == (0.1, 0.2)
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    assert panel.current is None
+    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+    # An edit of the whole take shows no band, and takes nothing over.
+    session.add(Edit(("mouth_width",), Op.OFFSET, 0.0, line.duration, 0.0, 1.0, name="all"))
+    window.document.changed.emit()
+    click(panel, 3)
+    assert panel.current == 3
+    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+    click(panel, 0)
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+
+
+def test_new_edits_are_scrolled_to(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    for number in range(20):
+        session.add(Edit(("mouth_width",), Op.OFFSET, 0.5, 0.6, 0.1, 1.0, name=str(number)))
+    window.document.changed.emit()
+    panel.select_new(2)
+    shown = panel.list.viewport().rect()
+    assert shown.contains(panel.list.visualRect(panel.model.index(21)))
+    assert shown.contains(panel.list.visualRect(panel.model.index(22)))
+
+
+def test_a_name_that_says_its_curve_has_room_to_say_how_much(window: MainWindow) -> None:
+    panel, row = panel_of(window), QRectF(0, 0, 516, 25)
+    drag_curve(window, 0, 1.0, 20)
+    edit = session_of(window).edits[-1]
+    name = panel.model.data(panel.model.index(3))
+    assert name.startswith("Mouth opening +")
+    (_, room), *others = cells(row, name, *columns(edit))
+    assert panel.list.fontMetrics().horizontalAdvance(name) < room.width()
+    assert columns(edit)[0].count("–") == 0  # one frame is not a range
+    (_, named), *more = cells(row, "mine", *columns(edit))
+    assert len(more) == len(others) + 1
+    assert named.right() < min(place.left() for _, place in more)
 
 
 def test_order_by_keys_and_by_dropping(window: MainWindow) -> None:

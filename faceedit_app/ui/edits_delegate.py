@@ -1,4 +1,4 @@
-"""How a row of the list of edits looks: switch, name, range, curves, strength."""
+"""How a row of the list of edits looks: switch, name, curves, range, strength."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ from faceedit_app.ui.palette import (
 ROW = 25
 _BOX = 14.0
 _LEFT = 32.0  # where the name starts
+_RIGHT = 8.0
 _STRENGTH = 50.0
 _RANGE = 116.0
 _NARROW = 400  # pixels below which the curves' names are left out
@@ -45,7 +46,7 @@ class EditsDelegate(QStyledItemDelegate):
         return QSize(200, ROW)
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
-        """Switch, name, range, curves, strength."""
+        """Switch, name, curves, range, strength."""
         edit = index.data(Qt.ItemDataRole.UserRole)
         rect, state = QRectF(option.rect), option.state
         painter.save()
@@ -60,20 +61,15 @@ class EditsDelegate(QStyledItemDelegate):
         self._paint_switch(painter, switch_rect(rect), edit.enabled)
         selected = bool(state & QStyle.StateFlag.State_Selected)
         quiet = QColor(FAINT) if not edit.enabled else QColor(TEXT if selected else MUTED)
-        when, what, strength = columns(edit)
-        right = rect.right() - 8
-        cells = [(strength, _STRENGTH, Qt.AlignmentFlag.AlignRight)]
-        if rect.width() >= _NARROW:
-            cells.append((what, max(0.26 * rect.width(), 96.0), Qt.AlignmentFlag.AlignLeft))
-        cells.append((when, _RANGE, Qt.AlignmentFlag.AlignLeft))
-        painter.setPen(quiet)
-        for text, width, align in cells:
-            self._write(painter, QRectF(right - width, rect.y(), width, rect.height()), text, align)
-            right -= width + 8
+        name = str(index.data(Qt.ItemDataRole.DisplayRole))
+        (text, room), *others = cells(rect, name, *columns(edit))
         painter.setPen(QColor(TEXT if edit.enabled else FAINT))
-        name = QRectF(rect.x() + _LEFT, rect.y(), right - rect.x() - _LEFT, rect.height())
-        text = str(index.data(Qt.ItemDataRole.DisplayRole))
-        self._write(painter, name, text, Qt.AlignmentFlag.AlignLeft)
+        self._write(painter, room, text, Qt.AlignmentFlag.AlignLeft)
+        painter.setPen(quiet)
+        for text, room in others:
+            last = room.right() >= rect.right() - _RIGHT
+            align = Qt.AlignmentFlag.AlignRight if last else Qt.AlignmentFlag.AlignLeft
+            self._write(painter, room, text, align)
         painter.restore()
 
     @staticmethod
@@ -121,6 +117,24 @@ class EditsDelegate(QStyledItemDelegate):
     ) -> None:
         """The name is typed over the name."""
         editor.setGeometry(option.rect.adjusted(int(_LEFT) - 5, 0, -int(_STRENGTH), 0))
+
+
+def cells(row: QRectF, name: str, when: str, what: str, strength: str) -> list[tuple[str, QRectF]]:
+    """What stands in a row and where, the name first.
+
+    A name that says itself which curve it is of takes that column's room as well.
+    """
+    right = row.right() - _RIGHT
+    out = []
+    for text, width in ((strength, _STRENGTH), (when, _RANGE)):
+        out.append((text, QRectF(right - width, row.y(), width, row.height())))
+        right -= width + 8
+    if row.width() >= _NARROW and what.lower() not in name.lower():
+        width = max(0.26 * row.width(), 96.0)
+        out.append((what, QRectF(right - width, row.y(), width, row.height())))
+        right -= width + 8
+    left = row.x() + _LEFT
+    return [(name, QRectF(left, row.y(), right - left, row.height())), *out]
 
 
 def switch_rect(row: QRectF) -> QRectF:

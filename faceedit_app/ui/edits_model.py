@@ -123,8 +123,9 @@ def columns(edit: Edit) -> tuple[str, str, str]:
     """When it acts, on what, and how strongly."""
     from faceedit_app.editing.describe import describe_controls
 
+    start, end = f"{edit.start:.2f}", f"{edit.end:.2f}"
     return (
-        f"{edit.start:.2f} – {edit.end:.2f} s",
+        f"{start} s" if start == end else f"{start} – {end} s",
         describe_controls(edit.controls),
         f"{100 * edit.strength:.0f} %",
     )

@@ -10,6 +10,7 @@ from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, 
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
+    QApplication,
     QHBoxLayout,
     QLabel,
     QListView,
@@ -54,6 +55,7 @@ class EditsPanel(QWidget):
         self._showing = False  # our own selection of the range, not the user's
         self._strengthening = False  # what floats is the slider's
         self.is_tied = False  # the range on the curves is the selected edit's
+        self._own_falloffs: tuple[float, float] | None = None  # the user's, while it is tied
         self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
         self._gesture = QTimer(self, singleShot=True, interval=_KEYS_MS)
         self._gesture.timeout.connect(self.settle)
@@ -62,6 +64,7 @@ class EditsPanel(QWidget):
         selection.currentChanged.connect(self._chosen)
         selection.selectionChanged.connect(self._sync)
         timeline.selection_changed.connect(self._other_range)
+        timeline.falloff_changed.connect(self._other_falloff)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
         self.refresh()
@@ -148,7 +151,10 @@ class EditsPanel(QWidget):
         """Select edits, and leave range and view as they are."""
         with QSignalBlocker(self.list.selectionModel()):
             self._select_rows(list(rows))
-        self.is_tied = False
+        self._untie()
+        if rows:  # a view that hears of nothing does not scroll either
+            self.list.scrollTo(self.model.index(rows[-1]))
+            self.list.scrollTo(self.model.index(rows[0]))
         self._sync()
         self.list.viewport().update()
 
@@ -170,10 +176,16 @@ class EditsPanel(QWidget):
     def refresh(self) -> None:
         """Show the list as it is now; a new edit is not selected, a changed one stays so."""
         row, rows = self.current, self.rows
+        focus = QApplication.focusWidget()
+        typed = focus is not None and self.list.viewport().isAncestorOf(focus)
         with QSignalBlocker(self.list.selectionModel()):
             self.model.refresh()
             if row is not None and row < len(self.model.edits):
                 self._select_rows([row] if row not in rows else rows)
+        if typed:  # the field for a name is gone, and Qt would go on to what stands next
+            self.list.setFocus()
+        if self.current is None:
+            self._untie()
         count = len(self.model.edits)
         self.title.setText(f"Edits  {count}" if count else "Edits")
         self._pages.setCurrentIndex(1 if count else 0)
@@ -186,16 +198,25 @@ class EditsPanel(QWidget):
         self._sync()
         if self.current is not None:
             self.show_range(self.model.edits[self.current])
+        else:
+            self._untie()
 
     def show_range(self, edit: Edit) -> None:
-        """Show on the curves where an edit acts."""
-        line, self.is_tied = self._timeline, True
+        """Show on the curves where an edit acts; its falloffs are not those of the next drag."""
+        line = self._timeline
         start = min(max(edit.start, 0.0), line.duration)
         end = min(max(edit.end, start), line.duration)
         self._showing = True
-        line.set_falloffs(edit.falloff, edit.fade_out)
-        # All of the take is better shown by no band than by one over everything.
-        line.select(None if start <= 0 and end >= line.duration - 0.05 else (start, end))
+        if start <= 0 and end >= line.duration - 0.05:
+            # All of the take is better shown by no band than by one over everything.
+            self._untie()
+            line.select(None)
+        else:
+            if not self.is_tied:
+                self._own_falloffs = line.falloff, line.falloff_out
+            self.is_tied = True
+            line.set_falloffs(edit.falloff, edit.fade_out)
+            line.select((start, end))
         first, last = line.view
         if end < first or start > last:
             width = last - first
@@ -206,9 +227,21 @@ class EditsPanel(QWidget):
     def _other_range(self) -> None:
         """Who selects another time has left the edit."""
         if not (self._showing or self.reshaping()):
-            self.is_tied = False
+            self._untie()
             if self.current is not None:
                 self.select(None)
+
+    def _other_falloff(self) -> None:
+        """Who turns the wheel in a drag means the drags to come."""
+        if not (self._showing or self.reshaping()):
+            self._own_falloffs = None
+
+    def _untie(self) -> None:
+        """The range is the user's again, and so are the falloffs."""
+        own, self._own_falloffs = self._own_falloffs, None
+        self.is_tied = False
+        if own is not None:
+            self._timeline.set_falloffs(*own)
 
     def _sync(self) -> None:
         row = self.current
@@ -256,7 +289,7 @@ class EditsPanel(QWidget):
         """Take the selected edits out."""
         rows = self.rows
         if rows:
-            self.is_tied = False
+            self._untie()
             self._document.act(lambda session: session.remove(*rows))
             left = len(self.model.edits)
             if left:  # the next one is at hand, wherever in the take it is
