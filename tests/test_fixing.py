@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
+from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
 from windows import Bench
 
@@ -19,6 +20,7 @@ from faceedit_app.ui import dialogs
 from faceedit_app.ui.editor import Editor
 from faceedit_app.ui.fix_commands import FIXES
 from faceedit_app.ui.mood import MoodDialog
+from faceedit_app.ui.problems_bar import ProblemsHead
 from faceedit_app.ui.window import MainWindow
 
 LEFT_EYE, OPENING = CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["mouth_opening"]
@@ -141,6 +143,57 @@ def test_down_goes_to_the_problem_and_the_fix_is_shown_before_it_is_made(
     assert len(editor.problems.problems) == count - 1
     trigger(window, "undo")
     assert session.edits == ()
+
+
+def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> None:
+    """One goes from mark to mark and looks: curves and face stay where they are."""
+    editor = editor_of(window)
+
+    def places() -> list[QRect]:
+        bench.qtbot.wait(20)  # layouts come to rest
+        return [part.geometry() for part in (editor.panes, editor.tools, editor.transport)]
+
+    trigger(window, "next_problem")
+    before = places()
+    trigger(window, "fix_problem")
+    assert places() == before
+    bar = editor.proposal
+    assert bar.geometry().bottom() <= editor.tools.geometry().bottom()
+    assert editor.childAt(editor.tools.geometry().center()) in (bar, bar.text)
+    trigger(window, "discard_fix")
+    assert not bar.isVisible()
+
+
+def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench: Bench) -> None:
+    bar, painted = editor_of(window).problems, QRegion()
+    window.timeline.go_to_time(2.0)
+    bench.qtbot.wait(20)
+
+    class Watch(QObject):
+        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+            nonlocal painted
+            if isinstance(event, QPaintEvent):
+                painted += event.region()
+            return super().eventFilter(watched, event)
+
+    watch = Watch()
+    bar.installEventFilter(watch)
+    window.timeline.go_to_time(3.0)
+    bench.qtbot.wait(20)
+    width = bar.width() / window.timeline.duration
+    for seconds in (2.0, 3.0):
+        assert painted.contains(QPoint(round(seconds * width), 1)), seconds
+    assert not painted.contains(QPoint(round(1.0 * width), 1))
+
+
+def test_before_it_has_looked_it_does_not_say_that_all_is_well(bench: Bench) -> None:
+    window = bench.editing()
+    editor = editor_of(window)
+    editor.problems.restart()
+    head = editor.findChild(ProblemsHead)
+    assert head is not None
+    assert head.count.text() == "Looking …"
+    bench.qtbot.waitUntil(lambda: head.count.text() != "Looking …")
 
 
 def test_a_mark_is_clicked(window: MainWindow) -> None:

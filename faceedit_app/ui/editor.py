@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QAbstractScrollArea, QAbstractSlider, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QAbstractScrollArea,
+    QAbstractSlider,
+    QGridLayout,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
 
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.curves import CurvesPanel
@@ -54,6 +61,7 @@ class Editor(QWidget):
             actions["show_edited"],
             actions["show_tracked"],
             actions["show_both"],
+            actions["show_difference"],
             actions["reset_camera"],
         )
         self.transport = Transport(actions, timeline, playback)
@@ -88,8 +96,11 @@ class Editor(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.strip)
-        column.addWidget(self.tools)
-        column.addWidget(self.proposal)
+        # A proposal lies over the tools: below them it would push curves and face about.
+        row = QGridLayout()
+        row.addWidget(self.tools, 0, 0)
+        row.addWidget(self.proposal, 0, 0)
+        column.addLayout(row)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
         self.hints = HintLayer(self, self._first_steps())

@@ -51,6 +51,8 @@ class ProblemsBar(QWidget):
         self._document, self._timeline = document, timeline
         self.problems: tuple[Problem, ...] = ()
         self.current: int | None = None
+        self.is_searched = False  # before, nobody knows whether there are any
+        self._playhead = 0.0  # seconds, as painted
         self._timer = QTimer(self, singleShot=True, interval=_WAIT_MS)
         self._timer.timeout.connect(self._search_soon)
         self._background = Background(self)
@@ -93,7 +95,7 @@ class ProblemsBar(QWidget):
             if number == self._newest and self._document.session is session:
                 self.problems = tuple(problems)
                 self._moved()
-                self._tell()
+                self._tell(True)
 
         def failed(_: Exception) -> None:
             """There are no marks then."""
@@ -117,9 +119,10 @@ class ProblemsBar(QWidget):
         cost = 1000 * (time.perf_counter() - began)
         self._timer.setInterval(round(min(max(_WAIT_MS, 4 * cost), 3000)))
         self._moved()
-        self._tell()
+        self._tell(True)
 
-    def _tell(self) -> None:
+    def _tell(self, is_searched: bool = False) -> None:
+        self.is_searched = is_searched
         count = len(self.problems)
         self.setAccessibleDescription(f"{count} found" if count else "none found")
         self.found.emit()
@@ -160,6 +163,9 @@ class ProblemsBar(QWidget):
     def _moved(self) -> None:
         """The playhead is on a problem, or on none."""
         now = self._timeline.time
+        scale, before, self._playhead = self._scale, self._playhead, now
+        for seconds in (before, now):
+            self.update(round(scale.x_of(seconds)) - 2, 0, 5, self.height())
         slack = 0.02
         here = [
             (abs(_middle(problem) - now), i)
@@ -210,7 +216,8 @@ class ProblemsBar(QWidget):
         if not self.problems:
             painter.setFont(style.scaled_font(self, 0.82))
             painter.setPen(style.color(style.FAINT))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "no problems found")
+            words = "no problems found" if self.is_searched else "looking for problems …"
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, words)
             return
         scale = self._scale
         for problem in self.problems:
@@ -270,7 +277,8 @@ class ProblemsHead(QWidget):
         problems, current = self._bar.problems, self._bar.current
         count = len(problems)
         words = "problem" if count == 1 else "problems"
-        self.count.setText(f"{count} {words}" if count else "No problems")
+        none = "No problems" if self._bar.is_searched else "Looking …"
+        self.count.setText(f"{count} {words}" if count else none)
         self.count.setToolTip(self._bar.summary)
         for name in ("previous_problem", "next_problem"):
             self._actions[name].setEnabled(bool(problems))
