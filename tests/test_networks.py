@@ -17,8 +17,9 @@ from safetensors.torch import save
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.networks.engine import Engine
+from faceedit_app.networks.inference import RegionAnswer
 from faceedit_app.networks.models import RegionNetworks, UNet
-from faceedit_app.networks.store import VERSION, load_model, save_model
+from faceedit_app.networks.store import VERSION, as_file, load_model, save_model
 
 LOWER, UPPER, EYELIDS = REGIONS
 
@@ -110,6 +111,31 @@ def test_versions_are_answered_independently() -> None:
     both = curves(40, versions=2)
     together = engine.answer("lower", both, 1.0)
     np.testing.assert_allclose(together[1:], engine.answer("lower", both[1:], 1.0), atol=1e-5)
+
+
+@pytest.mark.parametrize("frames", [1, 50, 202])
+@pytest.mark.parametrize("naturalness", [0.0, 0.6, 1.0])
+def test_regions_answer_alike_alone_and_together(frames: int, naturalness: float) -> None:
+    engine, curve = random_engine(seed=4), curves(frames)[0]
+    regions = tuple(region.id for region in REGIONS)
+    together = engine.answer_all(regions, curve, naturalness)
+    pair = engine.answer_all(regions[1:], curve, naturalness)
+    for region in regions:
+        alone = engine.answer(region, curve[None], naturalness)[0]
+        np.testing.assert_array_equal(together[region], alone)
+        if region in pair:
+            np.testing.assert_array_equal(pair[region], alone)
+
+
+def test_networks_of_other_kinds_answer_beside_each_other() -> None:
+    models = {m.region: RegionAnswer(as_file(m)) for m in random_models(seed=5)}
+    plain = RegionAnswer(replace(as_file(random_model(UPPER, seed=6)), residual=False))
+    assert plain.kind != models["lower"].kind
+    answers = Engine(models | {"upper": plain}).answer_all(("lower", "upper"), curves(30)[0], 1.0)
+    before = Engine(models).answer_all(("lower", "upper"), curves(30)[0], 1.0)
+    np.testing.assert_array_equal(answers["lower"], before["lower"])
+    assert answers["upper"].shape == before["upper"].shape
+    assert not np.array_equal(answers["upper"], before["upper"])
 
 
 # --- files -------------------------------------------------------------------------------------

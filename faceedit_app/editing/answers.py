@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
 Array = NDArray[np.float64]
+Window = tuple[int, int]  # the first grid frame, and the one after the last
 
 # Chunks of each region whose last answer is kept: a drag touches one or two, and of those only
 # the region whose curves it moves has to answer anew.
@@ -35,31 +37,45 @@ class Answers:
         self._tracked: dict[tuple[str, int, float], NDArray[np.float32]] = {}
         self._recent: dict[tuple[str, int, float], tuple[Array, Array]] = {}
 
-    def to(self, region: str, window: tuple[int, int], curves: Array, naturalness: float) -> Array:
-        """(N, K) weights for edited curves.
+    def to(
+        self, regions: Sequence[str], window: Window, curves: Array, naturalness: float
+    ) -> dict[str, Array]:
+        """(N, K) weights of each region for edited curves.
 
         Args:
-            region: `Region.id`.
+            regions: `Region.id`s.
             window: first grid frame, and the one after the last.
             curves: (N, 8) mm in the window.
             naturalness: see `Engine.answer`.
         """
-        key, heard = (region, window[0], naturalness), curves[:, self._columns[region]]
-        known = self._recent.pop(key, None)
-        if known is None or not np.array_equal(known[0], heard):
-            known = heard, self._engine.answer(region, curves[None], naturalness)[0]
-        self._recent[key] = known
-        if len(self._recent) > RECENT * len(self._columns):
+        heard = {region: curves[:, self._columns[region]] for region in regions}
+        known = {
+            region: self._recent.pop((region, window[0], naturalness), None) for region in heard
+        }
+        new = [
+            region
+            for region, entry in known.items()
+            if entry is None or not np.array_equal(entry[0], heard[region])
+        ]
+        answers = self._engine.answer_all(new, curves, naturalness)
+        for region, entry in known.items():
+            kept = (heard[region], answers[region]) if region in answers else entry
+            assert kept is not None
+            self._recent[region, window[0], naturalness] = kept
+        while len(self._recent) > RECENT * len(self._columns):
             del self._recent[next(iter(self._recent))]  # the one not asked for for longest
-        return known[1]
+        return {region: self._recent[region, window[0], naturalness][1] for region in regions}
 
-    def to_tracked(self, region: str, window: tuple[int, int], naturalness: float) -> Array:
+    def to_tracked(
+        self, regions: Sequence[str], window: Window, naturalness: float
+    ) -> dict[str, Array]:
         """The same for the take as tracked; all of them are kept, for one naturalness."""
-        key = region, window[0], naturalness
-        if key not in self._tracked:
-            if any(known != naturalness for _, _, known in self._tracked):
-                self._tracked.clear()
-            curves = self._grid[None, slice(*window)]
-            answer = self._engine.answer(region, curves, naturalness)[0]
-            self._tracked[key] = answer.astype(np.float32)
-        return self._tracked[key].astype(np.float64)
+        if any(known != naturalness for _, _, known in self._tracked):
+            self._tracked.clear()
+        new = [name for name in regions if (name, window[0], naturalness) not in self._tracked]
+        curves = self._grid[slice(*window)]
+        for region, answer in self._engine.answer_all(new, curves, naturalness).items():
+            self._tracked[region, window[0], naturalness] = answer.astype(np.float32)
+        return {
+            name: self._tracked[name, window[0], naturalness].astype(np.float64) for name in regions
+        }

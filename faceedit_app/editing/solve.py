@@ -136,17 +136,15 @@ class Solver:
         first, last = (int(i) for i in self.chunks.windows[piece.chunk])
         times = self.clip.times[slice(*piece.near)]
         edited = self.grid[first:last] + to_grid(times, change, first, last)
-        found = []
-        for name in regions:
-            answer = self._answers.to(name, (first, last), edited, settings.naturalness)
-            if not anew:
-                answer = answer - self._answers.to_tracked(
-                    name, (first, last), settings.naturalness
-                )
-            found.append(answer)
-        all_of_them = from_grid(np.concatenate(found, axis=1), first, self.clip.times[rows])
-        ends = np.cumsum([answer.shape[1] for answer in found])
-        return dict(zip(regions, np.split(all_of_them, ends[:-1], axis=1), strict=True))
+        window = first, last
+        answers = self._answers.to(regions, window, edited, settings.naturalness)
+        if not anew:
+            unedited = self._answers.to_tracked(regions, window, settings.naturalness)
+            answers = {name: answer - unedited[name] for name, answer in answers.items()}
+        stacked = np.concatenate([answers[name] for name in regions], axis=1)
+        ends = np.cumsum([answers[name].shape[1] for name in regions])[:-1]
+        parts = np.split(from_grid(stacked, first, self.clip.times[rows]), ends, axis=1)
+        return dict(zip(regions, parts, strict=True))
 
     def _combine(
         self,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
 from faceedit_app.networks.files import REMEDY, read_region
-from faceedit_app.networks.inference import RegionAnswer
+from faceedit_app.networks.inference import RegionGroup, RegionAnswer
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,9 @@ class Engine:
     """Trained networks for each region, keyed by `Region.id`."""
 
     models: dict[str, RegionAnswer]
+    _groups: dict[tuple[str, ...], RegionGroup] = field(
+        default_factory=dict, init=False, compare=False
+    )
 
     @classmethod
     def load(cls, folder: Path | str) -> Engine:
@@ -71,11 +75,35 @@ class Engine:
         Returns:
             (B, N, K) weights of the region's channels, not bounded.
         """
-        length = curves.shape[1]
-        inputs = curves[:, :, self.columns(region)].astype(np.float32)
+        return np.stack([self.answer_all((region,), x, naturalness)[region] for x in curves])
+
+    def answer_all(
+        self, regions: Sequence[str], curves: Array, naturalness: float
+    ) -> dict[str, Array]:
+        """The same for one version (N, 8) of the curves, several regions in one go.
+
+        What a region answers does not depend on which others do.
+        """
+        length = len(curves)
+        heard = curves.astype(np.float32)
         if missing := -length % self.scale:
-            inputs = np.concatenate([inputs, np.repeat(inputs[:, -1:], missing, axis=1)], axis=1)
-        return self.models[region](inputs, naturalness)[:, :length].astype(np.float64)
+            heard = np.concatenate([heard, np.repeat(heard[-1:], missing, axis=0)])
+        found: dict[str, Array] = {}
+        for kind in {self.models[region].kind for region in regions}:
+            mine = tuple(region for region in regions if self.models[region].kind == kind)
+            inputs = [heard[:, self.columns(region)] for region in mine]
+            answers = self._group(mine)(inputs, naturalness)
+            for region, answer in zip(mine, answers, strict=True):
+                found[region] = answer[:length].astype(np.float64)
+        return found
+
+    def _group(self, regions: tuple[str, ...]) -> RegionGroup:
+        if regions not in self._groups:
+            models = self.models.values()
+            least = max(len(m.controls) for m in models), max(len(m.channels) for m in models)
+            files = [self.models[region].file for region in regions]
+            self._groups[regions] = RegionGroup(files, least)
+        return self._groups[regions]
 
     def columns(self, region: str) -> list[int]:
         """Of the eight controls, those that a region listens to, in the order of its input."""
