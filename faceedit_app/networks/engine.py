@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
 from faceedit_app.networks.files import REMEDY, read_region
-from faceedit_app.networks.inference import RegionGroup, RegionAnswer
+from faceedit_app.networks.inference import RegionAnswer, RegionGroup
 
 Array = NDArray[np.float64]
 
