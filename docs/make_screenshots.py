@@ -87,6 +87,9 @@ def walk(window: MainWindow) -> None:
     editor.edits.settle()
     do(window, "show_both")
     picture(window, "guide_smile")
+    do(window, "show_difference")
+    picture(window, "guide_difference")
+    do(window, "show_difference")
     do(window, "show_edited")
 
 

@@ -26,6 +26,7 @@ COMMANDS = (
     *("accept_fix", "discard_fix", "deselect", "select_all", "mark_start", "mark_end"),
     *("undo", "undo", "redo", "second_forward", "forward", "second_back", "start"),
     *("show_both", "show_edited", "curve_3", "curve_7", "unit_frames", "unit_seconds"),
+    *("show_difference", "show_difference", "show_tracked"),
 )
 
 

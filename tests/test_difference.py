@@ -7,13 +7,24 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from faces import shipped_rig
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QToolButton
+from takes import make_livelink_csv
 from test_render import ball
+from windows import Bench, add_edit, drag_curve, open_path, trigger
 
+from faceedit_app import render
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.rig import Rig
 from faceedit_app.render import FaceRenderer, default_camera, open_renderer
 from faceedit_app.render.difference import FULL, Tinter, ramp, tint_of
+from faceedit_app.ui import dialogs
+from faceedit_app.ui.face import FacePane
 from faceedit_app.ui.palette import ACCENT, ORANGE
+from faceedit_app.ui.viewport import Viewport
+from faceedit_app.ui.window import MainWindow
 
 SIZE = 96
 # Linear RGB as seen without one kind of cone: Machado, Oliveira and Fernandes (2009).
@@ -153,3 +164,222 @@ def test_a_tint_costs_no_further_call_and_none_costs_nothing(
         draws.clear()
     # Once after a tint the plain colours are put back.
     assert counts == [(2, 1), (3, 1), (3, 1), (3, 1), (2, 1)]
+
+
+# --- in the window -------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def window(bench: Bench) -> MainWindow:
+    """A window on a take whose mouth is opened around 1.2 s, with the playhead there."""
+    window = bench.editing()
+    add_edit(window, 12.0)
+    window.timeline.go_to_time(1.2)
+    window.grab()
+    return window
+
+
+def face_of(window: MainWindow) -> FacePane:
+    assert window.editor is not None
+    return window.editor.face
+
+
+def tints(bench: Bench, window: MainWindow) -> list[np.ndarray | None]:
+    """Of the faces in the next picture, from left to right."""
+    tints = bench.renderers[-1].tints
+    tints.clear()
+    face_of(window).viewport.redraw()
+    window.grab()
+    return [*tints]
+
+
+def is_tinted(tint: np.ndarray | None) -> bool:
+    return tint is not None and tint.max() > 0.2
+
+
+def test_it_is_off_until_it_is_asked_for(bench: Bench, window: MainWindow) -> None:
+    face, action = face_of(window), window.actions_["show_difference"]
+    assert not action.isChecked()
+    assert tints(bench, window) == [None]
+    assert face.viewport.legend.isHidden()
+    QTest.keyClick(window, Qt.Key.Key_T, Qt.KeyboardModifier.ControlModifier)
+    assert action.isChecked()
+    assert not face.viewport.legend.isHidden()
+    assert is_tinted(tints(bench, window)[0])
+    trigger(window, "show_difference")
+    assert not action.isChecked()
+    assert tints(bench, window) == [None]
+    assert face.viewport.legend.isHidden()
+
+
+def test_it_tells_how_far_the_face_is_from_the_tracked_one(
+    bench: Bench, window: MainWindow
+) -> None:
+    session, rig = window.document.session, shipped_rig()
+    assert session is not None
+    trigger(window, "show_difference")
+    frame = window.timeline.frame
+    now, before = (rig.vertices(session.rig_weights(frame, tracked)) for tracked in (False, True))
+    apart = 1000 * np.linalg.norm(now - before, axis=1)
+    (tint,) = tints(bench, window)
+    assert tint is not None
+    assert apart.max() > 2
+    np.testing.assert_allclose(tint, np.minimum(apart / FULL, 1), atol=1e-3)
+    window.timeline.go_to_time(2.8)  # where no edit reaches
+    (tint,) = tints(bench, window)
+    assert tint is not None
+    assert not tint.any()
+
+
+def test_it_follows_edits_and_what_floats(bench: Bench, window: MainWindow) -> None:
+    trigger(window, "show_difference")
+    before = tints(bench, window)[0]
+    trigger(window, "undo")
+    (none,) = tints(bench, window)
+    assert none is not None
+    assert not none.any()
+    trigger(window, "redo")
+    np.testing.assert_array_equal(tints(bench, window)[0], before)
+    trigger(window, "undo")
+    drawn = bench.renderers[-1].tints
+    drawn.clear()
+    drag_curve(window, 0, 1.2, 40)
+    window.grab()
+    assert is_tinted(drawn[-1])
+
+
+def test_what_is_hurried_in_a_drag_is_tinted(bench: Bench, window: MainWindow) -> None:
+    trigger(window, "show_difference")
+    viewport, drawn = face_of(window).viewport, bench.renderers[-1].tints
+    viewport.redraw()
+    drawn.clear()
+    viewport.hurry()
+    assert is_tinted(drawn[0])
+    window.grab()
+    assert len(drawn) == 1, "painting takes what was begun"
+
+
+def test_of_two_faces_the_edited_one_is_tinted(bench: Bench, window: MainWindow) -> None:
+    face = face_of(window)
+    trigger(window, "show_difference")
+    trigger(window, "show_both")
+    left, right = tints(bench, window)
+    assert left is None
+    assert is_tinted(right)
+    trigger(window, "show_tracked")
+    assert tints(bench, window) == [None]
+    assert face.viewport.legend.isHidden(), "nothing to explain"
+    trigger(window, "show_edited")
+    assert is_tinted(tints(bench, window)[0])
+    face.glance(True)
+    assert tints(bench, window) == [None]
+    face.glance(False)
+    assert is_tinted(tints(bench, window)[0])
+
+
+def test_asking_for_it_brings_the_edited_face(window: MainWindow) -> None:
+    trigger(window, "show_tracked")
+    trigger(window, "show_difference")
+    assert not face_of(window).shows_tracked
+    assert window.actions_["show_edited"].isChecked()
+
+
+def test_it_is_remembered(bench: Bench, window: MainWindow) -> None:
+    trigger(window, "show_difference")
+    assert bench.store().difference()
+    again = bench.editing()
+    assert again.actions_["show_difference"].isChecked()
+    assert face_of(again).shows_difference
+    trigger(again, "show_difference")
+    assert not bench.store().difference()
+
+
+def test_nothing_of_the_last_take_stays(bench: Bench, window: MainWindow) -> None:
+    trigger(window, "show_difference")
+    other = make_livelink_csv(bench.folder / "other.csv", seconds=2.0)
+    bench.answers["unsaved"] = dialogs.Unsaved.DISCARD
+    window.files.open_if_saved(other)
+    bench.qtbot.waitUntil(lambda: open_path(window) == other)
+    (tint,) = tints(bench, window)
+    assert tint is not None
+    assert not tint.any()
+
+
+def test_another_character_starts_without_the_weights_of_the_last(
+    bench: Bench, window: MainWindow
+) -> None:
+    trigger(window, "show_difference")
+    viewport = face_of(window).viewport
+    viewport.open(ball())
+    assert viewport.legend.isHidden()
+    window.grab()
+    assert bench.renderers[-1].tints == [None]
+
+
+def test_without_a_face_there_is_no_legend(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, window: MainWindow
+) -> None:
+    trigger(window, "show_difference")
+    viewport = face_of(window).viewport
+    monkeypatch.setattr(render, "open_renderer", bench.no_gl)
+    viewport.open(shipped_rig())
+    assert viewport.legend.isHidden()
+
+
+@pytest.mark.parametrize("width", [240, 300, 420, 700])
+def test_the_legend_is_clear_of_the_switches(window: MainWindow, width: int) -> None:
+    face = face_of(window)
+    trigger(window, "show_difference")
+    face.setFixedSize(width, 400)
+    QApplication.processEvents()
+    legend = face.viewport.legend
+    assert face.viewport.rect().contains(legend.geometry())
+    for button in face.findChildren(QToolButton):
+        place = QRect(button.mapTo(face, QPoint(0, 0)), button.size())
+        assert not place.intersects(legend.geometry())
+
+
+def test_the_legend_shows_the_ramp_and_lets_the_mouse_through(window: MainWindow) -> None:
+    face = face_of(window)
+    trigger(window, "show_difference")
+    legend = face.viewport.legend
+    image = legend.grab().toImage()
+    ratio = image.devicePixelRatio()
+    row = [
+        image.pixelColor(round(x * ratio), round(10 * ratio)) for x in (8, legend.width() // 2, 118)
+    ]
+    reds = [color.red() for color in row]
+    assert reds == sorted(reds, reverse=True)
+    assert row[0].red() > row[0].blue() + 50
+    assert row[2].blue() > row[2].red() + 50
+    assert legend.testAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+
+
+def test_the_real_face_is_tinted(
+    bench: Bench, window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(render, "open_renderer", open_renderer)
+    viewport = face_of(window).viewport
+    viewport.open(shipped_rig())
+    if not viewport.can_draw:
+        pytest.skip(viewport.message)
+    plain = violet_part(viewport)
+    trigger(window, "show_difference")
+    assert violet_part(viewport) > plain + 0.02
+    trigger(window, "show_both")
+    assert violet_part(viewport, right=False) < plain + 0.005
+    assert violet_part(viewport, right=True) > plain + 0.02
+    trigger(window, "show_difference")
+    assert violet_part(viewport) < plain + 0.005
+    viewport.close_renderer()
+
+
+def violet_part(viewport: Viewport, right: bool | None = None) -> float:
+    """How much of the picture's middle height, or of that of one half, is bluer than red."""
+    viewport.legend.hide()
+    image = viewport.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
+    pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1, 4).astype(int)
+    half = pixels.shape[1] // 2
+    columns = slice(None) if right is None else slice(half, None) if right else slice(0, half)
+    part = pixels[image.height() // 3 :, columns]
+    return float(((part[..., 0] > part[..., 2] + 25) & (part[..., 0] > 80)).mean())

@@ -32,17 +32,23 @@ class FakeRenderer:
     def __init__(self, _rig: object, width: int, height: int) -> None:
         self.size = (width, height)
         self.calls: list[tuple[tuple[int, int], render.Camera, bool]] = []
+        self.tints: list[Any] = []  # one a call, None where nothing is tinted
         self.open = True
 
     def resize(self, width: int, height: int) -> None:
         self.size = (width, height)
 
-    def draw(self, vertices: Any, camera: render.Camera, smooth: bool = True) -> Any:
-        self.begin(vertices, camera, smooth)
+    def draw(
+        self, vertices: Any, camera: render.Camera, smooth: bool = True, tint: Any = None
+    ) -> Any:
+        self.begin(vertices, camera, smooth, tint)
         return self.finish()
 
-    def begin(self, vertices: Any, camera: render.Camera, smooth: bool = True) -> None:
+    def begin(
+        self, vertices: Any, camera: render.Camera, smooth: bool = True, tint: Any = None
+    ) -> None:
         self.calls.append((self.size, camera, smooth))
+        self.tints.append(tint)
         width, height = self.size
         shade = int(abs(float(vertices[:, 1].sum()))) % 256
         self.picture = np.full((height, width, 4), shade, np.uint8)

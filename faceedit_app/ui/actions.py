@@ -188,6 +188,8 @@ COMMANDS: tuple[Command, ...] = (
             checkable=True),
     Command("show_both", "View", "Show &both faces", ("Shift+T",),
             "Show the tracked face beside the edited one", checkable=True),
+    Command("show_difference", "View", "Show &difference", ("Ctrl+T",),
+            "Tint the edited face where and how far it is from the tracked one", checkable=True),
     Command("mirror_film", "View", "&Mirror film",
             tip="Show the film as in a mirror, where left and right are not those of the face",
             checkable=True),

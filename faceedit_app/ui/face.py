@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from faceedit_app.ui.document import Document
-from faceedit_app.ui.theme import MARGIN
+from faceedit_app.ui.theme import GAP, MARGIN
 from faceedit_app.ui.timeline import Timeline
 from faceedit_app.ui.viewport import Viewport
 from faceedit_app.ui.widgets import icon_button, segments
@@ -23,13 +23,15 @@ class FacePane(QWidget):
         show_edited: QAction,
         show_tracked: QAction,
         show_both: QAction,
+        show_difference: QAction,
         reset_camera: QAction,
     ) -> None:
         super().__init__()
         self._document, self._timeline = document, timeline
         self._show_edited, self._show_tracked = show_edited, show_tracked
-        self._show_both = show_both
+        self._show_both, self._show_difference = show_both, show_difference
         self._tracked, self._glancing, self._both = False, False, False
+        self._difference = False
         self.viewport = Viewport(self)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -42,7 +44,8 @@ class FacePane(QWidget):
         row.addStretch()
         camera = icon_button(reset_camera)
         row.addWidget(camera)
-        self.viewport.covered_by = (which, camera)
+        self._switches = (which, camera)
+        self.viewport.covered_by = (*self._switches, self.viewport.legend)
         # Only its buttons take the mouse: the face between them can be turned.
         self._overlay.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
         timeline.playhead_moved.connect(self.refresh)
@@ -70,6 +73,18 @@ class FacePane(QWidget):
         self._tracked, self._both = False, True
         self._sync()
 
+    @property
+    def shows_difference(self) -> bool:
+        """Whether the edited face is tinted where and how far it is from the tracked one."""
+        return self._difference
+
+    def show_difference(self, wanted: bool) -> None:
+        """Tint the edited face, and let it be seen; or leave it plain."""
+        self._difference = wanted
+        if wanted:
+            self._tracked = False
+        self._sync()
+
     def glance(self, glancing: bool) -> None:
         """Show the face as tracked for as long as a key is held."""
         self._glancing = glancing
@@ -79,6 +94,7 @@ class FacePane(QWidget):
         self._show_tracked.setChecked(self.shows_tracked)
         self._show_edited.setChecked(not (self.shows_tracked or self.shows_both))
         self._show_both.setChecked(self.shows_both)
+        self._show_difference.setChecked(self._difference)
         self.refresh()
 
     def refresh(self) -> None:
@@ -86,10 +102,24 @@ class FacePane(QWidget):
         session = self._document.session
         if session is not None:
             frame = min(max(self._timeline.frame, 0), len(session.weights) - 1)
-            beside = session.rig_weights(frame, tracked=True) if self.shows_both else None
-            self.viewport.show_weights(session.rig_weights(frame, self.shows_tracked), beside)
+            compares = self._difference and not self.shows_tracked
+            tracked = (
+                session.rig_weights(frame, tracked=True) if compares or self.shows_both else None
+            )
+            self.viewport.show_weights(
+                session.rig_weights(frame, self.shows_tracked),
+                beside=tracked if self.shows_both else None,
+                against=tracked if compares else None,
+            )
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the switches at the top."""
+        """Keep the switches at the top, and the legend between or below them."""
         super().resizeEvent(event)
-        self._overlay.setGeometry(0, 0, self.width(), self._overlay.sizeHint().height())
+        height = self._overlay.sizeHint().height()
+        self._overlay.setGeometry(0, 0, self.width(), height)
+        which, camera = (switch.sizeHint().width() for switch in self._switches)
+        size, at = self.viewport.legend.sizeHint(), QPoint(0, MARGIN)
+        at.setX(self.width() - MARGIN - camera - GAP - size.width())
+        if at.x() < MARGIN + which + GAP:
+            at = QPoint(self.width() - MARGIN - size.width(), height + GAP // 2)
+        self.viewport.legend.setGeometry(QRect(at, size))

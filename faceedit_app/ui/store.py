@@ -64,6 +64,14 @@ class Store:
         self._settings.setValue("volume", volume)
         self._settings.setValue("muted", "true" if muted else "false")
 
+    def difference(self) -> bool:
+        """Whether the face was last tinted where it differs from the tracked one."""
+        return str(self._settings.value("difference", "false")) == "true"
+
+    def set_difference(self, shown: bool) -> None:
+        """Remember whether the face is tinted."""
+        self._settings.setValue("difference", "true" if shown else "false")
+
     def hints_wanted(self) -> bool:
         """Whether the first steps were never shown."""
         return self._settings.value("hints_seen") is None

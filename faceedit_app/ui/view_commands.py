@@ -12,6 +12,7 @@ from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.clock import Clock, Unit
 from faceedit_app.ui.edits_panel import EditsPanel
 from faceedit_app.ui.help import about_dialog, shortcuts_dialog
+from faceedit_app.ui.store import Store
 from faceedit_app.ui.tooling import Tool, Tooling
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ class ViewCommands:
         editor: that page.
         rig: the character, once it is loaded.
         finish: brings gestures elsewhere in the window to their end.
+        store: remembers what is chosen until the next start.
     """
 
     def __init__(
@@ -36,9 +38,11 @@ class ViewCommands:
         editor: Callable[[], Editor | None],
         rig: Callable[[], Rig | None],
         finish: Callable[[], None],
+        store: Store,
     ) -> None:
         self._window, self._tooling, self._clock = window, tooling, clock
         self._editor, self._rig, self._finish = editor, rig, finish
+        self._store = store
 
     def handlers(self) -> dict[str, Callable[[], None]]:
         """What to do for each of these `Command.id`s."""
@@ -59,6 +63,7 @@ class ViewCommands:
                 lambda editor: editor.face.set_tracked(not editor.face.shows_tracked)
             ),
             "show_both": self._with(lambda editor: editor.face.show_both()),
+            "show_difference": self._with(self._toggle_difference),
             "first_steps": self._with(lambda editor: editor.hints.begin()),
             "shortcuts": lambda: shortcuts_dialog(self._window).show(),
             "about": self._about,
@@ -82,6 +87,11 @@ class ViewCommands:
             work(editor.edits)
 
         return self._with(do)
+
+    def _toggle_difference(self, editor: Editor) -> None:
+        wanted = not editor.face.shows_difference
+        editor.face.show_difference(wanted)
+        self._store.set_difference(wanted)
 
     def glance(self, glancing: bool) -> None:
         """Show the tracked face while a key is held."""

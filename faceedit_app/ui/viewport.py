@@ -27,7 +27,9 @@ from PySide6.QtWidgets import QLabel, QSizePolicy, QWidget
 
 from faceedit_app import render
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.render.difference import tint_of
 from faceedit_app.ui.camera_keys import moved_by_key
+from faceedit_app.ui.legend import Legend
 from faceedit_app.ui.palette import ACCENT, BORDER, PANEL, TEXT
 
 if TYPE_CHECKING:
@@ -63,10 +65,12 @@ class Viewport(QWidget):
         self._note.setObjectName("caption")
         # The remedy is a command to be copied.
         self._note.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.legend = Legend(self)
         self._rig: Rig | None = None
         self._renderer: FaceRenderer | None = None
         self._weights: Floats | None = None
         self._beside: Floats | None = None
+        self._against: Floats | None = None
         self._camera = render.Camera()
         self._is_home = True
         self._image: QImage | None = None
@@ -90,13 +94,18 @@ class Viewport(QWidget):
     def open(self, rig: Rig) -> None:
         """Start drawing a character; where that is impossible, say why instead."""
         self.close_renderer()
+        if self._rig is not None and self._rig is not rig:
+            # Another character's weights mean nothing here.
+            self._weights = self._beside = self._against = None
         self._rig = rig
+        self.legend.open(rig)
         try:
             width, height = self._pixels()
             self._renderer = render.open_renderer(rig, width, height)
             self._say("")
         except FaceEditError as error:
             self._say(str(error))
+        self._explain()
         self.reset_camera()
 
     @property
@@ -113,17 +122,28 @@ class Viewport(QWidget):
         """Whether there is a face to see."""
         return self._renderer is not None
 
-    def show_weights(self, weights: Floats | None, beside: Floats | None = None) -> None:
+    def show_weights(
+        self,
+        weights: Floats | None,
+        beside: Floats | None = None,
+        against: Floats | None = None,
+    ) -> None:
         """Show (K,) weights in the rig's order; None is the neutral face.
 
         Args:
             beside: of a second face, at the left of the first and seen from the same side.
+            against: of a face that the first is tinted by its distance from.
         """
         was_pair = self._beside is not None
-        self._weights, self._beside = weights, beside
+        self._weights, self._beside, self._against = weights, beside, against
+        self._explain()
         if was_pair is not (beside is not None) and self._is_home:
             self.reset_camera()
         self.redraw()
+
+    def _explain(self) -> None:
+        """Say what the tint means while there is one."""
+        self.legend.setVisible(self._against is not None and self.can_draw)
 
     def redraw(self) -> None:
         """Draw soon: roughly now, smoothly when nothing has changed for a moment."""
@@ -152,7 +172,8 @@ class Viewport(QWidget):
             return
         with contextlib.suppress(Exception):  # painting meets it again, and says so
             self._renderer.resize(*self._picture_size())
-            self._renderer.begin(self._vertices(self._rig), self._camera, smooth=False)
+            vertices, tint = self._first(self._rig)
+            self._renderer.begin(vertices, self._camera, smooth=False, tint=tint)
             self._hurried = True
 
     def _picture_size(self) -> tuple[int, int]:
@@ -160,8 +181,12 @@ class Viewport(QWidget):
         width, height = (max(1, round(n * scale)) for n in self._pixels())
         return width, height
 
-    def _vertices(self, rig: Rig) -> Floats:
-        return rig.neutral if self._weights is None else rig.vertices(self._weights)
+    def _first(self, rig: Rig) -> tuple[Floats, Floats | None]:
+        """The vertices (V, 3) of the face and, where it is tinted, by how much (V,)."""
+        vertices = rig.neutral if self._weights is None else rig.vertices(self._weights)
+        if self._against is None:
+            return vertices, None
+        return vertices, tint_of(vertices, rig.vertices(self._against))
 
     def reset_camera(self) -> None:
         """Look from the front again."""
@@ -182,6 +207,7 @@ class Viewport(QWidget):
         if renderer is not None:
             with contextlib.suppress(Exception):  # a context that is lost cannot be freed
                 renderer.close()
+        self._explain()
 
     # --- drawing -----------------------------------------------------------------------------
 
@@ -223,12 +249,13 @@ class Viewport(QWidget):
             self._hurried = False
             return renderer.finish()
         width, height = size
-        shown = [self._weights] if self._beside is None else [self._beside, self._weights]
+        shown = [self._first(rig)]
+        if self._beside is not None:
+            shown.insert(0, (rig.vertices(self._beside), None))
         renderer.resize(max(width // len(shown), 1), height)
         pictures = []
-        for weights in shown:
-            vertices = rig.neutral if weights is None else rig.vertices(weights)
-            pixels = renderer.draw(vertices, self._camera, smooth=self._smooth)
+        for vertices, tint in shown:
+            pixels = renderer.draw(vertices, self._camera, smooth=self._smooth, tint=tint)
             if len(shown) == 1:
                 return pixels
             pictures.append(pixels.copy())  # the renderer may draw the next one into it

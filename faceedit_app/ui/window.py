@@ -90,6 +90,7 @@ class MainWindow(WindowBase):
             lambda: self.editor,
             lambda: self._rig,
             self.edits.finish,
+            store,
         )
         self.media = Media(self._background, self)
         self.media_steps = MediaSteps(self.document, self.media)
@@ -231,6 +232,7 @@ class MainWindow(WindowBase):
             self.editor.problems.picked.connect(self.fixes.go_to)
             self.editor.hints.closed.connect(self.editor.curves.setFocus)
             self._store.restore_panes(self.editor.panes, self.editor.side)
+            self.editor.face.show_difference(self._store.difference())
             solving = self.editor.solving
             solving.advanced.connect(self.status.show_work)
             solving.finished.connect(self.status.show_work)
