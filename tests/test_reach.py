@@ -8,7 +8,7 @@ from faces import shipped_rig
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
-from faceedit_app.editing.reach import Goal, reach
+from faceedit_app.editing.reach import Goal, Reach
 
 LOWER, _, EYELIDS = REGIONS
 
@@ -55,14 +55,11 @@ class Face:
             targets[:, column] = millimetres
             mask[:, column] = True
         result = weights.copy()
-        result[:, self.columns] = reach(
-            self.distances,
+        covariance = 0.04 * np.eye(len(self.columns))
+        result[:, self.columns] = Reach(self.distances, self.columns, covariance, self.coupled)(
             weights,
-            self.columns,
             Goal(targets, np.full(targets.shape, strength), mask),
-            0.04 * np.eye(len(self.columns)),
             np.ones((len(weights), len(self.columns))),
-            self.coupled,
             naturalness,
         )
         return result

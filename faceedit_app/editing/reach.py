@@ -52,103 +52,62 @@ class Goal:
     asked: NDArray[np.bool_]
 
 
-def reach(
-    distances: Distances,
-    weights: Array,
-    channels: NDArray[np.intp],
-    goal: Goal,
-    covariance: Array,
-    upper: Array,
-    coupled: tuple[int, int] | None = None,
-    naturalness: float = 1.0,
-) -> Array:
-    """Change the weights of one region so that its controls reach the goal, each frame by itself.
+class Reach:
+    """Brings the controls of one region to a goal, each frame by itself.
 
     Args:
         distances: the region's C controls as a function of all 52 weights.
-        weights: (N, 52) present weights; those outside `channels` are kept.
         channels: (K,) columns that may change.
-        goal: see `Goal`.
         covariance: (K, K) of the channels in real performances.
-        upper: (N, K) largest allowed weights; the smallest is 0.
         coupled: positions (a, b) in `channels` with weight a <= weight b (mouthClose, jawOpen).
-        naturalness: 0 lifts the limit on the change's length, 1 keeps `NATURAL_LENGTH`.
-
-    Returns:
-        (N, K) the new weights of `channels`.
     """
-    start = weights[:, channels]
-    vectors = distances.vectors(weights)
-    targets = np.maximum(distances.lengths(vectors), 0.0)
-    targets += goal.strength * (goal.targets - targets)
-    noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
-    frames = _Frames(start, vectors, targets, noise, upper)
-    solver = _Solver(distances, channels, covariance, coupled, naturalness)
-    change, lengths = solver.search(frames, passed=False)
-    # Pressed lips can have passed each other: opening them begins with what seems to close them.
-    missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
-    if len(missed):
-        those = frames.at(missed)
-        other, there = solver.search(those, passed=True)
-        better = those.cost(there) < those.cost(lengths[missed])
-        change[missed[better]] = other[better]
-    # Rounding leaves weights such as -1e-17.
-    return np.clip(start + change, np.minimum(start, 0.0), np.maximum(start, upper))
-
-
-@dataclass(frozen=True)
-class _Frames:
-    """What is given of N frames: `start` and `upper` weights (N, K), `vectors` (N, C, 3) and
-    `targets` (N, C) in mm, `noise` (N, C) in mm²."""
-
-    start: Array
-    vectors: Array
-    targets: Array
-    noise: Array
-    upper: Array
-
-    def at(self, rows: NDArray[np.intp]) -> _Frames:
-        """Some of the frames."""
-        arrays = (self.start, self.vectors, self.targets, self.noise, self.upper)
-        return _Frames(*(array[rows] for array in arrays))
-
-    def bounded(self, change: Array, coupled: tuple[int, int] | None) -> Array:
-        """The nearest allowed change."""
-        inside = np.clip(self.start + change, np.minimum(self.start, 0.0), self.upper)
-        if coupled is not None:
-            a, b = coupled
-            slack = np.maximum(self.start[:, a] - self.start[:, b], 0.0)
-            inside[:, a] = np.minimum(inside[:, a], inside[:, b] + slack)
-        return inside - self.start
-
-    def cost(self, lengths: Array) -> Array:
-        """How far lengths (..., N, C) are from the targets: (..., N)."""
-        costs: Array = ((self.targets - lengths) ** 2 / self.noise).sum(axis=-1)
-        return costs
-
-
-class _Solver:
-    """Moves the K channels of one region; see `reach` for the arguments."""
 
     def __init__(
         self,
         distances: Distances,
         channels: NDArray[np.intp],
         covariance: Array,
-        coupled: tuple[int, int] | None,
-        naturalness: float,
+        coupled: tuple[int, int] | None = None,
     ) -> None:
-        self._distances, self._covariance = distances, covariance
-        self._coupled, self._naturalness = coupled, naturalness
+        self._distances, self._channels = distances, channels
+        self._covariance, self._coupled = covariance, coupled
         gradients = distances.gradients[channels].astype(np.float64)  # (K, C, 3)
         self._moves = gradients.reshape(len(channels), -1)
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
         self._precision = np.linalg.inv(covariance + 1e-6 * np.eye(len(covariance)))
 
-    def search(self, frames: _Frames, passed: bool) -> tuple[Array, Array]:
+    def __call__(self, weights: Array, goal: Goal, upper: Array, naturalness: float = 1.0) -> Array:
+        """The new weights (N, K) of the channels.
+
+        Args:
+            weights: (N, 52) present weights; those of other channels are kept.
+            goal: see `Goal`.
+            upper: (N, K) largest allowed weights; the smallest is 0.
+            naturalness: 0 lifts the limit on the change's length, 1 keeps `NATURAL_LENGTH`.
+        """
+        start, vectors = weights[:, self._channels], self._distances.vectors(weights)
+        targets = self._lengths(vectors)
+        targets += goal.strength * (goal.targets - targets)
+        noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
+        frames = _Frames(start, np.minimum(start, 0.0), upper, vectors, targets, noise)
+        limit = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
+        change, lengths = self._search(frames, limit, passed=False)
+        # Pressed lips can have passed each other: opening them begins with what seems to close
+        # them.
+        missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
+        if len(missed):
+            those = frames.at(missed)
+            other, there = self._search(those, limit, passed=True)
+            better = those.cost(there) < those.cost(lengths[missed])
+            change[missed[better]] = other[better]
+        # Rounding leaves weights such as -1e-17.
+        return np.clip(start + change, frames.lower, np.maximum(start, upper))
+
+    def _search(self, frames: _Frames, limit: float, passed: bool) -> tuple[Array, Array]:
         """The change of the channels (N, K), and the lengths (N, C) that it leads to.
 
         Args:
+            limit: how long the change may be, in standard deviations.
             passed: begin as if each pair of vertices had passed each other.
         """
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
@@ -159,7 +118,7 @@ class _Solver:
             old, held = change[active], frozen[active]
             slopes, wanted = self._linear(these, vectors[active], old, passed and iteration == 0)
             aim = self._step(slopes, wanted, these.noise, old, held)
-            aim *= self._shortening(aim)
+            aim *= self._shortening(aim, limit)
             allowed = these.bounded(aim, self._coupled)
             stopped = held | (np.abs(allowed - aim) > 1e-9)
             new, vectors[active], costs[active] = self._line_search(
@@ -206,12 +165,9 @@ class _Solver:
         moved: Array = (solved.transpose(0, 2, 1) @ spread)[:, 0]
         return np.where(frozen, held, moved)
 
-    def _shortening(self, change: Array) -> Array | float:
-        """(N, 1) factor that keeps each frame's change within the natural length."""
-        if self._naturalness <= 0:
-            return 1.0
+    def _shortening(self, change: Array, limit: float) -> Array:
+        """(N, 1) factor that keeps each frame's change within a length."""
         length = np.sqrt(((change @ self._precision) * change).sum(axis=1))
-        limit = NATURAL_LENGTH / self._naturalness
         factor: Array = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
         return factor
 
@@ -239,3 +195,41 @@ class _Solver:
             new[worse] = old[worse] + step * (new[worse] - old[worse])
             moved[worse], reached[worse] = trials[best], tried[best]
         return new, moved, reached
+
+
+@dataclass(frozen=True)
+class _Frames:
+    """What is given of N frames.
+
+    Attributes:
+        start, lower, upper: (N, K) weights, and between what they may go.
+        vectors: (N, C, 3) mm.
+        targets: (N, C) mm.
+        noise: (N, C) mm²: how exactly each target is to be met.
+    """
+
+    start: Array
+    lower: Array
+    upper: Array
+    vectors: Array
+    targets: Array
+    noise: Array
+
+    def at(self, rows: NDArray[np.intp]) -> _Frames:
+        """Some of the frames."""
+        arrays = (self.start, self.lower, self.upper, self.vectors, self.targets, self.noise)
+        return _Frames(*(array[rows] for array in arrays))
+
+    def bounded(self, change: Array, coupled: tuple[int, int] | None) -> Array:
+        """The nearest allowed change."""
+        inside = np.minimum(np.maximum(self.start + change, self.lower), self.upper)
+        if coupled is not None:
+            a, b = coupled
+            slack = np.maximum(self.start[:, a] - self.start[:, b], 0.0)
+            inside[:, a] = np.minimum(inside[:, a], inside[:, b] + slack)
+        return inside - self.start
+
+    def cost(self, lengths: Array) -> Array:
+        """How far lengths (..., N, C) are from the targets: (..., N)."""
+        costs: Array = ((self.targets - lengths) ** 2 / self.noise).sum(axis=-1)
+        return costs

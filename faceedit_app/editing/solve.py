@@ -23,7 +23,7 @@ from faceedit_app.editing.answers import Answers
 from faceedit_app.editing.chunks import Chunks, Piece
 from faceedit_app.editing.companions import Companions
 from faceedit_app.editing.edit import Edit
-from faceedit_app.editing.reach import Goal, reach
+from faceedit_app.editing.reach import Goal, Reach
 from faceedit_app.editing.request import Request, region_influence, request
 from faceedit_app.editing.settings import Mode, Settings
 
@@ -171,24 +171,17 @@ class Solver:
     ) -> None:
         """Bring the region's own controls the rest of the way to what was asked."""
         where = np.flatnonzero(mine.hold[:, part.own].any(axis=1))
-        if not len(where) or not len(part.have) or settings.reach == 0:
+        if not len(where) or part.reach is None or settings.reach == 0:
             return
         columns = part.columns[part.have]
         hold = mine.hold[np.ix_(where, part.own)]
         asked = hold > 0
         strength = np.where(asked, hold, hold.max(axis=1, keepdims=True))
-        old = weights[np.ix_(where, columns)]
+        here = weights[where]
         influence = region_influence(mine, part.region.controls)[where]
-        weights[np.ix_(where, columns)] = reach(
-            part.distances,
-            weights[where],
-            columns,
-            Goal(wanted[np.ix_(where, part.own)], settings.reach * strength, asked),
-            part.covariance[np.ix_(part.have, part.have)],
-            _upper(old, influence),
-            part.coupled,
-            settings.naturalness,
-        )
+        goal = Goal(wanted[np.ix_(where, part.own)], settings.reach * strength, asked)
+        upper = _upper(here[:, columns], influence)
+        weights[np.ix_(where, columns)] = part.reach(here, goal, upper, settings.naturalness)
 
 
 class _Part:
@@ -199,9 +192,7 @@ class _Part:
         columns: (K,) its channels among the 52.
         have: positions of the channels that may change: the source has a column for them.
         own: positions of the controls that are its own; the brows have none, they move no control.
-        distances: those controls.
-        covariance: (K, K) how its channels vary together.
-        coupled: positions in `have` of mouthClose and jawOpen.
+        reach: brings its own controls to a goal, where it has any and may change anything.
     """
 
     def __init__(
@@ -213,20 +204,24 @@ class _Part:
         self.columns = np.array([ARKIT_INDEX[c] for c in region.channels], np.intp)
         self.have = np.array([i for i, c in enumerate(region.channels) if c in may], np.intp)
         self.own = np.array([i for i, c in enumerate(CONTROLS) if c.region == region.id], np.intp)
-        self.distances = distances.select(self.own)
-        self.covariance = (
+        self._covariance = (
             self._model.covariance if self._model else 0.04 * np.eye(len(region.channels))
         )
         names = [region.channels[i] for i in self.have]
         both = {"mouthClose", "jawOpen"} <= set(names)
-        self.coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
+        coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
+        self.reach: Reach | None = None
+        if len(self.own) and len(self.have):
+            mine, covariance = distances.select(self.own), self._covariance
+            covariance = covariance[np.ix_(self.have, self.have)]
+            self.reach = Reach(mine, self.columns[self.have], covariance, coupled)
 
     def control_covariance(self) -> Array:
         """(C, C) mm² how the region's controls vary together, linearised at rest."""
         rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
         mine = self._all.select([CONTROL_INDEX[c] for c in self.region.controls])
         slopes = mine.jacobian(rest)[1][0][:, self.columns].astype(np.float64)
-        covariance: Array = slopes @ self.covariance @ slopes.T
+        covariance: Array = slopes @ self._covariance @ slopes.T
         return covariance
 
     def limits(self) -> tuple[Array, Array]:
