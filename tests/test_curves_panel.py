@@ -18,6 +18,7 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.tooling import Tool
 
 NONE, SHIFT, CTRL = (
     Qt.KeyboardModifier.NoModifier,
@@ -213,15 +214,59 @@ def test_inside_the_selection_a_drag_moves_all_of_it(panel: CurvesPanel) -> None
     assert session.edits[1].start == session.edits[1].end == pytest.approx(3.0, abs=0.02)
 
 
-def test_the_value_axis_keeps_still_in_a_drag_and_makes_room_after_it(panel: CurvesPanel) -> None:
+def test_the_value_axis_stretches_with_the_curve_and_gives_back(
+    panel: CurvesPanel, qtbot: QtBot
+) -> None:
+    """The curve is never lost above the plot, and stays under a hand that is inside it."""
     plot, session = panel.plots[0], session_of(panel)
+    span, per_pixel = plot.span, plot.current_scale.mm_per_pixel
+    frame = int(session.tracked[:, 0].argmin())
+    start = place(plot, float(session.take.clip.times[frame]))
+    drag(plot.viewport(), start, start + QPoint(0, -10), release=False, pause=20)
+    assert plot.span == span
+
+    def go_to(pixels: int) -> None:
+        move_with(plot.viewport(), start + QPoint(0, -pixels), NONE)
+        wanted = float(session.tracked[frame, 0]) + pixels * per_pixel
+        qtbot.waitUntil(lambda: session.asked[frame, 0] == pytest.approx(wanted))
+
+    before = span[1]
+    for pixels in range(40, 301, 20):
+        go_to(pixels)
+        asked = float(session.asked[frame, 0])
+        assert 0 < plot.current_scale.y_of(asked) < plot.viewport().height()
+        assert plot.span[1] >= before
+        before = plot.span[1]
+    assert before > span[1] + 10 * per_pixel
+    go_to(10)
+    assert plot.span == span
+    go_to(300)
+    stretched = plot.span
+    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(0, -300))
+    assert plot.span == pytest.approx(stretched, abs=2 * per_pixel)  # no jump at the end
+    assert plot.span[1] > float(session.asked[:, 0].max())
+
+
+def test_a_dropped_drag_leaves_the_value_axis_as_it_was(panel: CurvesPanel) -> None:
+    plot = panel.plots[0]
     span = plot.span
     start = place(plot, 1.5)
-    stop = start + QPoint(0, -300)
-    drag(plot.viewport(), start, stop, release=False, pause=20)
+    drag(plot.viewport(), start, start + QPoint(0, -300), release=False, pause=20)
+    assert plot.span[1] > span[1]
+    QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert plot.span == span
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, stop)
-    assert plot.span[1] > float(session.asked[:, 0].max())
+    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(0, -300))
+
+
+def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> None:
+    plot = panel.plots[0]
+    span = plot.span
+    panel.tooling.choose(Tool.DRAW)
+    start = place(plot, 1.5)
+    drag(plot.viewport(), start, start + QPoint(20, -300), release=False, pause=20)
+    assert panel.is_dragging
+    assert plot.span == span
+    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(20, -300))
 
 
 def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:

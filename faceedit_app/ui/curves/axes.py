@@ -95,6 +95,19 @@ def grown_span(span: Span, low: float, high: float) -> Span:
     return first, last
 
 
+def held_span(span: Span, value: float) -> Span:
+    """`span`, stretched as far as shows a dragged value with a margin, and no further.
+
+    It starts where the value comes near the edge, and gives back all as the value comes back: a
+    curve moves steadily under the hand, and never jumps.
+    """
+    margin = 0.5 * MARGIN
+    first, last = span
+    last = max(last, (value - margin * first) / (1.0 - margin))
+    first = min(first, (value - margin * last) / (1.0 - margin))
+    return first, last
+
+
 def zoomed_span(span: Span, factor: float, around: float) -> Span:
     """Scale a value axis; `around` stays where it is. Between 0.2 mm and 1 m are visible."""
     width = span[1] - span[0]

@@ -104,7 +104,7 @@ class CurveDrag(VerticalDrag):
         hold: first and last second of the edit's full strength.
         press: pixels of the press.
         at: pixels of the pointer now.
-        mm_per_pixel: fixed at the press: the axis does not change under the hand.
+        mm_per_pixel: fixed at the press: the hand counts alike while an axis stretches.
         others: ids of the curves that move along.
         magnets: millimetres of moving at which it snaps: back on the tracked curve, touching.
         value: millimetres moved so far, by the hand.

@@ -11,9 +11,16 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QStackedWidget, 
 from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, CONTROLS
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.axes import LEAST_SHARE, SMALLEST_SPAN, fitted_span, grown_span
+from faceedit_app.ui.curves.axes import (
+    LEAST_SHARE,
+    SMALLEST_SPAN,
+    Span,
+    fitted_span,
+    grown_span,
+    held_span,
+)
 from faceedit_app.ui.curves.band import BandMouse
-from faceedit_app.ui.curves.gestures import brush_at
+from faceedit_app.ui.curves.gestures import CurveDrag, brush_at
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
@@ -23,6 +30,7 @@ from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.range_fields import RangeFields
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.curves.sight import Sight
+from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.timeline import Timeline
 from faceedit_app.ui.tooling import Tool, Tooling
 
@@ -67,6 +75,7 @@ class CurvesPanel(QWidget):
         self._width = 0.0  # seconds in view
         self._sight: Sight | None = None
         self._columns = 0  # of pixels
+        self._resting: tuple[Span, ...] = ()  # value axes as they were before the drag
         self._band = BandMouse(timeline, self)
         self._mouse = Interaction(timeline, self.tooling, self._band, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
@@ -280,11 +289,33 @@ class CurvesPanel(QWidget):
 
     def _make_room(self) -> None:
         """Extend value axes that a visible curve has left, unless the user chose them."""
-        if self._sight is None or self.is_dragging:
+        if self._sight is None:
             return
+        if self.is_dragging:
+            self._follow_hand()
+            return
+        resting, self._resting = self._resting, ()
         for index, plot in enumerate(self.plots):
-            if not plot.span_chosen:
-                plot.show_span(grown_span(plot.span, *self._sight.extent(index)))
+            if plot.span_chosen:
+                continue
+            low, high = self._sight.extent(index)
+            if resting and resting[index][0] <= low and high <= resting[index][1]:
+                plot.show_span(resting[index])  # the drag was dropped
+            plot.show_span(grown_span(plot.span, low, high))
+
+    def _follow_hand(self) -> None:
+        """Keep in sight what is dragged up or down; while it is inside, axes stay as they are.
+
+        Tools that paint stand where the pointer is: under them an axis never changes.
+        """
+        session, drag = self.session, self._mouse.drag
+        if session is None or not isinstance(drag, CurveDrag | ScaleDrag):
+            return
+        self._resting = self._resting or tuple(plot.span for plot in self.plots)
+        frame = session.take.clip.frame_at(drag.time)
+        for index, (plot, span) in enumerate(zip(self.plots, self._resting, strict=True)):
+            if plot.control.id in drag.controls and not plot.span_chosen:
+                plot.show_span(held_span(span, float(session.asked[frame, index])))
 
     def _show_state(self) -> None:
         """Playhead, bands, handle, values and hint."""
