@@ -15,7 +15,8 @@ from faceedit_app.core.clip import Gap
 from faceedit_app.core.regions import CONTROLS
 from faceedit_app.editing.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
-from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves import CurvesPanel, style
+from faceedit_app.ui.curves.header import Layout
 from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.timeline import Timeline
 from faceedit_app.ui.tooling import Tool
@@ -378,6 +379,16 @@ def test_names_do_not_hop_when_there_is_more_to_say(panel: CurvesPanel) -> None:
     bare = name()
     header.show_value("44.2 mm", "tracked 45.6")
     assert name() == bare
+
+
+def test_names_stand_alike_in_rows_that_differ_by_a_pixel(panel: CurvesPanel) -> None:
+    """A height that eight rows share leaves some of them a pixel more."""
+    header = panel.headers[1]
+    tops = set()
+    for height in range(style.ROW_HEIGHT, style.ROW_HEIGHT + 6):
+        header.setFixedHeight(height)
+        tops.add(round(Layout.of(header, "Mouth width").name.top()))
+    assert max(tops) - min(tops) <= 2
 
 
 def test_what_reads_the_same_is_not_said_twice(panel: CurvesPanel) -> None:

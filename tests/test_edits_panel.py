@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QRectF, Qt
+from PySide6.QtCore import QPoint, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit
+from PySide6.QtWidgets import QApplication, QLineEdit, QStyle, QStyleOptionViewItem
 from test_curves_panel import drag, turn
 from windows import Bench, drag_curve
 
@@ -15,6 +16,7 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.edits_delegate import cells
 from faceedit_app.ui.edits_model import columns
 from faceedit_app.ui.edits_panel import EditsPanel
+from faceedit_app.ui.palette import ACCENT_DEEP, BACKGROUND
 from faceedit_app.ui.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
@@ -179,6 +181,21 @@ def test_a_name_that_says_its_curve_has_room_to_say_how_much(window: MainWindow)
     (_, named), *more = cells(row, "mine", *columns(edit))
     assert len(more) == len(others) + 1
     assert named.right() < min(place.left() for _, place in more)
+
+
+def test_a_row_between_two_pixels_leaves_no_line_behind(window: MainWindow) -> None:
+    """At 150 % every other row begins in the middle of a pixel."""
+    panel = panel_of(window)
+    picture = QImage(300, 120, QImage.Format.Format_RGB32)
+    picture.setDevicePixelRatio(1.5)
+    picture.fill(QColor(BACKGROUND))
+    option = QStyleOptionViewItem()
+    option.rect = QRect(0, 25, 200, 25)
+    option.state |= QStyle.StateFlag.State_Selected
+    with QPainter(picture) as painter:
+        panel.list.itemDelegate().paint(painter, option, panel.model.index(0))
+    colors = {picture.pixelColor(4, y).name() for y in range(picture.height())}
+    assert colors == {BACKGROUND, ACCENT_DEEP}
 
 
 def test_order_by_keys_and_by_dropping(window: MainWindow) -> None:

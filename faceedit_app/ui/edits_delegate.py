@@ -50,11 +50,12 @@ class EditsDelegate(QStyledItemDelegate):
         edit = index.data(Qt.ItemDataRole.UserRole)
         rect, state = QRectF(option.rect), option.state
         painter.save()
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if state & QStyle.StateFlag.State_Selected:
             painter.fillRect(rect, QColor(ACCENT_DEEP))
         elif state & QStyle.StateFlag.State_MouseOver:
             painter.fillRect(rect, QColor(HOVER))
+        # Only now: rows that end between two pixels of the screen would leave a line behind.
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if state & QStyle.StateFlag.State_HasFocus:
             painter.setPen(QPen(QColor(ACCENT), 1))
             painter.drawRect(rect.adjusted(0.5, 0.5, -0.5, -0.5))

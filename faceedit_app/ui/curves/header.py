@@ -16,6 +16,7 @@ from faceedit_app.ui.curves.backdrop import Backdrop
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
 _AXIS = 38  # pixels for the numbers
+_LEADING = 3  # pixels that lines may lack: rows differ by one, and should all look alike
 _FLAGS = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
 
 
@@ -45,7 +46,7 @@ class Layout:
         metrics = QFontMetricsF(name)
         name_height = metrics.boundingRect(room, _FLAGS, label).height()
         text_height = name_height + QFontMetricsF(value).height()
-        with_note = text_height + metrics.height() <= height
+        with_note = text_height + metrics.height() <= height + _LEADING
         whole = text_height + (metrics.height() if with_note else 0.0)
         top = max(0.5 * (height - whole), 0.0)
         tops = (top, top + name_height, top + text_height)
