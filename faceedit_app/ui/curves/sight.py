@@ -42,7 +42,7 @@ class Sight:
         self._curves = session.tracked.shape[1]
         self.low, self.high = session.tracked.min(axis=0), session.tracked.max(axis=0)
         self._envelope: Envelope | None = None
-        self.look((0.0, 1.0), 1)
+        self.look((0.0, 0.0), 1)
 
     def look(self, view: Span, columns: int) -> None:
         """Say what is in view.
