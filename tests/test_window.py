@@ -221,3 +221,15 @@ def test_the_first_window_fits_on_the_screen_with_its_title_bar(bench: Bench) ->
     room = window.screen().availableGeometry()
     assert 600 <= window.height() < room.height()
     assert window.width() <= max(room.width(), window.minimumWidth())
+
+
+def test_in_a_narrow_window_a_count_ends_in_dots_not_in_half_a_letter(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    label = window.editor.strip.edits
+    drag_curve(window, 0, 1.0, 20)
+    window.resize(1600, 720)
+    assert label.shown == label.text()
+    window.resize(1080, 660)
+    bench.qtbot.waitUntil(lambda: label.shown.endswith("…"))
+    assert label.toolTip() == label.text()

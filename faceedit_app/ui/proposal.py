@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy
+from PySide6.QtWidgets import QFrame, QHBoxLayout
 
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.theme import GAP, MARGIN
-from faceedit_app.ui.widgets import icon_button
+from faceedit_app.ui.widgets import Elided, icon_button
 
 if TYPE_CHECKING:
     from faceedit_app.editing.edit import Edit
@@ -25,9 +24,7 @@ class ProposalBar(QFrame):
         self._actions, self._document = actions, document
         self._showing = False  # what is previewed now is ours
         self.setObjectName("proposal")
-        self.text = QLabel()
-        self.text.setTextFormat(Qt.TextFormat.PlainText)
-        self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.text = Elided()
         row = QHBoxLayout(self)
         row.setContentsMargins(MARGIN, 4, MARGIN, 4)
         row.setSpacing(GAP // 2)

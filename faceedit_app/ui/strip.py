@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtWidgets import QWidget
 
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.actions import Actions
 from faceedit_app.ui.document import Document
 from faceedit_app.ui.setting_slider import SettingSlider
 from faceedit_app.ui.theme import GAP
-from faceedit_app.ui.widgets import bar_row, caption, divider, icon_button, segments
+from faceedit_app.ui.widgets import Elided, bar_row, caption, divider, icon_button, segments
 
 PRESERVE_TIP = (
     "Preserve the take: only what your edits reach changes,\n"
@@ -43,9 +43,8 @@ class SettingsStrip(QWidget):
         )
         self.natural, self.reach = (slider.slider for slider in self.sliders)
         self.percent = self.sliders[0].percent
-        self.edits = caption("")
-        # In a narrow window it is cut off rather than the window widened.
-        self.edits.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.edits = Elided()
+        self.edits.setObjectName("caption")
         self._lay_out()
         document.opened.connect(self.sync)
         document.changed.connect(self.sync)

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QAction, QColor, QKeyEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QComboBox, QFrame, QHBoxLayout, QLabel, QToolButton, QWidget
+from PySide6.QtWidgets import (
+    QComboBox,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QSizePolicy,
+    QToolButton,
+    QWidget,
+)
 
 from faceedit_app.ui.drawings import GRID
 from faceedit_app.ui.palette import FAINT, TEXT
@@ -48,6 +56,32 @@ class Choice(QComboBox):
         painter.drawPolyline(
             [QPointF(x - 3.5, y - 1.75), QPointF(x, y + 1.75), QPointF(x + 3.5, y - 1.75)]
         )
+
+
+class Elided(QLabel):
+    """A line of text that ends in dots where there is no room for all of it.
+
+    It never widens the window; the tooltip has the whole line.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+
+    @property
+    def shown(self) -> str:
+        """What can be read of it."""
+        room = self.contentsRect().width()
+        return self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Write it, in the style sheet's colour."""
+        with QPainter(self) as painter:
+            align = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+            role, look = self.foregroundRole(), self.palette()
+            place, enabled = self.contentsRect(), self.isEnabled()
+            self.style().drawItemText(painter, place, align, look, enabled, self.shown, role)
 
 
 def segments(*choices: tuple[QAction, str]) -> QWidget:
