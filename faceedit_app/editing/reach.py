@@ -110,29 +110,29 @@ class Reach:
             limit: how long the change may be, in standard deviations.
             passed: begin as if each pair of vertices had passed each other.
         """
+        found, there = np.empty_like(frames.start), np.empty_like(frames.vectors)
+        rows: slice | NDArray[np.intp] = slice(None)  # of the frames that are not done yet
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
-        vectors, active = frames.vectors.copy(), np.arange(len(change))
-        costs = frames.cost(self._lengths(vectors))
-        these = frames
+        vectors, costs = frames.vectors, frames.cost(self._lengths(frames.vectors))
         for iteration in range(ITERATIONS):
-            old, held = change[active], frozen[active]
-            slopes, wanted = self._linear(these, vectors[active], old, passed and iteration == 0)
-            aim = self._step(slopes, wanted, these.noise, old, held)
+            slopes, wanted = self._linear(frames, vectors, change, passed and iteration == 0)
+            aim = self._step(slopes, wanted, frames.noise, change, frozen)
             aim *= self._shortening(aim, limit)
-            allowed = these.bounded(aim, self._coupled)
-            stopped = held | (np.abs(allowed - aim) > 1e-9)
-            new, vectors[active], costs[active] = self._line_search(
-                these, vectors[active], costs[active], old, allowed
-            )
-            change[active], frozen[active] = new, stopped
-            moving = (np.abs(new - old) > SETTLED) | (stopped != held)
-            going = moving.any(axis=1) & (costs[active] > MET)
+            allowed = frames.bounded(aim, self._coupled)
+            stopped = frozen | (np.abs(allowed - aim) > 1e-9)
+            new, vectors, costs = self._line_search(frames, vectors, costs, change, allowed)
+            found[rows], there[rows] = new, vectors
+            moving = (np.abs(new - change) > SETTLED) | (stopped != frozen)
+            going = moving.any(axis=1) & (costs > MET)
+            change, frozen = new, stopped
             if not going.any():
                 break
             if not going.all():
-                active = active[going]
-                these = frames.at(active)
-        return change, self._lengths(vectors)
+                rows = np.arange(len(found))[rows][going]
+                frames = frames.at(going)
+                change, frozen = change[going], frozen[going]
+                vectors, costs = vectors[going], costs[going]
+        return found, self._lengths(there)
 
     def _lengths(self, vectors: Array) -> Array:
         """(..., C) mm; pairs that have passed each other touch."""
@@ -215,7 +215,7 @@ class _Frames:
     targets: Array
     noise: Array
 
-    def at(self, rows: NDArray[np.intp]) -> _Frames:
+    def at(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> _Frames:
         """Some of the frames."""
         arrays = (self.start, self.lower, self.upper, self.vectors, self.targets, self.noise)
         return _Frames(*(array[rows] for array in arrays))
