@@ -270,6 +270,23 @@ def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> Non
     QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(20, -300))
 
 
+@pytest.mark.parametrize("tool", [Tool.DRAW, Tool.SMOOTH, Tool.FLATTEN, Tool.RESTORE])
+def test_the_face_follows_a_pen_and_a_brush(panel: CurvesPanel, qtbot: QtBot, tool: Tool) -> None:
+    """And Esc puts the playhead back where it was."""
+    plot, line = panel.plots[0], panel.timeline
+    panel.tooling.choose(tool)
+    line.go_to_frame(3)
+    start, stop = place(plot, 1.5), place(plot, 2.5)
+    drag(plot.viewport(), start, stop, release=False, pause=20)
+    qtbot.waitUntil(lambda: line.time == pytest.approx(2.5, abs=0.05))
+    handle = plot._handle
+    assert handle is not None
+    assert handle.time == line.time
+    QTest.keyClick(plot, Qt.Key.Key_Escape)
+    assert line.frame == 3
+    QTest.mouseRelease(plot.viewport(), LEFT, NONE, stop)
+
+
 def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:
     plot = panel.plots[3]
     QTest.mouseClick(plot.viewport(), LEFT, NONE, place(plot, 2.5))

@@ -72,6 +72,7 @@ class Interaction(QObject):
         self._pan: Pan | None = None
         self._pointer = QPointF()
         self._came_from = 0  # the playhead's frame before the drag
+        self._shown = 0.0  # seconds where the drag has put it
         self._last_preview = 0.0
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
@@ -89,7 +90,7 @@ class Interaction(QObject):
     def hover_time(self) -> float | None:
         """Seconds of the frame under the pointer, or of the one that is dragged."""
         if self.drag is not None:
-            return self.drag.time
+            return self._timeline.snap(self.drag.time)
         if self.plot is None or self.session is None or self._pan or self._band.is_dragging:
             return None
         return self._timeline.snap(self.plot.current_scale.time_at(self._pointer.x()))
@@ -305,7 +306,8 @@ class Interaction(QObject):
         """The face beside the curves must show the frame that is being changed."""
         assert self.drag is not None
         self._came_from = self._timeline.frame
-        self._timeline.go_to_time(self.drag.time)
+        self._shown = self.drag.time
+        self._timeline.go_to_time(self._shown)
 
     def _edit(self) -> Edit | None:
         assert self.drag is not None
@@ -341,6 +343,9 @@ class Interaction(QObject):
 
     def _preview(self) -> None:
         if self.drag is not None and self.session is not None:
+            if self.drag.time != self._shown:  # a pen or brush went on
+                self._shown = self.drag.time
+                self._timeline.go_to_time(self._shown)
             self.session.preview(self._edit())
             self._last_preview = monotonic()
             self.previewed.emit()

@@ -111,7 +111,7 @@ class PaintDrag(Held):
         op: what it does there.
         value: how strongly, see `Op`.
         controls: ids of the curves.
-        time: seconds of the frame under the press.
+        time: seconds under the pointer; in a selection those of the press.
         hold: first and last second painted so far.
         scale: of the plot at the press.
         selected: it acts on the selection, wherever the pointer goes.
@@ -132,7 +132,8 @@ class PaintDrag(Held):
         if self.selected:
             return self
         seconds = self.scale.time_at(min(max(x, 0.0), self.scale.width))
-        return replace(self, hold=(min(self.hold[0], seconds), max(self.hold[1], seconds)))
+        hold = min(self.hold[0], seconds), max(self.hold[1], seconds)
+        return replace(self, time=seconds, hold=hold)
 
     @property
     def words(self) -> str:
@@ -156,7 +157,7 @@ class DrawDrag:
 
     Attributes:
         controls: ids of the curves.
-        time: seconds of the frame under the press.
+        time: seconds under the pointer.
         scale: of the plot at the press.
         at: seconds and millimetres of the pointer now.
         points: what was drawn, in order of time.
@@ -181,7 +182,7 @@ class DrawDrag:
         kept = [p for p in self.points if not first - 0.5 * step <= p[0] <= last + 0.5 * step]
         new = [now] if abs(now[0] - self.at[0]) < 0.5 * step else [self.at, now]
         points = tuple(sorted([*kept, *new]))
-        return replace(self, at=now, points=points, moving=True)
+        return replace(self, time=now[0], at=now, points=points, moving=True)
 
     @property
     def is_click(self) -> bool:
