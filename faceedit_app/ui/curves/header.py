@@ -16,7 +16,8 @@ from faceedit_app.ui.curves.backdrop import Backdrop
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
 _AXIS = 38  # pixels for the numbers
-_LEADING = 3  # pixels that lines may lack: rows differ by one, and should all look alike
+# Pixels that three lines may move together: rows differ by a pixel, and should all look alike.
+_SQUEEZE = 6.0
 _FLAGS = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
 
 
@@ -46,10 +47,11 @@ class Layout:
         metrics = QFontMetricsF(name)
         name_height = metrics.boundingRect(room, _FLAGS, label).height()
         text_height = name_height + QFontMetricsF(value).height()
-        with_note = text_height + metrics.height() <= height + _LEADING
+        with_note = text_height + metrics.height() <= height + _SQUEEZE
         whole = text_height + (metrics.height() if with_note else 0.0)
         top = max(0.5 * (height - whole), 0.0)
-        tops = (top, top + name_height, top + text_height)
+        closer = min(max(whole - height, 0.0), _SQUEEZE) / (2.0 if with_note else 1.0)
+        tops = (top, top + name_height - closer, top + text_height - 2.0 * closer)
         places = [room.translated(0, y) for y in tops]
         return cls(name, value, places[0], places[1], places[2] if with_note else None)
 

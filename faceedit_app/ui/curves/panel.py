@@ -304,7 +304,7 @@ class CurvesPanel(QWidget):
             plot.show_span(grown_span(plot.span, low, high))
 
     def _follow_hand(self) -> None:
-        """Keep in sight what is dragged up or down; while it is inside, axes stay as they are.
+        """Keep in sight what a drag moves up or down; while it is inside, axes stay as they are.
 
         Tools that paint stand where the pointer is: under them an axis never changes.
         """
@@ -314,8 +314,12 @@ class CurvesPanel(QWidget):
         self._resting = self._resting or tuple(plot.span for plot in self.plots)
         frame = session.take.clip.frame_at(drag.time)
         for index, (plot, span) in enumerate(zip(self.plots, self._resting, strict=True)):
-            if plot.control.id in drag.controls and not plot.span_chosen:
-                plot.show_span(held_span(span, float(session.asked[frame, index])))
+            if plot.span_chosen:
+                continue
+            span = held_span(span, float(session.asked[frame, index]))
+            if plot is not self._mouse.plot:  # no hand is there that must not lose its curve
+                span = held_span(span, float(session.achieved[frame, index]))
+            plot.show_span(span)
 
     def _show_state(self) -> None:
         """Playhead, bands, handle, values and hint."""
