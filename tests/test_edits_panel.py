@@ -198,6 +198,11 @@ def test_a_row_between_two_pixels_leaves_no_line_behind(window: MainWindow) -> N
     assert colors == {BACKGROUND, ACCENT_DEEP}
 
 
+def test_no_edit_is_said_to_begin_before_the_take() -> None:
+    edit = Edit(("mouth_opening",), Op.OFFSET, -0.03, 0.03, 0.1, 4.0)
+    assert columns(edit)[0] == "0.00 – 0.03 s"
+
+
 def test_order_by_keys_and_by_dropping(window: MainWindow) -> None:
     panel, model = panel_of(window), panel_of(window).model
     click(panel, 0)
@@ -209,6 +214,8 @@ def test_order_by_keys_and_by_dropping(window: MainWindow) -> None:
     data = model.mimeData([model.index(0)])
     model.dropMimeData(data, Qt.DropAction.MoveAction, 3, 0, model.index(-1))
     assert names(window) == ["second", "third", "first"]
+    assert panel.rows == [2]  # what was moved is what comes next in hand
+    assert window.timeline.selection == pytest.approx((0.5, 0.8))
     window.actions_["undo"].trigger()
     assert names(window) == list(NAMES)
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import QAbstractListModel, QMimeData, QModelIndex, QPersistentModelIndex, Qt
+from PySide6.QtCore import (
+    QAbstractListModel,
+    QMimeData,
+    QModelIndex,
+    QPersistentModelIndex,
+    Qt,
+    Signal,
+)
 
 from faceedit_app.ui.document import Document
 
@@ -18,7 +25,13 @@ _ROOT = QModelIndex()
 
 
 class EditsModel(QAbstractListModel):
-    """Rows are the session's edits, the first that was made on top."""
+    """Rows are the session's edits, the first that was made on top.
+
+    Signals:
+        bringing(int): an edit is about to be moved to a row.
+    """
+
+    bringing = Signal(int)
 
     def __init__(self, document: Document) -> None:
         super().__init__(document)
@@ -116,6 +129,7 @@ class EditsModel(QAbstractListModel):
         """Move an edit to another row."""
         to = min(max(to, 0), len(self.edits) - 1)
         if row != to:
+            self.bringing.emit(to)
             self._document.act(lambda session: session.move(row, to))
 
 
@@ -123,7 +137,7 @@ def columns(edit: Edit) -> tuple[str, str, str]:
     """When it acts, on what, and how strongly."""
     from faceedit_app.editing.describe import describe_controls
 
-    start, end = f"{edit.start:.2f}", f"{edit.end:.2f}"
+    start, end = (f"{max(seconds, 0.0):.2f}" for seconds in (edit.start, edit.end))
     return (
         f"{start} s" if start == end else f"{start} – {end} s",
         describe_controls(edit.controls),

@@ -54,6 +54,7 @@ class EditsPanel(QWidget):
         self._pages = QStackedWidget()
         self._showing = False  # our own selection of the range, not the user's
         self._strengthening = False  # what floats is the slider's
+        self._brought: int | None = None  # row to which the selected edit is being moved
         self.is_tied = False  # the range on the curves is the selected edit's
         self._own_falloffs: tuple[float, float] | None = None  # the user's, while it is tied
         self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
@@ -65,6 +66,7 @@ class EditsPanel(QWidget):
         selection.selectionChanged.connect(self._sync)
         timeline.selection_changed.connect(self._other_range)
         timeline.falloff_changed.connect(self._other_falloff)
+        self.model.bringing.connect(self._bring)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
         self.refresh()
@@ -176,6 +178,8 @@ class EditsPanel(QWidget):
     def refresh(self) -> None:
         """Show the list as it is now; a new edit is not selected, a changed one stays so."""
         row, rows = self.current, self.rows
+        if self._brought is not None:  # who moves an edit goes on with that edit
+            row, rows, self._brought = self._brought, [self._brought], None
         focus = QApplication.focusWidget()
         typed = focus is not None and self.list.viewport().isAncestorOf(focus)
         with QSignalBlocker(self.list.selectionModel()):
@@ -317,9 +321,9 @@ class EditsPanel(QWidget):
         row = self.current
         if row is not None and 0 <= row + by < len(self.model.edits):
             self.model.bring(row, row + by)
-            with QSignalBlocker(self.list.selectionModel()):
-                self.list.setCurrentIndex(self.model.index(row + by))
-            self.list.viewport().update()
+
+    def _bring(self, row: int) -> None:
+        self._brought = row
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """What can be done with the edit under the pointer."""
