@@ -101,8 +101,9 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         """Strip pyqtgraph's plot to its view, and put the three lines in it."""
         item = self.getPlotItem()
         item.layout.setContentsMargins(0, 0, 0, 0)
-        item.hideAxis("left")
-        item.hideAxis("bottom")
+        for side in ("left", "bottom", "right", "top"):
+            item.hideAxis(side)
+            item.getAxis(side).unlinkFromView()  # hidden, it would still typeset its label
         item.hideButtons()
         item.setMenuEnabled(False)
         item.disableAutoRange()
