@@ -1,4 +1,4 @@
-"""Writes the pictures of docs/guide.md, and docs/shortcuts.md, from the real window.
+"""Writes the pictures of README.md and docs/guide.md, and docs/shortcuts.md, from the real window.
 
     python docs/make_screenshots.py
 
@@ -15,7 +15,9 @@ from pathlib import Path
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-from PySide6.QtCore import QPoint, QSettings, Qt
+from PIL import Image
+from PySide6.QtCore import QPoint, QPointF, QSettings, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
@@ -29,6 +31,10 @@ DOCS = Path(__file__).parent
 PICTURES = DOCS / "images"
 SIZE = (1440, 900)
 LEFT = Qt.MouseButton.LeftButton
+FILM_SIZE = (1080, 660)  # of the window
+FILM_WIDTH = 900  # pixels
+FRAME_MS = 80
+POINTER = ((0, 0), (0, 18), (4, 14), (7, 20), (10, 19), (7, 13), (12, 13))
 
 
 def main() -> None:
@@ -45,6 +51,12 @@ def main() -> None:
         window.open_demo_now()
         walk(window)
         window.leave()
+        film = MainWindow(Store(settings))
+        film.resize(*FILM_SIZE)
+        film.show()
+        film.open_demo_now()
+        Film(film).shoot("drag")
+        film.leave()
 
 
 def walk(window: MainWindow) -> None:
@@ -91,6 +103,72 @@ def walk(window: MainWindow) -> None:
     picture(window, "guide_difference")
     do(window, "show_difference")
     do(window, "show_edited")
+
+
+class Film:
+    """One drag, as it is seen: the window with a pointer, frame by frame."""
+
+    def __init__(self, window: MainWindow) -> None:
+        self._window, self._frames = window, list[Image.Image]()
+        self._pointer = QPointF(0.62 * FILM_SIZE[0], 0.7 * FILM_SIZE[1])
+        self._lasts = list[int]()
+
+    def shoot(self, name: str) -> None:
+        """Press a curve, drag it up and somewhat back, let go, and take it back."""
+        window, editor = self._window, self._window.editor
+        assert editor is not None
+        wait(0.6)  # problems are looked for
+        window.timeline.show_range(4.2, 8.0)
+        window.timeline.set_falloff(0.25)
+        window.timeline.go_to_time(5.02)
+        wait(0.5)  # the face is drawn finely
+        plot = editor.curves.plots[0]
+        x = round(plot.current_scale.x_of(5.02))
+        start = QPoint(x, round(0.55 * plot.viewport().height()))
+        self._frame(400)
+        for share in (0.3, 0.6, 0.85, 1.0):
+            self._go(plot.viewport(), start, share)
+        QTest.mousePress(plot.viewport(), LEFT, pos=start)
+        heights = (3, 8, 15, 23, 32, 41, 49, 56, 61, 64, 64, 62, 58, 54, 51, 50, 50)
+        for height in heights:
+            self._go(plot.viewport(), start - QPoint(0, height), 1.0)
+        QTest.mouseRelease(plot.viewport(), LEFT, pos=start - QPoint(0, heights[-1]))
+        wait(0.4)
+        self._frame(600)
+        do(window, "undo")
+        wait(0.4)
+        self._frame(700)
+        path = PICTURES / f"{name}.webp"
+        first, *others = self._frames
+        first.save(
+            path, save_all=True, append_images=others, duration=self._lasts, loop=0, quality=72
+        )
+
+    def _go(self, widget: QWidget, to: QPoint, share: float) -> None:
+        """Bring the pointer a share of the way."""
+        aim = QPointF(widget.mapTo(self._window, to))
+        self._pointer += (aim - self._pointer) * share
+        QTest.mouseMove(widget, widget.mapFrom(self._window, self._pointer.toPoint()))
+        wait(0.06)
+        self._frame(FRAME_MS)
+
+    def _frame(self, lasts: int) -> None:
+        """The window as it is now; grabbed pictures have no pointer, so it is painted in."""
+        picture = self._window.grab().toImage()
+        with QPainter(picture) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.translate(self._pointer)
+            painter.setPen(QPen(QColor("black"), 1.4))
+            painter.setBrush(QColor("white"))
+            painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in POINTER]))
+        picture = picture.convertToFormat(QImage.Format.Format_RGB888)
+        size = (picture.width(), picture.height())
+        image = Image.frombytes(
+            "RGB", size, bytes(picture.constBits()), "raw", "RGB", picture.bytesPerLine()
+        )
+        height = round(FILM_WIDTH * size[1] / size[0])
+        self._frames.append(image.resize((FILM_WIDTH, height), Image.Resampling.LANCZOS))
+        self._lasts.append(lasts)
 
 
 def go_to(window: MainWindow, editor: Editor, kind: str) -> None:

@@ -6,6 +6,8 @@ import importlib.util
 import re
 from pathlib import Path
 
+import pytest
+
 DOCS = Path(__file__).parents[1] / "docs"
 
 
@@ -19,7 +21,8 @@ def test_the_list_of_shortcuts_is_that_of_the_table() -> None:
     assert written == module.shortcuts(), "run python docs/make_screenshots.py"
 
 
-def test_every_picture_and_page_of_the_guide_is_there() -> None:
-    text = (DOCS / "guide.md").read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)]+)\)", text):
-        assert (DOCS / target).is_file(), target
+@pytest.mark.parametrize("page", ["docs/guide.md", "README.md"])
+def test_every_picture_and_page_is_there(page: str) -> None:
+    path = DOCS.parent / page
+    for target in re.findall(r"\]\(([^)]+)\)", path.read_text(encoding="utf-8")):
+        assert (path.parent / target).exists(), target
