@@ -86,7 +86,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self._marks = paint.Marks()
         self._handle: Handle | None = None
         self._dot: float | None = None
-        self._backdrop = Backdrop(self.viewport())
+        self._bands, self._backdrop = Backdrop(self.viewport()), Backdrop(self.viewport())
         self.setObjectName(f"plot_{control.id}")
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
@@ -174,11 +174,15 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         item: a third of the time, to find the same three lines.
         """
         scale = self.current_scale
-        still = replace(self._marks, playhead=0.0)
+        # Bands stay as they are where a drag takes the value axis along; the grid does not.
+        still = replace(self._marks, playhead=0.0), self.view, self._is_active
         with QPainter(self.viewport()) as painter:
-            self._backdrop.paint(
-                painter, event.rect(), (scale, still, self._is_active), self._draw_backdrop
-            )
+
+            def draw_backdrop(inside: QPainter, rect: QRectF) -> None:
+                self._bands.paint(inside, rect.toRect(), still, self._draw_bands)
+                self._draw_grid(inside)
+
+            self._backdrop.paint(painter, event.rect(), (still, self.span), draw_backdrop)
             painter.setTransform(scale.transform)
             for curve in self._curves:
                 curve.paint(painter)
@@ -189,18 +193,21 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
     def _is_active(self) -> bool:
         return self.shows_focus or self._handle is not None
 
-    def _draw_backdrop(self, painter: QPainter, rect: QRectF) -> None:
+    def _draw_bands(self, painter: QPainter, rect: QRectF) -> None:
         scale = self.current_scale
         painter.fillRect(rect, style.color(style.PLOT_ACTIVE if self._is_active else style.PLOT))
-        painter.setPen(QPen(style.color(style.GRID), 0))
-        for tick in value_ticks(scale.span, scale.height, style.VALUE_SPACING):
-            y = round(scale.y_of(tick.at))
-            painter.drawLine(QPointF(0, y), QPointF(scale.width, y))
         if self._marks.selection is not None:
             paint.draw_selection(painter, scale, self._marks.selection)
         if self._marks.brush is not None:
             paint.draw_brush(painter, scale, self._marks.brush, self._marks.alpha)
         paint.draw_gaps(painter, scale, self._marks.gaps, alpha=90)
+
+    def _draw_grid(self, painter: QPainter) -> None:
+        scale = self.current_scale
+        painter.setPen(QPen(style.color(style.GRID), 0))
+        for tick in value_ticks(scale.span, scale.height, style.VALUE_SPACING):
+            y = round(scale.y_of(tick.at))
+            painter.drawLine(QPointF(0, y), QPointF(scale.width, y))
 
     def _draw_marks(self, painter: QPainter) -> None:
         scale, color = self.current_scale, style.REGION_COLORS[self.control.region]
