@@ -122,17 +122,11 @@ class Chunks:
             regions = tuple(r for r, controls in listening.items() if edited.intersection(controls))
             chunks = range(len(self)) if regions else ()
         seen, near = self._seen(edits, spans)
-        columns, ranges = seen.T.tolist(), near.tolist()
+        wanted = [chunk for chunk in chunks if self.rows[chunk] < self.rows[chunk + 1]]
+        columns, ranges = seen.T[wanted].tolist(), near[wanted].tolist()
         return {
-            chunk: Piece(
-                chunk,
-                (ranges[chunk][0], ranges[chunk][1]),
-                settings,
-                tuple(compress(edits, columns[chunk])),
-                regions,
-            )
-            for chunk in chunks
-            if self.rows[chunk] < self.rows[chunk + 1]
+            chunk: Piece(chunk, (first, last), settings, tuple(compress(edits, column)), regions)
+            for chunk, column, (first, last) in zip(wanted, columns, ranges, strict=True)
         }
 
     def _span(self, edit: Edit) -> Span:
