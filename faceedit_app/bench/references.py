@@ -37,7 +37,7 @@ def naive(engine: Engine, rig: Rig, times: int) -> Times:
     clip = long_take(FRAMES).clip
     weights = clip.arkit_weights()
     camera = default_camera(rig)
-    scene_camera = pyrender.PerspectiveCamera(yfov=np.radians(22.0))
+    scene_camera = pyrender.PerspectiveCamera(yfov=FIELD_OF_VIEW)
     renderer = pyrender.OffscreenRenderer(SIZE, SIZE)
     colors = (255 * rig.colors).astype(np.uint8)
 

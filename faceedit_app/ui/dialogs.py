@@ -60,12 +60,7 @@ def ask_take_of_project(
     parent: QWidget, message: str, choices: Sequence[Path], folder: Path
 ) -> Path | None:
     """Which take a project is about, now that its own is changed or gone."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Question)
-    box.setWindowTitle("FaceEdit")
-    box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setText(message)
-    box.setInformativeText("Which take shall the edits be applied to?")
+    box = _question(parent, message, "Which take shall the edits be applied to?")
     role = QMessageBox.ButtonRole
     paths = {box.addButton(f"Use {path.name}", role.AcceptRole): path for path in choices[:3]}
     for button, path in paths.items():
@@ -82,17 +77,14 @@ def ask_take_of_project(
 
 def ask_recover(parent: QWidget, pending: Pending) -> Recover:
     """What to do about edits of a session that ended without closing."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Question)
-    box.setWindowTitle("FaceEdit")
-    box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setText(f"FaceEdit ended unexpectedly while {pending.take.name} was edited.")
     one = pending.gestures == 1
     steps = "1 step that was" if one else f"{pending.gestures} steps that were"
     when = QDateTime.fromSecsSinceEpoch(int(pending.when)).toString("yyyy-MM-dd HH:mm")
-    box.setInformativeText(
+    box = _question(
+        parent,
+        f"FaceEdit ended unexpectedly while {pending.take.name} was edited.",
         f"{steps} not saved can be brought back, up to {when}."
-        + ("" if one else " Undo then takes all of it back at once.")
+        + ("" if one else " Undo then takes all of it back at once."),
     )
     role = QMessageBox.ButtonRole
     choices = {
@@ -131,12 +123,8 @@ def ask_preset_name(parent: QWidget) -> str | None:
 
 def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
     """What to do about edits before their take is closed."""
-    box = QMessageBox(parent)
-    box.setIcon(QMessageBox.Icon.Question)
-    box.setWindowTitle("FaceEdit")
-    box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setText(f"What you did to {name} is neither exported nor saved.")
-    box.setInformativeText("It is lost if you discard it.")
+    message = f"What you did to {name} is neither exported nor saved."
+    box = _question(parent, message, "It is lost if you discard it.")
     role = QMessageBox.ButtonRole
     choices = {
         box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,
@@ -155,6 +143,17 @@ def show_error(parent: QWidget | None, error: Exception | str) -> None:
     box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
     box.setText(str(error))
     box.exec()
+
+
+def _question(parent: QWidget, message: str, more: str) -> QMessageBox:
+    """A question without its buttons."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("FaceEdit")
+    box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
+    box.setText(message)
+    box.setInformativeText(more)
+    return box
 
 
 def _save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path | None:
