@@ -101,7 +101,9 @@ class _Convolution:
         inputs, self.outputs = (int(n) for n in np.maximum(shapes[:, 1:].max(axis=0), least))
         self.products = int(shapes.prod(axis=1).sum())
         kernels = [kernel.padded(inputs, self.outputs) for kernel in kernels]
-        self._before, self._at, self._after = np.stack([k.taps for k in kernels], axis=1)
+        # Laid out as BLAS reads them; numpy would copy anything else at each product.
+        taps = np.ascontiguousarray(np.stack([k.taps for k in kernels], axis=1))
+        self._before, self._at, self._after = taps
         self._bias = np.stack([k.bias for k in kernels])[:, None]
         self.edge = np.stack([k.edge for k in kernels])[:, None]
 
