@@ -133,8 +133,8 @@ def test_looks_are_mixed_where_materials_meet() -> None:
     assert looks[:, 0].max() == pytest.approx(0.6)
     assert ((looks[:, 0] > 0.21) & (looks[:, 0] < 0.59)).any()
     groups = by_shading(rig)
-    assert [shading for shading, _ in groups] == [Shading.FLESH, Shading.WET]
-    assert sum(len(faces) for _, faces in groups) == len(rig.faces)
+    assert [group.shading for group in groups] == [Shading.FLESH, Shading.WET]
+    assert sum(len(group.still) + len(group.moving) for group in groups) == len(rig.faces)
 
 
 @pytest.mark.parametrize(
@@ -275,6 +275,46 @@ def test_png_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "face.png")), image)
     with pytest.raises(FileError):
         write_png(tmp_path / "missing" / "face.png", image)
+
+
+@pytest.mark.parametrize("prepared", [True, False])
+def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
+    prepared: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from faceedit_app.formats.glb import read_rig
+    from faceedit_app.render import studio
+
+    character = read_rig(shipped("assets/character.glb"))
+    try:
+        kept, anew = (open_renderer(character, 150, 200) for _ in range(2))
+    except Unavailable as error:
+        pytest.skip(str(error))
+    indices, draw = [0], studio.GL.glDrawElements
+    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (indices.append(a[1]), draw(*a)))
+    random = np.random.default_rng(5)
+    here = default_camera(character)
+    there = here.orbit(0.4, 0.2).zoom(0.7)
+    tint = random.random(len(character.neutral)).astype(np.float32)
+    steps = [(here, True), (here, False), (here, False), (here, False), (there, False)]
+    steps += [(there, False), (there, False), (there, True), (there, False), (here, False)]
+    drawn = []
+    for i, (camera, smooth) in enumerate(steps * 2):
+        if i == len(steps):
+            kept.resize(90, 110)
+            anew.resize(90, 110)
+        face = character.vertices(random.random(len(character.channels)).astype(np.float32))
+        if i in (3, 13):
+            kept.draw(face, camera, smooth, tint)
+        before = sum(indices)
+        picture = kept.draw(face, camera, smooth)
+        drawn.append(sum(indices) - before)
+        if prepared:
+            kept.prepare()
+        anew.draw(face, camera.pan(0.01, 0.0))  # so that nothing is kept
+        np.testing.assert_array_equal(picture, anew.draw(face, camera, smooth), str(i))
+    assert min(drawn) < 0.8 * max(drawn), "the still part was drawn again and again"
+    kept.close()
+    anew.close()
 
 
 def test_the_shipped_character_blinks(renderer: FaceRenderer) -> None:

@@ -66,6 +66,20 @@ def test_rough_while_it_changes_and_smooth_when_idle(bench: Bench, viewport: Vie
     assert [smooth for *_, smooth in bench.renderers[0].calls] == [False, True]
 
 
+def test_what_the_next_picture_needs_is_done_once_nobody_waits(
+    bench: Bench, viewport: Viewport
+) -> None:
+    bench.qtbot.wait(2 * IDLE_MS)
+    renderer = settle(bench)
+    for jaw in (0.2, 0.4, 0.6):
+        known = renderer.prepared
+        viewport.show_weights(weights(jaw))
+        viewport.hurry()  # a picture that is being drawn is left alone
+        viewport.grab()
+        assert renderer.prepared == known
+        bench.qtbot.waitUntil(lambda known=known: renderer.prepared > known)
+
+
 def test_the_picture_has_the_screens_pixels(bench: Bench, viewport: Viewport) -> None:
     bench.qtbot.wait(2 * IDLE_MS)
     viewport.resize(310, 370)

@@ -34,6 +34,8 @@ class FakeRenderer:
         self.calls: list[tuple[tuple[int, int], render.Camera, bool]] = []
         self.tints: list[Any] = []  # one a call, None where nothing is tinted
         self.open = True
+        self.picture: Any = None
+        self.prepared = 0
 
     def resize(self, width: int, height: int) -> None:
         self.size = (width, height)
@@ -54,7 +56,12 @@ class FakeRenderer:
         self.picture = np.full((height, width, 4), shade, np.uint8)
 
     def finish(self) -> Any:
-        return self.picture
+        finished, self.picture = self.picture, None
+        return finished
+
+    def prepare(self) -> None:
+        assert self.picture is None, "the picture that was begun would be lost"
+        self.prepared += 1
 
     def close(self) -> None:
         self.open = False

@@ -71,7 +71,8 @@ class FaceRenderer:
         """Have an image drawn, and return before it is: other work can be done meanwhile.
 
         Args:
-            vertices: (V, 3) float32, metres, such as `rig.vertices(weights)`.
+            vertices: (V, 3) float32, metres: `rig.vertices(weights)`. What no blendshape moves is
+                taken to be where it is in `rig.neutral`.
             camera: where from.
             smooth: with antialiased edges; leave it out while dragging or playing.
             tint: (V,) float32 in 0..1, such as `difference.tint_of(…)`: how far each vertex
@@ -98,6 +99,15 @@ class FaceRenderer:
         self._context.make_current()
         self._studio.finish(self._image)
         return self._image
+
+    def prepare(self) -> None:
+        """Do what the next picture will need, if it looks from where the last one did.
+
+        It has to be finished. Nothing is lost without this but a little time, then.
+        """
+        if self._studio is not None:
+            self._context.make_current()
+            self._studio.prepare()
 
     def close(self) -> None:
         """Free the graphics memory; calling it again does nothing."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum, auto
 from pathlib import Path
 from typing import Any
 
@@ -31,10 +32,12 @@ Pixels = NDArray[np.uint8]
 SAMPLES = 4
 _DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade
 _SHADERS = Path(__file__).parent / "shaders"
-_WALL = -1  # among the targets: the backdrop alone
+_STILL = -1  # among the targets: all that does not move
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 _POSITION, _NORMAL, _COLOUR = 0, 1, 3  # where the shader has what may change with each frame
 _FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
+
+View = tuple[Camera, tuple[int, int]]  # and the picture's width and height, pixels
 
 
 class Target:
@@ -87,13 +90,30 @@ class Program(ShaderProgram):  # type: ignore[misc]  # pyrender has no types
 
 @dataclass(frozen=True)
 class Run:
-    """Faces that are drawn alike: `count` indices from the `first` on, finely or quickly."""
+    """Faces that are drawn alike, finely or quickly: indices from `first` to before `stop`.
+
+    Those before `moving` look alike whatever the face does.
+    """
 
     fine: Program
     quick: Program
     shading: Shading
     first: int
-    count: int
+    moving: int
+    stop: int
+
+
+class Part(Enum):
+    """Which faces of the character to draw."""
+
+    ALL = auto()
+    STILL = auto()
+    MOVING = auto()
+
+    def of(self, run: Run) -> tuple[int, int]:
+        """First index in a run, and the one after the last."""
+        first = run.moving if self is Part.MOVING else run.first
+        return first, run.moving if self is Part.STILL else run.stop
 
 
 class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
@@ -121,7 +141,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             normals=normals,
             tangents=looks,  # pyrender's name for the third, four-wide attribute
             color_0=rig.colors,
-            indices=np.concatenate([faces for _, faces in groups]),
+            indices=np.concatenate([part for g in groups for part in (g.still, g.moving)]),
             mode=GL.GL_TRIANGLES,
         )
         self._primitive._add_to_context()
@@ -131,18 +151,23 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         )
         self._runs: list[Run] = []
         first = 0
-        for shading, faces in groups:
-            fine = quick = self._program("face", shading.value)
-            if shading is Shading.FLESH:
-                quick = self._program("face", shading.value, "QUICK")
-            self._runs.append(Run(fine, quick, shading, first, faces.size))
-            first += faces.size
+        for group in groups:
+            fine = quick = self._program("face", group.shading.value)
+            if group.shading is Shading.FLESH:
+                quick = self._program("face", group.shading.value, "QUICK")
+            moving = first + group.still.size
+            stop = moving + group.moving.size
+            self._runs.append(Run(fine, quick, group.shading, first, moving, stop))
+            first = stop
         self._backdrop = self._program("backdrop")
         self._depth = self._program("depth")
         self._locations: dict[tuple[int, str], int] = {}
-        self._matrices: dict[tuple[int, str], NDArray[np.float64]] = {}
+        self._views: dict[int, View] = {}  # by program
         self._targets: dict[int, Target] = {}
         self._drawn: tuple[Target, int]
+        self._looked: View | None = None  # the last picture's, where nothing was tinted
+        self._still: View | None = None  # of what the target `_STILL` holds
+        self._ready = False  # whether the last picture's target holds the same
         looks = vertex_looks(rig, self._bake(rig))
         whole = np.hstack((rig.neutral, normals, looks, rig.colors)).astype(np.float32)
         _fill(self._primitive._buffers[0], whole)
@@ -156,27 +181,38 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         samples: int,
         tint: Floats | None = None,
     ) -> None:
-        """Have `vertices` (V, 3), metres, drawn; whoever draws works on while this returns.
+        """Have `vertices` drawn; whoever draws works on while this returns.
 
         Args:
+            vertices: (V, 3), metres: the rig's, with some weights.
             samples: of each pixel; 0 is one, and a quicker light.
             tint: (V,) in 0..1, how much of the tint each has; None is none at all.
         """
         self._upload(vertices)
         self._colour(tint)
-        target = self._target(width, height, samples)
-        self._begin(target)
-        if samples == 0:
-            self._copy_backdrop(target)
-        self._draw_face(camera, width / height, quick=samples == 0)
-        if samples:
+        target, view = self._target(width, height, samples), (camera, (width, height))
+        if samples == 0 and tint is None and view == self._looked:
+            self._put_still(target, view)
+            self._draw_face(view, True, Part.MOVING)
+        else:
+            self._begin(target)
+            GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+            self._draw_face(view, samples == 0, Part.ALL)
             self._draw_backdrop()
+        self._looked, self._ready = view if tint is None else None, False
         GL.glFlush()
         self._drawn = target, samples
 
     def finish(self, out: Pixels) -> None:
         """Wait for it, and put it into `out` (height, width, 4), BGRA, top row first."""
         self._read(*self._drawn, out)
+
+    def prepare(self) -> None:
+        """Do what the next picture will need, while nobody waits for it."""
+        target, samples = self._drawn
+        if samples == 0 and self._looked is not None and not self._ready:
+            self._put_still(target, self._looked)
+            self._ready = True
 
     def delete(self) -> None:
         """Free everything on the graphics card."""
@@ -201,7 +237,6 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthFunc(GL.GL_LEQUAL)
         GL.glFrontFace(GL.GL_CW)  # the flip turns every triangle around
-        GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
 
     def _own_buffers(self, attributes: dict[int, Floats]) -> dict[int, int]:
         """Buffers in place of pyrender's for some attributes, (V, 3) or (V, 4) each.
@@ -237,6 +272,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
 
         def depth_of(vertices: Floats, clip_from_world: NDArray[np.float64]) -> Floats:
             self._begin(target)
+            GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
             self._depth._bind()
             self._set_matrix(self._depth, "clip_from_world", clip_from_world)
             _fill(self._moving[_POSITION], vertices)
@@ -251,32 +287,40 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         finally:
             target.delete()
 
-    def _draw_face(self, camera: Camera, aspect: float, quick: bool) -> None:
-        view = camera.view()
-        clip = _FLIP @ projection(aspect) @ view
+    def _draw_face(self, view: View, quick: bool, part: Part) -> None:
         GL.glBindVertexArray(self._primitive._vaid)
         GL.glCullFace(GL.GL_BACK)
         for run in self._runs:
+            first, stop = part.of(run)
+            if first == stop:
+                continue
             program = run.quick if quick else run.fine
             program._bind()
-            self._set_matrix(program, "clip_from_world", clip)
-            self._set_matrix(program, "camera_from_world", view)
+            self._look(program, view)
             # Nothing but the skin is known to be closed; lashes and brows are thin.
             toggle = GL.glEnable if run.shading is Shading.FLESH else GL.glDisable
             toggle(GL.GL_CULL_FACE)
-            start = GL.GLvoidp(4 * run.first)
-            GL.glDrawElements(GL.GL_TRIANGLES, run.count, GL.GL_UNSIGNED_INT, start)
+            start = GL.GLvoidp(4 * first)
+            GL.glDrawElements(GL.GL_TRIANGLES, stop - first, GL.GL_UNSIGNED_INT, start)
         GL.glDisable(GL.GL_CULL_FACE)
 
-    def _copy_backdrop(self, target: Target) -> None:
-        """Put the backdrop into a target of one sample: it never changes, and a copy is quick."""
-        wall = self._targets.get(_WALL)
-        if wall is None or wall.size != target.size:
-            wall = self._target(*target.size, 0, _WALL)
-            self._begin(wall)
-            self._draw_backdrop()
+    def _put_still(self, target: Target, view: View) -> None:
+        """Put all that does not move into a target of one sample, for the rest to be drawn upon.
+
+        Backdrop, most of the hair, neck and skull are a third of the work; to copy them is quick.
+        """
+        if self._ready:
             self._begin(target)
-        _blit(wall, target)
+            return
+        still = self._target(*target.size, 0, _STILL)
+        if view != self._still:
+            self._begin(still)
+            GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+            self._draw_face(view, True, Part.STILL)
+            self._draw_backdrop()
+            self._still = view
+        self._begin(target)
+        _blit(still, target, GL.GL_COLOR_BUFFER_BIT | GL.GL_DEPTH_BUFFER_BIT)
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, target.name)
 
     def _draw_backdrop(self) -> None:
@@ -318,21 +362,27 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             self._locations[key] = int(GL.glGetUniformLocation(program._program_id, name))
         return self._locations[key]
 
+    def _look(self, program: Any, view: View) -> None:
+        """Programs remember where from; the camera stands still most of the time."""
+        if self._views.get(program._program_id) != view:
+            self._views[program._program_id] = view
+            camera, (width, height) = view
+            place = camera.view()
+            clip = _FLIP @ projection(width / height) @ place
+            self._set_matrix(program, "clip_from_world", clip)
+            self._set_matrix(program, "camera_from_world", place)
+
     def _set_matrix(self, program: Any, name: str, matrix: NDArray[np.float64]) -> None:
-        """Programs remember their matrices; the camera stands still most of the time."""
-        key = (int(program._program_id), name)
-        if not np.array_equal(self._matrices.get(key, 0.0), matrix):
-            self._matrices[key] = matrix
-            location = self._location(program, name)
-            GL.glUniformMatrix4fv(location, 1, GL.GL_TRUE, matrix.astype(np.float32))
+        location = self._location(program, name)
+        GL.glUniformMatrix4fv(location, 1, GL.GL_TRUE, matrix.astype(np.float32))
 
 
-def _blit(source: Target, to: Target) -> None:
+def _blit(source: Target, to: Target, what: int = GL.GL_COLOR_BUFFER_BIT) -> None:
     """Copy the colours, or what the samples of each pixel come to."""
     GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, source.name)
     GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, to.name)
     rectangle = (0, 0, *source.size)
-    GL.glBlitFramebuffer(*rectangle, *rectangle, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
+    GL.glBlitFramebuffer(*rectangle, *rectangle, what, GL.GL_NEAREST)
 
 
 def _fill(buffer: int, values: Floats) -> None:

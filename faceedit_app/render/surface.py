@@ -94,17 +94,49 @@ def vertex_looks(rig: Rig, shade: Floats) -> Floats:
     return looks
 
 
-def by_shading(rig: Rig) -> list[tuple[Shading, NDArray[np.int32]]]:
-    """The faces of each variant of the shader, (F', 3) int32, in drawing order.
+@dataclass(frozen=True)
+class Group:
+    """Faces that one variant of the shader draws.
 
-    Software OpenGL remembers the last few hundred vertices that it moved to the screen: faces that
-    share vertices follow each other.
+    Attributes:
+        shading: the variant.
+        still, moving: (F', 3) int32: those that look alike whatever the face does, and the others.
     """
+
+    shading: Shading
+    still: NDArray[np.int32]
+    moving: NDArray[np.int32]
+
+
+def by_shading(rig: Rig) -> list[Group]:
+    """The faces of each variant of the shader, in drawing order."""
     runs: dict[Shading, list[NDArray[np.int32]]] = {shading: [] for shading in Shading}
     for material in rig.materials:
         runs[look_of(material).shading].append(rig.faces[material.start : material.stop])
-    joined = [(shading, np.concatenate(faces)) for shading, faces in runs.items() if faces]
-    return [(shading, faces[faces.min(axis=1).argsort(kind="stable")]) for shading, faces in joined]
+    alive = _alive(rig)
+    groups = []
+    for shading, parts in runs.items():
+        if parts:
+            faces = np.concatenate(parts)
+            moving = alive[faces].any(axis=1)
+            groups.append(Group(shading, _in_a_row(faces[~moving]), _in_a_row(faces[moving])))
+    return groups
+
+
+def _alive(rig: Rig) -> NDArray[np.bool_]:
+    """(V,) whether blendshapes change a vertex: its place, or its normal, which its faces tell."""
+    alive: NDArray[np.bool_] = np.any(rig.deltas, axis=(0, 2))
+    alive[rig.faces[alive[rig.faces].any(axis=1)]] = True
+    return alive
+
+
+def _in_a_row(faces: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The faces, so that those that share vertices follow each other.
+
+    Software OpenGL remembers the last few hundred vertices that it moved to the screen.
+    """
+    order = faces.min(axis=1).argsort(kind="stable")
+    return np.ascontiguousarray(faces[order])
 
 
 class NormalSolver:

@@ -80,6 +80,8 @@ class Viewport(QWidget):
         self._grabbed: QPointF | None = None
         self._idle = QTimer(self, singleShot=True, interval=IDLE_MS)
         self._idle.timeout.connect(self._refine)
+        self._spare = QTimer(self, singleShot=True, interval=0)  # once no event waits
+        self._spare.timeout.connect(self._prepare)
         self.setMinimumSize(QSize(240, 240))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
@@ -282,6 +284,12 @@ class Viewport(QWidget):
         self.draws += 1
         if not self._smooth:
             self._adapt(time.perf_counter() - began)
+            self._spare.start()
+
+    def _prepare(self) -> None:
+        if self._renderer is not None and not self._hurried:
+            with contextlib.suppress(Exception):  # painting meets it again, and says so
+                self._renderer.prepare()
 
     def _adapt(self, seconds: float) -> None:
         """Trade resolution for speed while things move, on computers that draw slowly."""
