@@ -87,6 +87,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self._handle: Handle | None = None
         self._dot: float | None = None
         self._bands, self._backdrop = Backdrop(self.viewport()), Backdrop(self.viewport())
+        self._track = 0  # how many tracked lines there have been
         self.setObjectName(f"plot_{control.id}")
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
@@ -139,6 +140,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self.lines = lines
         shown = (EMPTY,) * 3 if lines is None else (lines.tracked, lines.face, lines.asked)
         drawn = [curve.show_line(line) for curve, line in zip(self._curves, shown, strict=True)]
+        self._track += drawn[0]
         if any(drawn):
             self.viewport().update()
 
@@ -174,17 +176,20 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         item: a third of the time, to find the same three lines.
         """
         scale = self.current_scale
-        # Bands stay as they are where a drag takes the value axis along; the grid does not.
+        # Bands stay as they are where a drag takes the value axis along; grid and take do not.
         still = replace(self._marks, playhead=0.0), self.view, self._is_active
         with QPainter(self.viewport()) as painter:
 
             def draw_backdrop(inside: QPainter, rect: QRectF) -> None:
                 self._bands.paint(inside, rect.toRect(), still, self._draw_bands)
                 self._draw_grid(inside)
+                inside.setTransform(scale.transform)
+                self._tracked.paint(inside)
 
-            self._backdrop.paint(painter, event.rect(), (still, self.span), draw_backdrop)
+            looks = still, self.span, self._track
+            self._backdrop.paint(painter, event.rect(), looks, draw_backdrop)
             painter.setTransform(scale.transform)
-            for curve in self._curves:
+            for curve in (self._face, self._asked):
                 curve.paint(painter)
             painter.resetTransform()
             self._draw_marks(painter)
