@@ -29,7 +29,7 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
 
     def show_line(self, line: Polyline) -> bool:
         """Draw other points; False if they are the ones already drawn."""
-        if self._line is not None and line.looks_like(self._line):
+        if line is self._line:
             return False
         self._line = line
         # pyqtgraph's own way in asks for the bounds of everything, twice; they are not wanted.

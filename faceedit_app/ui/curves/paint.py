@@ -19,17 +19,15 @@ LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is i
 
 @dataclass(frozen=True)
 class Marks:
-    """What stands on the time axis besides curves. Times are seconds.
+    """What stands on the time axis besides curves and playhead. Times are seconds.
 
     Attributes:
-        playhead: the frame on screen.
         selection: the selected range with its falloffs, if any.
         gaps: from the last frame before to the first after each gap.
         brush: where an edit would act or acts, if it is to be shown.
         alpha: how strongly the brush is drawn, 0..255.
     """
 
-    playhead: float = 0.0
     selection: Brush | None = None
     gaps: tuple[Span, ...] = ()
     brush: Brush | None = None

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QStackedWidget, QVBoxLayout, QWidget
@@ -313,12 +311,13 @@ class CurvesPanel(QWidget):
             return
         self._resting = self._resting or tuple(plot.span for plot in self.plots)
         frame = session.take.clip.frame_at(drag.time)
-        for index, (plot, span) in enumerate(zip(self.plots, self._resting, strict=True)):
+        values = (array[frame].tolist() for array in (session.asked, session.achieved))
+        for plot, span, asked, face in zip(self.plots, self._resting, *values, strict=True):
             if plot.span_chosen:
                 continue
-            span = held_span(span, float(session.asked[frame, index]))
+            span = held_span(span, asked)
             if plot is not self._mouse.plot:  # no hand is there that must not lose its curve
-                span = held_span(span, float(session.achieved[frame, index]))
+                span = held_span(span, face)
             plot.show_span(span)
 
     def _show_state(self) -> None:
@@ -328,25 +327,24 @@ class CurvesPanel(QWidget):
             return
         # A window that changes take tells timeline and panel one after the other.
         frame = min(timeline.frame, len(session.tracked) - 1)
-        marks = Marks(timeline.time, self._band.band, self._gaps)
+        arrays = session.tracked, session.asked, session.achieved
+        values = zip(*(array[frame].tolist() for array in arrays), strict=True)
+        dragging, brush, band = mouse.is_dragging, mouse.brush, self._band.band
+        plain = Marks(band, self._gaps, brush if dragging else None, style.WEAK)
+        lit = Marks(band, self._gaps, brush, style.STRONG if dragging else style.HOVER)
         edited = mouse.drag.controls if mouse.drag is not None and mouse.drag.moving else ()
-        for i, (header, plot) in enumerate(zip(self.headers, self.plots, strict=True)):
+        rows = zip(self.headers, self.plots, values, strict=True)
+        for i, (header, plot, (tracked, asked, face)) in enumerate(rows):
             here = plot is mouse.plot
-            brush, alpha = None, style.HOVER
-            if here or mouse.is_dragging:
-                brush = mouse.brush
-            if mouse.is_dragging:
-                alpha = style.STRONG if plot.control.id in edited else style.WEAK
-            face = float(session.achieved[frame, i])
-            asked = float(session.asked[frame, i])
+            marks = lit if (plot.control.id in edited if dragging else here) else plain
             handle = self._handle(session, i) if here else None
-            plot.show_marks(replace(marks, brush=brush, alpha=alpha), handle, face)
-            tracked = float(session.tracked[frame, i])
+            plot.show_marks(marks, timeline.time, handle, face)
             header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
             header.show_active(here or plot.shows_focus)
         fades = timeline.falloff, timeline.falloff_out
-        brush = mouse.brush or brush_at(timeline.time, timeline.selection, *fades)
-        self.ruler.show_marks(replace(marks, brush=brush, alpha=style.STRONG))
+        brush = brush or brush_at(timeline.time, timeline.selection, *fades)
+        marks = Marks(band, self._gaps, brush, style.STRONG)
+        self.ruler.show_marks(marks, timeline.time)
         self.legend.show_hint(self._hint())
 
     def _handle(self, session: EditSession, control: int) -> Handle | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import pyqtgraph as pg
@@ -83,7 +83,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self.close_up = False  # whether its span fits even the smallest movements
         self.shows_focus = False
         self.lines: Lines | None = None
-        self._marks = paint.Marks()
+        self._marks, self._playhead = paint.Marks(), 0.0
         self._handle: Handle | None = None
         self._dot: float | None = None
         self._bands, self._backdrop = Backdrop(self.viewport()), Backdrop(self.viewport())
@@ -150,17 +150,21 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         columns: int = round(self.viewport().width() * self.devicePixelRatioF())
         return columns
 
-    def show_marks(self, marks: paint.Marks, handle: Handle | None, dot: float | None) -> None:
-        """Draw bands, playhead and handle; `dot` is the face's value at the playhead."""
-        if (marks, handle, dot) == (self._marks, self._handle, self._dot):
-            return
-        before, self._marks, self._handle, self._dot = self._marks, marks, handle, dot
-        if handle is None and replace(before, playhead=marks.playhead) == marks:
-            for seconds in (before.playhead, marks.playhead):  # all that changes in playback
+    def show_marks(
+        self, marks: paint.Marks, playhead: float, handle: Handle | None, dot: float | None
+    ) -> None:
+        """Draw bands, playhead (seconds) and handle; `dot` is the face's value at the playhead."""
+        shown = self._marks, self._handle
+        moved = (playhead, dot) != (self._playhead, self._dot)
+        before, self._playhead, self._dot = self._playhead, playhead, dot
+        if handle is not None or shown != (marks, handle):
+            self._marks, self._handle = marks, handle
+            if moved or shown != (marks, handle):
+                self.viewport().update()
+        elif moved:
+            for seconds in (before, playhead):  # all that changes in playback
                 x = round(self.current_scale.x_of(seconds))
                 self.viewport().update(x - 5, 0, 11, self.viewport().height())
-        else:
-            self.viewport().update()
 
     def _apply_scale(self) -> None:
         self.getViewBox().setRange(xRange=self.view, yRange=self.span, padding=0)
@@ -177,7 +181,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         """
         scale = self.current_scale
         # Bands stay as they are where a drag takes the value axis along; grid and take do not.
-        still = replace(self._marks, playhead=0.0), self.view, self._is_active
+        still = self._marks, self.view, self._is_active
         with QPainter(self.viewport()) as painter:
 
             def draw_backdrop(inside: QPainter, rect: QRectF) -> None:
@@ -222,9 +226,9 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
             painter.setPen(QPen(style.color(style.FOCUS), 0))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(QRectF(0, 0, scale.width - 1, scale.height - 1))
-        paint.draw_playhead(painter, scale, self._marks.playhead)
+        paint.draw_playhead(painter, scale, self._playhead)
         if self._dot is not None:
-            at = QPointF(scale.x_of(self._marks.playhead), scale.y_of(self._dot))
+            at = QPointF(scale.x_of(self._playhead), scale.y_of(self._dot))
             paint.draw_dot(painter, at, 2.5, color, color)
         if (handle := self._handle) is not None:
             at = QPointF(scale.x_of(handle.time), scale.y_of(handle.value))

@@ -27,7 +27,7 @@ def bin_size(rows: slice, columns: int) -> int:
     return 1 if count <= DENSE * max(columns, 1) else -(-count // max(columns, 1))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Polyline:
     """Points to draw.
 
@@ -41,15 +41,6 @@ class Polyline:
     y: Values
     joined: Mask | None = None
     thinned: bool = False
-
-    def looks_like(self, other: Polyline) -> bool:
-        """Whether both are drawn alike."""
-        if self.thinned is not other.thinned or (self.joined is None) is not (other.joined is None):
-            return False
-        same = np.array_equal(self.y, other.y) and np.array_equal(self.x, other.x)
-        if self.joined is None or other.joined is None:
-            return same
-        return same and np.array_equal(self.joined, other.joined)
 
 
 EMPTY = Polyline(np.empty(0), np.empty(0))

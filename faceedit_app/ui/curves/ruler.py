@@ -41,7 +41,7 @@ class Ruler(QWidget):
         super().__init__(parent)
         self._timeline = timeline
         self._clip: Clip | None = None
-        self._marks = paint.Marks()
+        self._marks, self._playhead = paint.Marks(), 0.0
         self._drag: RulerDrag | Pan | None = None
         timeline.clock.changed.connect(self.update)
         self.setFixedHeight(style.RULER_HEIGHT)
@@ -66,10 +66,10 @@ class Ruler(QWidget):
         self._clip, self._drag = clip, None
         self.update()
 
-    def show_marks(self, marks: paint.Marks) -> None:
-        """Show playhead, selection, gaps and brush."""
-        if marks != self._marks:
-            self._marks = marks
+    def show_marks(self, marks: paint.Marks, playhead: float) -> None:
+        """Show selection, gaps and brush, and the playhead (seconds)."""
+        if (marks, playhead) != (self._marks, self._playhead):
+            self._marks, self._playhead = marks, playhead
             self.update()
 
     # --- mouse -----------------------------------------------------------------------------
@@ -204,8 +204,8 @@ class Ruler(QWidget):
 
     def _paint_head(self, painter: QPainter, scale: Scale) -> None:
         """The playhead's handle: what one grabs to scrub."""
-        paint.draw_playhead(painter, scale, self._marks.playhead)
-        x, bottom = round(scale.x_of(self._marks.playhead)) + 0.5, scale.height
+        paint.draw_playhead(painter, scale, self._playhead)
+        x, bottom = round(scale.x_of(self._playhead)) + 0.5, scale.height
         head = QPolygonF([QPointF(x - 5, bottom - 10), QPointF(x + 5, bottom - 10)])
         head.append(QPointF(x + 5, bottom - 5))
         head.append(QPointF(x, bottom))

@@ -14,7 +14,7 @@ from faceedit_app.ui.curves.polyline import Mask, Polyline, bin_size, run_of, vi
 
 # Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
 SAME = 0.005
-_LINES = 3  # tracked, face, asked
+_LINES, _FACE = 3, 1  # tracked, face, asked
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,8 @@ class Lines:
 class Sight:
     """The curves of a session as they are seen, C of them.
 
+    A line that is drawn as before stays the same object: what shows it has nothing to do.
+
     Few frames are drawn one by one; of many, what each column of pixels shows is read from an
     `Envelope` that is kept up to date with what edits change.
 
@@ -42,6 +44,7 @@ class Sight:
         self._curves = session.tracked.shape[1]
         self.low, self.high = session.tracked.min(axis=0), session.tracked.max(axis=0)
         self._envelope: Envelope | None = None
+        self._known: dict[tuple[int, int], Polyline] = {}  # by line and curve
         self.look((0.0, 0.0), 1)
 
     def look(self, view: Span, columns: int) -> None:
@@ -55,10 +58,19 @@ class Sight:
         self._size = bin_size(self._rows, columns)
         if self._size >= BASE:
             self._size = Envelope.bin_size(self._size)
-        self.refresh()
+        self._known.clear()
+        self._read_again()
 
     def refresh(self) -> None:
         """Read the curves again."""
+        y, near = self._y, self._near
+        self._read_again()
+        new = (self._y != y).any(axis=2)
+        new[::2] |= (self._near != near).any(axis=2)
+        for line, curve in np.argwhere(new).tolist():
+            self._known.pop((line, curve), None)
+
+    def _read_again(self) -> None:
         self._seen, changed = self._live.changes(self._seen)
         if self._envelope is not None:
             self._envelope.update(*changed)
@@ -78,14 +90,19 @@ class Sight:
 
     def lines(self, curve: int) -> Lines:
         """The three lines of one of the curves."""
-        thinned = self._size > 1
-        tracked, face, asked = self._y[:, curve]
-        # Where lines coincide only the face is drawn: a take without edits is one calm line.
-        return Lines(
-            run_of(self._x, tracked, self._near[0, curve], thinned),
-            Polyline(self._x, face, None, thinned),
-            run_of(self._x, asked, self._near[1, curve], thinned),
-        )
+        return Lines(*(self._line(line, curve) for line in range(_LINES)))
+
+    def _line(self, line: int, curve: int) -> Polyline:
+        known = self._known.get((line, curve))
+        if known is None:
+            y, thinned = self._y[line, curve], self._size > 1
+            if line == _FACE:
+                known = Polyline(self._x, y, None, thinned)
+            else:
+                # Where lines coincide only the face is drawn: without edits, one calm line.
+                known = run_of(self._x, y, self._near[line // 2, curve], thinned)
+            self._known[line, curve] = known
+        return known
 
     def extent(self, curve: int) -> Span:
         """Lowest and highest value in view, of all three lines."""
