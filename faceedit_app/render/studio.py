@@ -32,7 +32,6 @@ Pixels = NDArray[np.uint8]
 SAMPLES = 4
 _DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade
 _SHADERS = Path(__file__).parent / "shaders"
-_STILL = -1  # among the targets: all that does not move
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 _POSITION, _NORMAL, _COLOUR = 0, 1, 3  # where the shader has what may change with each frame
 _FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
@@ -44,7 +43,7 @@ class Target:
     """A framebuffer of one size, with or without several samples per pixel."""
 
     def __init__(self, width: int, height: int, samples: int) -> None:
-        self.size = (width, height)
+        self.size, self.samples = (width, height), samples
         self._buffers = [int(b) for b in GL.glGenRenderbuffers(2)]
         for buffer, kind in zip(self._buffers, (GL.GL_RGBA8, GL.GL_DEPTH_COMPONENT24), strict=True):
             GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
@@ -163,11 +162,11 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self._depth = self._program("depth")
         self._locations: dict[tuple[int, str], int] = {}
         self._views: dict[int, View] = {}  # by program
-        self._targets: dict[int, Target] = {}
-        self._drawn: tuple[Target, int]
+        self._targets: dict[tuple[int, bool], Target] = {}  # by samples, and for what is still
+        self._drawn: Target
         self._looked: View | None = None  # the last picture's, where nothing was tinted
-        self._still: View | None = None  # of what the target `_STILL` holds
-        self._ready = False  # whether the last picture's target holds the same
+        self._still: dict[int, View] = {}  # of what is still, by samples
+        self._ready = False  # whether it is where the next quick picture will be drawn
         looks = vertex_looks(rig, self._bake(rig))
         whole = np.hstack((rig.neutral, normals, looks, rig.colors)).astype(np.float32)
         _fill(self._primitive._buffers[0], whole)
@@ -190,28 +189,26 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         """
         self._upload(vertices)
         self._colour(tint)
-        target, view = self._target(width, height, samples), (camera, (width, height))
-        if samples == 0 and tint is None and view == self._looked:
+        view = (camera, (width, height))
+        target = self._target(view[1], samples)
+        # While the camera turns, to keep what is still would cost more than it saves.
+        if tint is None and (samples or view == self._looked):
             self._put_still(target, view)
-            self._draw_face(view, True, Part.MOVING)
+            self._draw_face(target, view, Part.MOVING)
         else:
-            self._begin(target)
-            GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
-            self._draw_face(view, samples == 0, Part.ALL)
-            self._draw_backdrop()
+            self._draw_all(target, view, Part.ALL)
         self._looked, self._ready = view if tint is None else None, False
         GL.glFlush()
-        self._drawn = target, samples
+        self._drawn = target
 
     def finish(self, out: Pixels) -> None:
         """Wait for it, and put it into `out` (height, width, 4), BGRA, top row first."""
-        self._read(*self._drawn, out)
+        self._read(self._drawn, out)
 
     def prepare(self) -> None:
-        """Do what the next picture will need, while nobody waits for it."""
-        target, samples = self._drawn
-        if samples == 0 and self._looked is not None and not self._ready:
-            self._put_still(target, self._looked)
+        """Do what the next quick picture will need, while nobody waits for it."""
+        if self._looked is not None and not self._ready:
+            self._put_still(self._target(self._looked[1], 0), self._looked)
             self._ready = True
 
     def delete(self) -> None:
@@ -287,14 +284,21 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         finally:
             target.delete()
 
-    def _draw_face(self, view: View, quick: bool, part: Part) -> None:
+    def _draw_all(self, target: Target, view: View, part: Part) -> None:
+        """Some or all of the face, and the backdrop behind it."""
+        self._begin(target)
+        GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+        self._draw_face(target, view, part)
+        self._draw_backdrop()
+
+    def _draw_face(self, target: Target, view: View, part: Part) -> None:
         GL.glBindVertexArray(self._primitive._vaid)
         GL.glCullFace(GL.GL_BACK)
         for run in self._runs:
             first, stop = part.of(run)
             if first == stop:
                 continue
-            program = run.quick if quick else run.fine
+            program = run.fine if target.samples else run.quick
             program._bind()
             self._look(program, view)
             # Nothing but the skin is known to be closed; lashes and brows are thin.
@@ -305,23 +309,17 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         GL.glDisable(GL.GL_CULL_FACE)
 
     def _put_still(self, target: Target, view: View) -> None:
-        """Put all that does not move into a target of one sample, for the rest to be drawn upon.
+        """Put all that does not move into a target, for the rest to be drawn upon.
 
         Backdrop, most of the hair, neck and skull are a third of the work; to copy them is quick.
         """
-        if self._ready:
-            self._begin(target)
-            return
-        still = self._target(*target.size, 0, _STILL)
-        if view != self._still:
-            self._begin(still)
-            GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
-            self._draw_face(view, True, Part.STILL)
-            self._draw_backdrop()
-            self._still = view
+        if target.samples or not self._ready:
+            still = self._target(target.size, target.samples, still=True)
+            if view != self._still.get(target.samples):
+                self._draw_all(still, view, Part.STILL)
+                self._still[target.samples] = view
+            _blit(still, target, GL.GL_COLOR_BUFFER_BIT | GL.GL_DEPTH_BUFFER_BIT)
         self._begin(target)
-        _blit(still, target, GL.GL_COLOR_BUFFER_BIT | GL.GL_DEPTH_BUFFER_BIT)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, target.name)
 
     def _draw_backdrop(self) -> None:
         """Behind the face, so that only what the face leaves free is filled."""
@@ -331,23 +329,21 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         GL.glDrawArrays(GL.GL_TRIANGLES, 0, 3)
         GL.glBindVertexArray(0)
 
-    def _read(self, target: Target, samples: int, out: Pixels) -> None:
-        width, height = target.size
-        if samples:
-            plain = self._target(width, height, 0)
+    def _read(self, target: Target, out: Pixels) -> None:
+        if target.samples:
+            plain = self._target(target.size, 0)
             _blit(target, plain)
             target = plain
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, target.name)
-        GL.glReadPixels(0, 0, width, height, GL.GL_BGRA, GL.GL_UNSIGNED_BYTE, out)
+        GL.glReadPixels(0, 0, *target.size, GL.GL_BGRA, GL.GL_UNSIGNED_BYTE, out)
 
-    def _target(self, width: int, height: int, samples: int, use: int | None = None) -> Target:
-        """The one of its use, which is its number of samples if nothing else, at some size."""
-        use = samples if use is None else use
-        target = self._targets.get(use)
-        if target is None or target.size != (width, height):
+    def _target(self, size: tuple[int, int], samples: int, still: bool = False) -> Target:
+        """The one for pictures with so many samples, or for what is still in them."""
+        target = self._targets.get((samples, still))
+        if target is None or target.size != size:
             if target is not None:
                 target.delete()
-            target = self._targets[use] = Target(width, height, samples)
+            target = self._targets[samples, still] = Target(*size, samples)
         return target
 
     def _program(self, name: str, *variant: str) -> Program:

@@ -284,7 +284,7 @@ class Viewport(QWidget):
         self.draws += 1
         if not self._smooth:
             self._adapt(time.perf_counter() - began)
-            self._spare.start()
+        self._spare.start()
 
     def _prepare(self) -> None:
         if self._renderer is not None and not self._hurried:
