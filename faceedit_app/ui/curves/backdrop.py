@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 
-from PySide6.QtCore import QRect, QRectF
+from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainter, QPixmap
 from PySide6.QtWidgets import QWidget
 
@@ -27,15 +27,13 @@ class Backdrop:
     def paint(
         self,
         painter: QPainter,
-        rect: QRect,
         looks: Hashable,
         draw: Callable[[QPainter, QRectF], None],
     ) -> None:
-        """Paint a part of it.
+        """Paint it, or as much of it as the painter is clipped to.
 
         Args:
             painter: of the widget.
-            rect: the part, in the widget's pixels.
             looks: all that the picture depends on, besides its size.
             draw: paints the whole of it, if it looks otherwise than before.
         """
@@ -47,8 +45,6 @@ class Backdrop:
             with QPainter(self._picture) as inside:
                 draw(inside, QRectF(0.0, 0.0, size.width(), size.height()))
             self._key = key
-        part = QRectF(rect)
-        source = QRectF(
-            ratio * part.x(), ratio * part.y(), ratio * part.width(), ratio * part.height()
-        )
-        painter.drawPixmap(part, self._picture, source)
+        # Always from the corner: on screens of one and a half dots to the pixel a part would not
+        # lie where it lies in the whole.
+        painter.drawPixmap(QPointF(), self._picture)

@@ -15,10 +15,12 @@ class BandMouse(QObject):
     """Drags the selection's edges: start and end of the hold, and the falloffs around it.
 
     Signals:
+        taken(): an edge is held from now on.
         moved(): an edge is elsewhere.
         ended(): it was let go of, or is back where it was.
     """
 
+    taken = Signal()
     moved = Signal()
     ended = Signal()
 
@@ -77,6 +79,7 @@ class BandMouse(QObject):
         if band is not None:
             limits = 0.0, self._timeline.snap(self._timeline.duration)
             self._drag = press_edge(edge, band, seconds, limits)
+            self.taken.emit()
 
     def move(self, scale: Scale, event: QMouseEvent) -> None:
         """Bring the edge along; Shift is fine, Ctrl snaps to frames."""

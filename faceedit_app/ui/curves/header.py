@@ -120,11 +120,11 @@ class Header(QWidget):
         self.close_up_asked.emit()
         event.accept()
 
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paintEvent(self, _event: QPaintEvent) -> None:
         """Bar, name, value, numbers; only the value and the remark on it change often."""
         looks = (self._active, self._chosen, self._scale, self.font().key())
         with QPainter(self) as painter:
-            self._backdrop.paint(painter, event.rect(), looks, self._paint_still)
+            self._backdrop.paint(painter, looks, self._paint_still)
             painter.setFont(self._layout.value_font)
             painter.setPen(style.color(style.TEXT))
             painter.drawText(self._layout.value, _FLAGS, self.value)

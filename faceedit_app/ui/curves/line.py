@@ -7,7 +7,8 @@ import math
 import pyqtgraph as pg
 from PySide6.QtGui import QPainter, QPen, QTransform
 
-from faceedit_app.ui.curves.polyline import Polyline
+from faceedit_app.ui.curves.axes import Span
+from faceedit_app.ui.curves.polyline import EMPTY, Polyline
 
 
 class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no types
@@ -24,23 +25,23 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
     def __init__(self, pen: QPen) -> None:
         super().__init__(skipFiniteCheck=True)
         self._wanted = pen
-        self._line: Polyline | None = None
+        self._line = EMPTY
         self._hair: tuple[float, QPen] = (0.0, pen)
 
-    def show_line(self, line: Polyline) -> bool:
-        """Draw other points; False if they are the ones already drawn."""
-        if line is self._line:
-            return False
-        self._line = line
+    def show_line(self, line: Polyline) -> Span | None:
+        """Draw other points; tell between which seconds that is to be seen, None for nowhere."""
+        changed, self._line = line.changed_from(self._line), line
+        if changed is not None and self._wanted.dashPattern() and len(line.x):
+            changed = changed[0], max(changed[1], float(line.x[-1]))  # dashes follow each other
         # pyqtgraph's own way in asks for the bounds of everything, twice; they are not wanted.
         self.xData, self.yData = line.x, line.y
         self.opts["connect"] = "all" if line.joined is None else line.joined
         self.path = None
-        return True
+        return changed
 
     def paint(self, painter: QPainter, *_: object) -> None:
         """Draw it, in its full width unless it fills its pixel columns anyway."""
-        if self._line is None or len(self._line.x) < 2:
+        if len(self._line.x) < 2:
             return
         ratio = painter.device().devicePixelRatioF()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)

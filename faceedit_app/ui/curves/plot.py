@@ -27,6 +27,8 @@ from faceedit_app.ui.curves.line import WideLine
 from faceedit_app.ui.curves.polyline import EMPTY
 from faceedit_app.ui.curves.sight import Lines
 
+_LINE = 5  # pixels at most from the middle of a line, the playhead or its dot to their edges
+
 
 class Mouse(Protocol):
     """Who is told what the mouse does on a plot. Positions are pixels of the plot."""
@@ -139,10 +141,18 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         """Draw these curves."""
         self.lines = lines
         shown = (EMPTY,) * 3 if lines is None else (lines.tracked, lines.face, lines.asked)
-        drawn = [curve.show_line(line) for curve, line in zip(self._curves, shown, strict=True)]
-        self._track += drawn[0]
-        if any(drawn):
-            self.viewport().update()
+        for curve, line in zip(self._curves, shown, strict=True):
+            if (changed := curve.show_line(line)) is not None:
+                self._update_between(*changed)
+                self._track += curve is self._tracked
+
+    def _update_between(self, first: float, last: float) -> None:
+        """Paint what lies between two seconds anew."""
+        scale, height = self.current_scale, self.viewport().height()
+        left = max(round(scale.x_of(first)) - _LINE, 0)
+        right = min(round(scale.x_of(last)) + _LINE, self.viewport().width())
+        if left < right:
+            self.viewport().update(left, 0, right - left, height)
 
     @property
     def columns(self) -> int:
@@ -163,8 +173,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
                 self.viewport().update()
         elif moved:
             for seconds in (before, playhead):  # all that changes in playback
-                x = round(self.current_scale.x_of(seconds))
-                self.viewport().update(x - 5, 0, 11, self.viewport().height())
+                self._update_between(seconds, seconds)
 
     def _apply_scale(self) -> None:
         self.getViewBox().setRange(xRange=self.view, yRange=self.span, padding=0)
@@ -173,7 +182,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
 
     # --- painting --------------------------------------------------------------------------
 
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint backdrop, lines and marks.
 
         Qt would first look through pyqtgraph's scene for what is to be painted, and prepare each
@@ -184,14 +193,14 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         still = self._marks, self.view, self._is_active
         with QPainter(self.viewport()) as painter:
 
-            def draw_backdrop(inside: QPainter, rect: QRectF) -> None:
-                self._bands.paint(inside, rect.toRect(), still, self._draw_bands)
+            def draw_backdrop(inside: QPainter, _rect: QRectF) -> None:
+                self._bands.paint(inside, still, self._draw_bands)
                 self._draw_grid(inside)
                 inside.setTransform(scale.transform)
                 self._tracked.paint(inside)
 
             looks = still, self.span, self._track
-            self._backdrop.paint(painter, event.rect(), looks, draw_backdrop)
+            self._backdrop.paint(painter, looks, draw_backdrop)
             painter.setTransform(scale.transform)
             for curve in (self._face, self._asked):
                 curve.paint(painter)

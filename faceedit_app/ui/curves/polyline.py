@@ -42,12 +42,28 @@ class Polyline:
     joined: Mask | None = None
     thinned: bool = False
 
+    def changed_from(self, before: Polyline) -> tuple[float, float] | None:
+        """First and last second between which they are drawn otherwise; None where nowhere."""
+        if self is before:
+            return None
+        if self.x is before.x:
+            rows = np.flatnonzero(self.y != before.y)
+            if not len(rows):
+                return None
+            first, last = max(rows[0] - 1, 0), min(rows[-1] + 1, len(self.x) - 1)
+            return float(self.x[first]), float(self.x[last])
+        # With where a line begins all of its dashes move.
+        ends = [float(x[i]) for x in (self.x, before.x) for i in (0, -1) if len(x)]
+        return (min(ends), max(ends)) if ends else None
+
 
 EMPTY = Polyline(np.empty(0), np.empty(0))
 
 
 def run_of(x: Values, y: Values, shown: Mask, thinned: bool) -> Polyline:
     """The points (N,) of a curve that are shown, those next to each other joined."""
+    if shown.all():
+        return Polyline(x, y, None, thinned)
     if not shown.any():
         return EMPTY
     joined = np.append(shown[1:], False)[shown]

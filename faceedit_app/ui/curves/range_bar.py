@@ -48,6 +48,8 @@ class RangeBar(QWidget):
         timeline.selection_changed.connect(self.update)
         timeline.falloff_changed.connect(self.update)
         timeline.view_changed.connect(self.update)
+        band.taken.connect(self.update)
+        band.ended.connect(self.update)
 
     @property
     def scale(self) -> Scale:

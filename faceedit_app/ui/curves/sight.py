@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves.axes import Span
@@ -59,6 +58,7 @@ class Sight:
         if self._size >= BASE:
             self._size = Envelope.bin_size(self._size)
         self._known.clear()
+        self._x = self._times[self._rows] if self._size == 1 else self._middles()
         self._read_again()
 
     def refresh(self) -> None:
@@ -74,11 +74,7 @@ class Sight:
         self._seen, changed = self._live.changes(self._seen)
         if self._envelope is not None:
             self._envelope.update(*changed)
-        if self._size == 1:
-            low = high = self._read(self._rows)
-            self._x = self._times[self._rows]
-        else:
-            self._x, low, high = self._binned()
+        low, high = self._read_bins()
         y = low if low is high else _alternating(low, high)
         c = self._curves
         self._y = np.ascontiguousarray(y[:, : _LINES * c].T).reshape(_LINES, c, -1)
@@ -116,24 +112,35 @@ class Sight:
         apart = np.abs(face - tracked), np.abs(asked - tracked)
         return np.concatenate([tracked, face, asked, *apart], axis=1)
 
-    def _binned(self) -> tuple[NDArray[np.float64], Values, Values]:
-        """Times (2 N,) of each bin's two points, lowest and highest values (N, 5 C).
+    @property
+    def _bins(self) -> tuple[int, int]:
+        """The first in view, and the one after the last.
 
         Bins start at multiples of their size in the take, not at the edge of the view: peaks then
         do not flicker while the view is panned.
         """
-        size, frames = self._size, len(self._times)
-        first, last = self._rows.start // size, -(-self._rows.stop // size)
+        return self._rows.start // self._size, -(-self._rows.stop // self._size)
+
+    def _middles(self) -> Values:
+        """(2 N,) seconds of each bin's two points."""
+        starts = self._size * np.arange(*self._bins)
+        last = len(self._times) - 1
+        within = np.stack([starts, np.minimum(starts + self._size // 2, last)], axis=1)
+        middles: Values = self._times[within.ravel()]
+        return middles
+
+    def _read_bins(self) -> tuple[Values, Values]:
+        """Lowest and highest values (N, 5 C) of each bin; of single frames both are the same."""
+        size, frames, (first, last) = self._size, len(self._times), self._bins
+        if size == 1:
+            values = self._read(self._rows)
+            return values, values
         if size < BASE:
             values = self._read(slice(first * size, min(last * size, frames)))
-            low, high = lowest(values, size), highest(values, size)
-        else:
-            if self._envelope is None:
-                self._envelope = Envelope(self._read, frames, (_LINES + 2) * self._curves)
-            low, high = self._envelope.bins(first, last, size)
-        starts = size * np.arange(first, last)
-        within = np.stack([starts, np.minimum(starts + size // 2, frames - 1)], axis=1)
-        return self._times[within.ravel()], low, high
+            return lowest(values, size), highest(values, size)
+        if self._envelope is None:
+            self._envelope = Envelope(self._read, frames, (_LINES + 2) * self._curves)
+        return self._envelope.bins(first, last, size)
 
 
 def _alternating(low: Values, high: Values) -> Values:
