@@ -335,7 +335,8 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             _blit(target, plain)
             target = plain
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, target.name)
-        GL.glReadPixels(0, 0, *target.size, GL.GL_BGRA, GL.GL_UNSIGNED_BYTE, out)
+        # The shaders have written blue first.
+        GL.glReadPixels(0, 0, *target.size, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, out)
 
     def _target(self, size: tuple[int, int], samples: int, still: bool = False) -> Target:
         """The one for pictures with so many samples, or for what is still in them."""

@@ -1,12 +1,12 @@
 #version 330 core
 // The character, lit pixel by pixel; or, in QUICK, as the vertices were.
-out vec4 pixel;
+out vec4 pixel; // blue first, as the window has it: so it is read back as it lies
 
 #ifdef QUICK
 in vec3 shown;
 
 void main() {
-    pixel = vec4(shown, 1.0);
+    pixel = vec4(shown.bgr, 1.0);
 }
 #else
 in vec3 towards_camera;
@@ -26,6 +26,6 @@ void main() {
 #ifndef FLESH
     normal = gl_FrontFacing ? normal : -normal;
 #endif
-    pixel = vec4(lit(towards_camera, normal, sky, surface, albedo), 1.0);
+    pixel = vec4(lit(towards_camera, normal, sky, surface, albedo).bgr, 1.0);
 }
 #endif
