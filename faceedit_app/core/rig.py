@@ -157,21 +157,23 @@ class Distances:
         Args:
             passed: take each pair's heights as if they had changed places.
         """
-        lengths, directions = self.directions(self.vectors(weights), passed)
+        vectors = self.vectors(weights)
+        lengths = self.lengths(vectors)
+        directions = self.directions(vectors, lengths, passed)
         return lengths, np.einsum("tcx,kcx->tck", directions, self.gradients)
 
     def directions(
-        self, vectors: NDArray[Any], passed: bool = False
-    ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """`lengths` (..., C) of `vectors` (..., C, 3), and how each grows with its vector.
+        self, vectors: NDArray[Any], lengths: NDArray[Any], passed: bool = False
+    ) -> NDArray[Any]:
+        """How the `lengths` (..., C) of `vectors` (..., C, 3) grow with them: (..., C, 3).
 
         Args:
             passed: take each pair's heights as if they had changed places.
         """
-        lengths = self.lengths(vectors)
         if passed:
             vectors = vectors * np.array([1, -1, 1], vectors.dtype)
-        return lengths, vectors / np.where(np.abs(lengths) > 1e-6, lengths, 1e-6)[..., None]
+        directions: NDArray[Any] = vectors / _apart_from_zero(lengths)[..., None]
+        return directions
 
     def lengths(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Lengths (..., C), mm, of `vectors` (..., C, 3); negative where a pair has passed."""
@@ -185,3 +187,7 @@ class Distances:
     @cached_property
     def _may_pass(self) -> bool:
         return bool(self.shuts.any())
+
+
+def _apart_from_zero(lengths: NDArray[Any]) -> NDArray[Any]:
+    return np.where(np.abs(lengths) > 1e-6, lengths, 1e-6)

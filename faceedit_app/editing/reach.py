@@ -11,6 +11,7 @@ set).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,7 +87,7 @@ class Reach:
             naturalness: 0 lifts the limit on the change's length, 1 keeps `NATURAL_LENGTH`.
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
-        targets = self._lengths(vectors)
+        targets = np.maximum(self._distances.lengths(vectors), 0.0)
         targets += goal.strength * (goal.targets - targets)
         noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
         frames = _Frames(start, np.minimum(start, 0.0), upper, vectors, targets, noise)
@@ -110,43 +111,41 @@ class Reach:
             limit: how long the change may be, in standard deviations.
             passed: begin as if each pair of vertices had passed each other.
         """
-        found, there = np.empty_like(frames.start), np.empty_like(frames.vectors)
+        found, there = np.empty_like(frames.start), np.empty_like(frames.targets)
         rows: slice | NDArray[np.intp] = slice(None)  # of the frames that are not done yet
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
-        vectors, costs = frames.vectors, frames.cost(self._lengths(frames.vectors))
+        here = self._place(frames, frames.vectors)
         for iteration in range(ITERATIONS):
-            slopes, wanted = self._linear(frames, vectors, change, passed and iteration == 0)
+            slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
             aim = self._step(slopes, wanted, frames.noise, change, frozen)
             aim *= self._shortening(aim, limit)
             allowed = frames.bounded(aim, self._coupled)
             stopped = frozen | (np.abs(allowed - aim) > 1e-9)
-            new, vectors, costs = self._line_search(frames, vectors, costs, change, allowed)
-            found[rows], there[rows] = new, vectors
+            new, here = self._line_search(frames, here, change, allowed)
+            found[rows], there[rows] = new, here.lengths
             moving = (np.abs(new - change) > SETTLED) | (stopped != frozen)
-            going = moving.any(axis=1) & (costs > MET)
+            going = moving.any(axis=1) & (here.costs > MET)
             change, frozen = new, stopped
             if not going.any():
                 break
             if not going.all():
                 rows = np.arange(len(found))[rows][going]
-                frames = frames.at(going)
+                frames, here = frames.at(going), here.at(going)
                 change, frozen = change[going], frozen[going]
-                vectors, costs = vectors[going], costs[going]
-        return found, self._lengths(there)
+        return found, np.maximum(there, 0.0)
 
-    def _lengths(self, vectors: Array) -> Array:
-        """(..., C) mm; pairs that have passed each other touch."""
-        lengths: Array = np.maximum(self._distances.lengths(vectors), 0.0)
-        return lengths
+    def _place(self, frames: _Frames, vectors: Array) -> _Place:
+        lengths: Array = self._distances.lengths(vectors)
+        return _Place(vectors, lengths, frames.cost(lengths))
 
     def _linear(
-        self, frames: _Frames, vectors: Array, change: Array, passed: bool
+        self, frames: _Frames, here: _Place, change: Array, passed: bool
     ) -> tuple[Array, Array]:
         """Slopes J (N, C, K) at `change`, and what J times the whole change should be (N, C)."""
-        lengths, directions = self._distances.directions(vectors, passed)
+        directions = self._distances.directions(here.vectors, here.lengths, passed)
         by_control = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
         slopes = np.ascontiguousarray(by_control.transpose(1, 0, 2))
-        return slopes, frames.targets - lengths + np.einsum("nck,nk->nc", slopes, change)
+        return slopes, frames.targets - here.lengths + np.einsum("nck,nk->nc", slopes, change)
 
     def _step(
         self, slopes: Array, wanted: Array, noise: Array, change: Array, frozen: NDArray[np.bool_]
@@ -172,29 +171,53 @@ class Reach:
         return factor
 
     def _line_search(
-        self, frames: _Frames, vectors: Array, costs: Array, old: Array, new: Array
-    ) -> tuple[Array, Array, Array]:
+        self, frames: _Frames, here: _Place, old: Array, new: Array
+    ) -> tuple[Array, _Place]:
         """The way from `old` to `new`, or as much of it as leads nearer, each frame by itself.
 
         A full step can carry a pair of vertices through each other, where the distance grows
         again. Vectors are linear in the weights, so that those of all steps come from two.
 
         Returns:
-            The change (N, K), and the vectors (N, C, 3) and costs (N,) there.
+            The change (N, K), and where it leads.
         """
-        moved = frames.vectors + (new @ self._moves).reshape(vectors.shape)
-        reached = frames.cost(self._lengths(moved))
-        worse = np.flatnonzero(reached > costs)
+        moves = (new @ self._moves).reshape(frames.vectors.shape)
+        there = self._place(frames, frames.vectors + moves)
+        worse = np.flatnonzero(there.costs > here.costs)
         if len(worse):
-            move = moved[worse] - vectors[worse]
-            trials = vectors[worse] + STEPS[:, None, None, None] * move
-            tried = frames.at(worse).cost(self._lengths(trials))
-            best = tried.argmin(axis=0), np.arange(len(worse))
+            before = here.vectors[worse]
+            trials = before + STEPS[:, None, None, None] * (there.vectors[worse] - before)
+            tried = self._place(frames.at(worse), trials)
+            best = tried.costs.argmin(axis=0), np.arange(len(worse))
             step = STEPS[best[0]][:, None]
             new = new.copy()
             new[worse] = old[worse] + step * (new[worse] - old[worse])
-            moved[worse], reached[worse] = trials[best], tried[best]
-        return new, moved, reached
+            there.put(worse, tried.at(best))
+        return new, there
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where changes of weights lead to, on N frames.
+
+    Attributes:
+        vectors: (N, C, 3) mm.
+        lengths: (N, C) mm; negative where a pair of vertices has passed each other.
+        costs: (N,) how far that is from the targets.
+    """
+
+    vectors: Array
+    lengths: Array
+    costs: Array
+
+    def at(self, rows: NDArray[Any] | tuple[NDArray[Any], ...]) -> _Place:
+        """Some of the frames."""
+        return _Place(self.vectors[rows], self.lengths[rows], self.costs[rows])
+
+    def put(self, rows: NDArray[np.intp], other: _Place) -> None:
+        """Lead elsewhere on some of the frames."""
+        self.vectors[rows] = other.vectors
+        self.lengths[rows], self.costs[rows] = other.lengths, other.costs
 
 
 @dataclass(frozen=True)
@@ -230,6 +253,9 @@ class _Frames:
         return inside - self.start
 
     def cost(self, lengths: Array) -> Array:
-        """How far lengths (..., N, C) are from the targets: (..., N)."""
-        costs: Array = ((self.targets - lengths) ** 2 / self.noise).sum(axis=-1)
+        """How far lengths (..., N, C) are from the targets: (..., N).
+
+        Pairs that have passed each other touch.
+        """
+        costs: Array = ((self.targets - np.maximum(lengths, 0.0)) ** 2 / self.noise).sum(axis=-1)
         return costs

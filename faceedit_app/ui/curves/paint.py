@@ -46,7 +46,7 @@ def draw_brush(painter: QPainter, scale: Scale, brush: Brush, alpha: int) -> Non
     for stop, strength in _stops(brush):
         fade.setColorAt(stop, style.color(style.BAND, round(alpha * (0.12 + 0.88 * strength))))
     painter.fillRect(rect, QBrush(fade))
-    painter.setPen(QPen(style.color(style.BAND, min(2 * alpha, 140)), 0))
+    painter.setPen(style.hairline(style.BAND, min(2 * alpha, 140)))
     for x in (scale.x_of(brush.reach[0]), scale.x_of(brush.reach[1])):
         painter.drawLine(QPointF(x, 0), QPointF(x, scale.height))
 
@@ -75,7 +75,7 @@ def draw_selection(painter: QPainter, scale: Scale, band: Brush) -> None:
         fade.setColorAt(1.0, style.color(style.SELECTION, 6))
         rect = QRectF(min(inner, outer), 0.0, abs(outer - inner), scale.height)
         painter.fillRect(rect, QBrush(fade))
-        painter.setPen(QPen(style.color(style.SELECTION, 190), 0))
+        painter.setPen(style.hairline(style.SELECTION, 190))
         painter.drawLine(QPointF(inner, 0), QPointF(inner, scale.height))
         painter.setPen(QPen(style.color(style.SELECTION, 90), 0, Qt.PenStyle.DashLine))
         painter.drawLine(QPointF(outer, 0), QPointF(outer, scale.height))
@@ -97,7 +97,7 @@ def draw_gaps(painter: QPainter, scale: Scale, gaps: tuple[Span, ...], alpha: in
 def draw_playhead(painter: QPainter, scale: Scale, seconds: float) -> None:
     """The line of the frame on screen, on whole pixels so that it is crisp."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
-    painter.setPen(QPen(style.color(style.PLAYHEAD, 215), 0))
+    painter.setPen(style.hairline(style.PLAYHEAD, 215))
     x = round(scale.x_of(seconds))
     painter.drawLine(QPointF(x, 0), QPointF(x, scale.height))
 

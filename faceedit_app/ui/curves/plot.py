@@ -13,7 +13,6 @@ from PySide6.QtGui import (
     QMouseEvent,
     QPainter,
     QPaintEvent,
-    QPen,
     QResizeEvent,
     QWheelEvent,
 )
@@ -141,10 +140,11 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         """Draw these curves."""
         self.lines = lines
         shown = (EMPTY,) * 3 if lines is None else (lines.tracked, lines.face, lines.asked)
-        for curve, line in zip(self._curves, shown, strict=True):
-            if (changed := curve.show_line(line)) is not None:
-                self._update_between(*changed)
-                self._track += curve is self._tracked
+        changed = [curve.show_line(line) for curve, line in zip(self._curves, shown, strict=True)]
+        self._track += changed[0] is not None
+        spans = [span for span in changed if span is not None]
+        if spans:
+            self._update_between(min(span[0] for span in spans), max(span[1] for span in spans))
 
     def _update_between(self, first: float, last: float) -> None:
         """Paint what lies between two seconds anew."""
@@ -205,7 +205,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
             for curve in (self._face, self._asked):
                 curve.paint(painter)
             painter.resetTransform()
-            self._draw_marks(painter)
+            self._draw_marks(painter, scale)
 
     @property
     def _is_active(self) -> bool:
@@ -222,17 +222,17 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
 
     def _draw_grid(self, painter: QPainter) -> None:
         scale = self.current_scale
-        painter.setPen(QPen(style.color(style.GRID), 0))
+        painter.setPen(style.hairline(style.GRID))
         for tick in value_ticks(scale.span, scale.height, style.VALUE_SPACING):
             y = round(scale.y_of(tick.at))
             painter.drawLine(QPointF(0, y), QPointF(scale.width, y))
 
-    def _draw_marks(self, painter: QPainter) -> None:
-        scale, color = self.current_scale, style.REGION_COLORS[self.control.region]
+    def _draw_marks(self, painter: QPainter, scale: Scale) -> None:
+        color = style.REGION_COLORS[self.control.region]
         if self.lines is None:
             return
         if self.shows_focus:
-            painter.setPen(QPen(style.color(style.FOCUS), 0))
+            painter.setPen(style.hairline(style.FOCUS))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(QRectF(0, 0, scale.width - 1, scale.height - 1))
         paint.draw_playhead(painter, scale, self._playhead)

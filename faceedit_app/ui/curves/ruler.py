@@ -10,7 +10,6 @@ from PySide6.QtGui import (
     QMouseEvent,
     QPainter,
     QPaintEvent,
-    QPen,
     QPolygonF,
     QWheelEvent,
 )
@@ -162,7 +161,7 @@ class Ruler(QWidget):
         room = style.TIMECODE_SPACING if unit is Unit.TIMECODE else style.TIME_SPACING
         labelled, between = time_ticks(scale.view, scale.width, room)
         if not has_frames:
-            painter.setPen(QPen(style.color(style.TICK), 0))
+            painter.setPen(style.hairline(style.TICK))
             self._paint_ticks(painter, scale, between, 4)
             self._paint_ticks(painter, scale, [tick.at for tick in labelled], 9)
         if unit is not Unit.SECONDS and self._clip is not None:
@@ -173,7 +172,7 @@ class Ruler(QWidget):
     def _paint_frames(self, painter: QPainter, scale: Scale, ticks: list[Tick]) -> None:
         numbered = [tick for tick in ticks if tick.label]
         self._paint_labels(painter, scale, numbered, 0.5 * scale.height - 1, 0.74, style.MUTED)
-        painter.setPen(QPen(style.color(style.TICK), 0))
+        painter.setPen(style.hairline(style.TICK))
         self._paint_ticks(painter, scale, [tick.at for tick in ticks], 2)
         self._paint_ticks(painter, scale, [tick.at for tick in numbered], 4)
 

@@ -55,6 +55,12 @@ def color(name: str, alpha: int = 255) -> QColor:
     return out
 
 
+@lru_cache(maxsize=64)
+def hairline(name: str, alpha: int = 255) -> QPen:
+    """A pen one dot of the screen wide; not to be changed."""
+    return QPen(color(name, alpha), 0)
+
+
 def _pen(name: str, width: float, dashes: tuple[float, ...] = ()) -> QPen:
     pen = QPen(QColor(name), width)
     pen.setCosmetic(True)
