@@ -218,7 +218,11 @@ class Viewport(QWidget):
         if self._stale:
             self._draw()
         painter = QPainter(self)
-        self._paint_picture(painter)
+        # Rectangle by rectangle: into a region of several Qt would fill dot by dot.
+        for part in event.region():
+            painter.setClipRect(part)
+            self._paint_picture(painter)
+        painter.setClipping(False)
         if self.hasFocus():
             painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
             painter.setPen(QPen(QColor(ACCENT), 2))

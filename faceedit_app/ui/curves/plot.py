@@ -64,8 +64,8 @@ class Handle:
 class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
     """The plot of one control.
 
-    pyqtgraph draws the lines; its own mouse handling is bypassed, so that a drag means an edit
-    and nothing in the scene can swallow it. Marks are painted behind and before the scene.
+    pyqtgraph makes the lines; its own mouse handling is bypassed, so that a drag means an edit
+    and nothing in the scene can swallow it, and so is its view: `current_scale` says what is where.
 
     Signals:
         scale_changed(): its size, visible time or value axis changed.
@@ -109,7 +109,6 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         item.hideButtons()
         item.setMenuEnabled(False)
         item.disableAutoRange()
-        item.getViewBox().setDefaultPadding(0.0)
         self._face = WideLine(style.face_pen(self.control.region))
         self._tracked = WideLine(style.tracked_pen())
         self._asked = WideLine(style.asked_pen())
@@ -176,7 +175,6 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
                 self._update_between(seconds, seconds)
 
     def _apply_scale(self) -> None:
-        self.getViewBox().setRange(xRange=self.view, yRange=self.span, padding=0)
         self.viewport().update()
         self.scale_changed.emit()
 
