@@ -70,7 +70,7 @@ def walk(window: MainWindow) -> None:
     do(window, "deselect")
 
     line.show_range(4.6, 8.2)
-    opening = editor.curves.plots[0].viewport()
+    opening = editor.curves.plots[0]
     at = QPoint(round(editor.curves.plots[0].current_scale.x_of(6.1)), 40)
     drag(opening, at, QPoint(0, -16), release=False)
     picture(window, "guide_drag")
@@ -124,15 +124,15 @@ class Film:
         wait(0.5)  # the face is drawn finely
         plot = editor.curves.plots[0]
         x = round(plot.current_scale.x_of(5.02))
-        start = QPoint(x, round(0.55 * plot.viewport().height()))
+        start = QPoint(x, round(0.55 * plot.height()))
         self._frame(400)
         for share in (0.3, 0.6, 0.85, 1.0):
-            self._go(plot.viewport(), start, share)
-        QTest.mousePress(plot.viewport(), LEFT, pos=start)
+            self._go(plot, start, share)
+        QTest.mousePress(plot, LEFT, pos=start)
         heights = (3, 8, 15, 23, 32, 41, 49, 56, 61, 64, 64, 62, 58, 54, 51, 50, 50)
         for height in heights:
-            self._go(plot.viewport(), start - QPoint(0, height), 1.0)
-        QTest.mouseRelease(plot.viewport(), LEFT, pos=start - QPoint(0, heights[-1]))
+            self._go(plot, start - QPoint(0, height), 1.0)
+        QTest.mouseRelease(plot, LEFT, pos=start - QPoint(0, heights[-1]))
         wait(0.4)
         self._frame(600)
         do(window, "undo")

@@ -116,7 +116,7 @@ def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, pause:
     committed: list[int] = []
     panel.committed.connect(lambda: committed.append(1))
     start = place(plot, 1.5)
-    drag(plot.viewport(), start, start + QPoint(4, -12), pause=pause)
+    drag(plot, start, start + QPoint(4, -12), pause=pause)
     assert len(session.edits) == 1
     (edit,) = session.edits
     assert edit.controls == (CONTROLS[index].id,)
@@ -141,7 +141,7 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
     steps: list[float] = []
     panel.edited.connect(lambda: steps.append(float(session.asked[frame, 0])))
     start = place(plot, 2.1)
-    drag(plot.viewport(), start, start + QPoint(0, -20), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
     wanted = pytest.approx(before + 20 * plot.current_scale.mm_per_pixel, abs=0.01)
     qtbot.waitUntil(lambda: len(steps) >= 2 and steps[-1] == wanted)
     assert panel.is_dragging
@@ -149,7 +149,7 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
     assert steps == sorted(steps)
     # The playhead has gone where the face is changing.
     assert panel.timeline.frame == frame
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(0, -20))
+    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -20))
 
 
 def test_many_moves_are_few_previews_and_the_last_counts(panel: CurvesPanel) -> None:
@@ -157,18 +157,18 @@ def test_many_moves_are_few_previews_and_the_last_counts(panel: CurvesPanel) -> 
     steps: list[int] = []
     panel.edited.connect(lambda: steps.append(1))
     start = place(plot, 2.1)
-    QTest.mousePress(plot.viewport(), LEFT, NONE, start)
+    QTest.mousePress(plot, LEFT, NONE, start)
     for i in range(200):
-        move_with(plot.viewport(), start + QPoint(0, -(i % 30)), NONE)
+        move_with(plot, start + QPoint(0, -(i % 30)), NONE)
     assert len(steps) == 0  # all in one turn of the event loop
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(0, -25))
+    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -25))
     assert session.edits[0].value == pytest.approx(25 * plot.current_scale.mm_per_pixel)
 
 
 def test_shift_is_fine(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
     start = place(plot, 1.5)
-    drag(plot.viewport(), start, start + QPoint(0, -20), SHIFT)
+    drag(plot, start, start + QPoint(0, -20), SHIFT)
     (edit,) = session_of(panel).edits
     assert edit.value == pytest.approx(2 * plot.current_scale.mm_per_pixel)
 
@@ -177,13 +177,13 @@ def test_esc_drops_the_drag(panel: CurvesPanel) -> None:
     plot, session = panel.plots[0], session_of(panel)
     panel.timeline.go_to_frame(3)
     start = place(plot, 1.5)
-    drag(plot.viewport(), start, start + QPoint(0, -20), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
     assert panel.is_dragging
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert not panel.is_dragging
     assert np.array_equal(session.asked, session.tracked)
     assert panel.timeline.frame == 3
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(0, -20))
+    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -20))
     assert session.edits == ()
     assert not session.can_undo
 
@@ -193,12 +193,12 @@ def test_the_wheel_sets_the_falloff_of_the_drag(panel: CurvesPanel, qtbot: QtBot
     view = panel.timeline.view
     start = place(plot, 2.1)
     stop = start + QPoint(0, -20)
-    drag(plot.viewport(), start, stop, release=False, pause=20)
+    drag(plot, start, stop, release=False, pause=20)
     beside = session.take.clip.frame_at(2.1 + 0.22)
     assert session.asked[beside, 0] == pytest.approx(session.tracked[beside, 0], abs=1e-4)
-    turn(plot.viewport(), stop, 2)
+    turn(plot, stop, 2)
     qtbot.waitUntil(lambda: session.asked[beside, 0] > session.tracked[beside, 0] + 0.01)
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, stop)
+    QTest.mouseRelease(plot, LEFT, NONE, stop)
     assert session.edits[0].falloff == panel.timeline.falloff == pytest.approx(0.288)
     assert panel.timeline.view == view
 
@@ -207,11 +207,11 @@ def test_inside_the_selection_a_drag_moves_all_of_it(panel: CurvesPanel) -> None
     panel.timeline.select((1.0, 2.0))
     plot, session = panel.plots[7], session_of(panel)
     start = place(plot, 1.3)
-    drag(plot.viewport(), start, start + QPoint(0, 10))
+    drag(plot, start, start + QPoint(0, 10))
     assert (session.edits[0].start, session.edits[0].end) == (1.0, 2.0)
     assert session.edits[0].value < 0
     start = place(plot, 3.0)
-    drag(plot.viewport(), start, start + QPoint(0, 10))
+    drag(plot, start, start + QPoint(0, 10))
     assert session.edits[1].start == session.edits[1].end == pytest.approx(3.0, abs=0.02)
 
 
@@ -223,11 +223,11 @@ def test_the_value_axis_stretches_with_the_curve_and_gives_back(
     span, per_pixel = plot.span, plot.current_scale.mm_per_pixel
     frame = int(session.tracked[:, 0].argmin())
     start = place(plot, float(session.take.clip.times[frame]))
-    drag(plot.viewport(), start, start + QPoint(0, -10), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -10), release=False, pause=20)
     assert plot.span == span
 
     def go_to(pixels: int) -> None:
-        move_with(plot.viewport(), start + QPoint(0, -pixels), NONE)
+        move_with(plot, start + QPoint(0, -pixels), NONE)
         wanted = float(session.tracked[frame, 0]) + pixels * per_pixel
         qtbot.waitUntil(lambda: session.asked[frame, 0] == pytest.approx(wanted))
 
@@ -235,7 +235,7 @@ def test_the_value_axis_stretches_with_the_curve_and_gives_back(
     for pixels in range(40, 301, 20):
         go_to(pixels)
         asked = float(session.asked[frame, 0])
-        assert 0 < plot.current_scale.y_of(asked) < plot.viewport().height()
+        assert 0 < plot.current_scale.y_of(asked) < plot.height()
         assert plot.span[1] >= before
         before = plot.span[1]
     assert before > span[1] + 10 * per_pixel
@@ -243,7 +243,7 @@ def test_the_value_axis_stretches_with_the_curve_and_gives_back(
     assert plot.span == span
     go_to(300)
     stretched = plot.span
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(0, -300))
+    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -300))
     assert plot.span == pytest.approx(stretched, abs=2 * per_pixel)  # no jump at the end
     assert plot.span[1] > float(session.asked[:, 0].max())
 
@@ -252,24 +252,24 @@ def test_the_curves_that_move_along_take_their_axes_along(panel: CurvesPanel, qt
     left, right = panel.plots[2:4]
     still = panel.plots[6].span
     start = place(left, 1.5)
-    drag(left.viewport(), start, start + QPoint(0, -150), release=False, pause=20)
+    drag(left, start, start + QPoint(0, -150), release=False, pause=20)
     session, frame = session_of(panel), panel.timeline.frame
     wanted = float(session.tracked[frame, 3]) + 150 * left.current_scale.mm_per_pixel * 0.2
     qtbot.waitUntil(lambda: session.asked[frame, 3] > wanted)
     assert 0 < right.current_scale.y_of(float(session.asked[frame, 3])) < right.height()
     assert panel.plots[6].span == still
-    QTest.mouseRelease(left.viewport(), LEFT, NONE, start + QPoint(0, -150))
+    QTest.mouseRelease(left, LEFT, NONE, start + QPoint(0, -150))
 
 
 def test_a_dropped_drag_leaves_the_value_axis_as_it_was(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
     span = plot.span
     start = place(plot, 1.5)
-    drag(plot.viewport(), start, start + QPoint(0, -300), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -300), release=False, pause=20)
     assert plot.span[1] > span[1]
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert plot.span == span
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(0, -300))
+    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -300))
 
 
 def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> None:
@@ -277,10 +277,10 @@ def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> Non
     span = plot.span
     panel.tooling.choose(Tool.DRAW)
     start = place(plot, 1.5)
-    drag(plot.viewport(), start, start + QPoint(20, -300), release=False, pause=20)
+    drag(plot, start, start + QPoint(20, -300), release=False, pause=20)
     assert panel.is_dragging
     assert plot.span == span
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start + QPoint(20, -300))
+    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(20, -300))
 
 
 @pytest.mark.parametrize("tool", [Tool.DRAW, Tool.SMOOTH, Tool.FLATTEN, Tool.RESTORE])
@@ -290,19 +290,19 @@ def test_the_face_follows_a_pen_and_a_brush(panel: CurvesPanel, qtbot: QtBot, to
     panel.tooling.choose(tool)
     line.go_to_frame(3)
     start, stop = place(plot, 1.5), place(plot, 2.5)
-    drag(plot.viewport(), start, stop, release=False, pause=20)
+    drag(plot, start, stop, release=False, pause=20)
     qtbot.waitUntil(lambda: line.time == pytest.approx(2.5, abs=0.05))
     handle = plot._handle
     assert handle is not None
     assert handle.time == line.time
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert line.frame == 3
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, stop)
+    QTest.mouseRelease(plot, LEFT, NONE, stop)
 
 
 def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:
     plot = panel.plots[3]
-    QTest.mouseClick(plot.viewport(), LEFT, NONE, place(plot, 2.5))
+    QTest.mouseClick(plot, LEFT, NONE, place(plot, 2.5))
     assert panel.timeline.time == pytest.approx(2.5, abs=0.02)
     assert session_of(panel).edits == ()
 
@@ -310,10 +310,10 @@ def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:
 def test_another_take_ends_the_drag(panel: CurvesPanel) -> None:
     plot, session = panel.plots[0], session_of(panel)
     start = place(plot, 1.5)
-    drag(plot.viewport(), start, start + QPoint(0, -20), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
     panel.set_session(None)
     assert not panel.is_dragging
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start)
+    QTest.mouseRelease(plot, LEFT, NONE, start)
     assert session.edits == ()
 
 
@@ -335,14 +335,14 @@ def test_the_ruler_scrubs_selects_and_clears(panel: CurvesPanel) -> None:
 def test_wheel_and_middle_button_move_about(panel: CurvesPanel) -> None:
     plot, timeline = panel.plots[1], panel.timeline
     at = place(plot, 1.0)
-    turn(plot.viewport(), at, 4)
+    turn(plot, at, 4)
     first, last = timeline.view
     assert last - first < 0.6 * timeline.duration
     assert plot.current_scale.time_at(at.x()) == pytest.approx(1.0, abs=0.02)
-    turn(plot.viewport(), at, -1, SHIFT)
+    turn(plot, at, -1, SHIFT)
     assert timeline.view[0] > first
     first = timeline.view[0]
-    drag(plot.viewport(), at, at + QPoint(50, 0), button=MIDDLE)
+    drag(plot, at, at + QPoint(50, 0), button=MIDDLE)
     assert timeline.view[0] < first
     assert session_of(panel).edits == ()
     for other in panel.plots:
@@ -352,7 +352,7 @@ def test_wheel_and_middle_button_move_about(panel: CurvesPanel) -> None:
 def test_ctrl_wheel_zooms_one_value_axis(panel: CurvesPanel) -> None:
     plot, other = panel.plots[1], panel.plots[2].span
     view, span = panel.timeline.view, plot.span
-    turn(plot.viewport(), place(plot, 1.0), 3, CTRL)
+    turn(plot, place(plot, 1.0), 3, CTRL)
     assert plot.span[1] - plot.span[0] < 0.7 * (span[1] - span[0])
     assert panel.plots[2].span == other
     assert panel.timeline.view == view
@@ -375,8 +375,8 @@ def test_a_double_click_on_the_header_shows_small_movements_large(panel: CurvesP
 def test_plots_and_ruler_stand_over_each_other(panel: CurvesPanel) -> None:
     left = panel.ruler.mapTo(panel, QPoint(0, 0)).x()
     for plot in panel.plots:
-        assert plot.viewport().mapTo(panel, QPoint(0, 0)).x() == left
-        assert plot.viewport().width() == panel.ruler.width()
+        assert plot.mapTo(panel, QPoint(0, 0)).x() == left
+        assert plot.width() == panel.ruler.width()
 
 
 # --- what it says and shows ----------------------------------------------------------------
@@ -433,14 +433,14 @@ def test_what_reads_the_same_is_not_said_twice(panel: CurvesPanel) -> None:
 
 def test_lines_that_coincide_are_drawn_once(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
-    tracked, face, asked = plot.getPlotItem().curves
-    assert len(face.xData) > 100
-    assert len(tracked.xData) == 0
-    assert len(asked.xData) == 0
+    assert plot.lines is not None
+    assert len(plot.lines.face.x) > 100
+    assert len(plot.lines.tracked.x) == 0
+    assert len(plot.lines.asked.x) == 0
     start = place(plot, 1.5)
-    drag(plot.viewport(), start, start + QPoint(0, -20))
-    assert 0 < len(asked.xData) < 40
-    assert 0 < len(tracked.xData) < 40
+    drag(plot, start, start + QPoint(0, -20))
+    assert 0 < len(plot.lines.asked.x) < 40
+    assert 0 < len(plot.lines.tracked.x) < 40
 
 
 def test_without_a_take_it_says_what_to_do(qtbot: QtBot) -> None:
@@ -480,7 +480,7 @@ def test_gaps_are_hatched(qtbot: QtBot) -> None:
     panel = open_panel(qtbot, tiny_session(gaps=(Gap(99, 40),)))
     plot = panel.plots[5]
     panel.timeline.go_to_frame(10)
-    image = plot.viewport().grab().toImage()
+    image = plot.grab().toImage()
     scale = plot.current_scale
     middle = 0.5 * (panel.session.take.clip.times[99] + panel.session.take.clip.times[100])
     x, y = round(scale.x_of(middle)), 8
@@ -494,5 +494,6 @@ def test_gaps_are_hatched(qtbot: QtBot) -> None:
 def test_a_long_take_is_drawn_from_few_points(qtbot: QtBot) -> None:
     panel = open_panel(qtbot, tiny_session(frames=36_000))
     for plot in panel.plots:
-        for curve in plot.getPlotItem().curves:
-            assert len(curve.xData) <= 3 * plot.viewport().width() + 4
+        assert plot.lines is not None
+        for line in (plot.lines.tracked, plot.lines.face, plot.lines.asked):
+            assert len(line.x) <= 3 * plot.width() + 4

@@ -71,7 +71,7 @@ def test_a_drag_on_a_curve_is_kept_as_one_step(bench: Bench, lose: Lose, tool: T
     window, editor = opened(bench)
     add_edit(window)
     window.tooling.choose(tool)
-    plot, session = editor.curves.plots[0].viewport(), window.document.session
+    plot, session = editor.curves.plots[0], window.document.session
     assert session is not None
     hold(plot, QPoint(30, -30))
     assert editor.curves.is_dragging
@@ -91,7 +91,7 @@ def test_a_drag_on_a_curve_is_kept_as_one_step(bench: Bench, lose: Lose, tool: T
 @LOSSES
 def test_a_press_that_never_moved_is_forgotten(bench: Bench, lose: Lose) -> None:
     window, editor = opened(bench)
-    plot, session = editor.curves.plots[0].viewport(), window.document.session
+    plot, session = editor.curves.plots[0], window.document.session
     assert session is not None
     QTest.mousePress(plot, LEFT, pos=QPoint(200, 20))
     lose(window, plot)
@@ -192,7 +192,7 @@ def test_hovering_does_not_take_part_in_nudges_by_keys(bench: Bench) -> None:
     editor.curves.focus_curve(0)
     window.actions_["raise"].trigger()
     shown = session.live.asked.copy()
-    plot = editor.curves.plots[0].viewport()
+    plot = editor.curves.plots[0]
     for x in (100, 200, 300):
         move(plot, QPoint(x, 10), NONE, Qt.KeyboardModifier.NoModifier)
     bench.qtbot.wait(60)

@@ -254,7 +254,7 @@ def test_the_waveform_is_under_the_plots_to_the_pixel(
     window.resize(width, 760)
     bench.qtbot.wait(30)
     window.timeline.show_range(0.31, 1.57)
-    plot, wave = editor.curves.plots[0].viewport(), editor.sound.waveform
+    plot, wave = editor.curves.plots[0], editor.sound.waveform
     left = plot.mapTo(window, QPoint(0, 0)).x()
     assert wave.mapTo(window, QPoint(0, 0)).x() == left
     assert wave.width() == plot.width()
@@ -735,7 +735,7 @@ def test_a_sound_that_arrives_during_a_drag_leaves_the_drag_alone(
     window = bench.editing()
     session, editor = window.document.session, editor_of(window)
     assert session is not None
-    plot = editor.curves.plots[0].viewport()
+    plot = editor.curves.plots[0]
     start = plot.rect().center()
     QTest.mousePress(plot, Qt.MouseButton.LeftButton, pos=start)
     glob = QPointF(plot.mapToGlobal(start - QPoint(0, 30)))

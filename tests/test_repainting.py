@@ -58,7 +58,7 @@ def test_nothing_stale_stays_on_screen(qtbot: QtBot, frames: int) -> None:
         line.go_to_time(rng.uniform(*line.view))
         assert_nothing_is_stale(panel, f"{gesture} {what}")
         plot = rng.choice(panel.plots)
-        widget, at = plot.viewport(), place(plot, rng.uniform(*line.view))
+        widget, at = plot, place(plot, rng.uniform(*line.view))
         QTest.mouseMove(widget, at)
         QTest.mousePress(widget, LEFT, pos=at)
         for step in range(STEPS):

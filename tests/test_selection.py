@@ -133,12 +133,12 @@ def test_a_drag_in_the_empty_bar_selects_and_one_in_the_middle_moves(panel: Curv
 
 def test_edges_are_dragged_on_the_plots_too(panel: CurvesPanel) -> None:
     plot, line = panel.plots[3], panel.timeline
-    drag(plot.viewport(), place(plot, 2.0), place(plot, 2.4))
+    drag(plot, place(plot, 2.0), place(plot, 2.4))
     assert line.selection == pytest.approx((1.0, 2.4), abs=0.02)
-    move_with(plot.viewport(), place(plot, 1.0), NONE)
-    assert plot.viewport().cursor().shape() is Qt.CursorShape.SizeHorCursor
-    move_with(plot.viewport(), place(plot, 1.5), NONE)
-    assert plot.viewport().cursor().shape() is Qt.CursorShape.SizeVerCursor
+    move_with(plot, place(plot, 1.0), NONE)
+    assert plot.cursor().shape() is Qt.CursorShape.SizeHorCursor
+    move_with(plot, place(plot, 1.5), NONE)
+    assert plot.cursor().shape() is Qt.CursorShape.SizeVerCursor
 
 
 def test_ctrl_snaps_an_edge_to_a_frame(panel: CurvesPanel) -> None:
@@ -152,12 +152,12 @@ def test_ctrl_snaps_an_edge_to_a_frame(panel: CurvesPanel) -> None:
 
 def test_esc_puts_an_edge_back(panel: CurvesPanel) -> None:
     plot, line = panel.plots[3], panel.timeline
-    drag(plot.viewport(), place(plot, 2.0), place(plot, 2.4), release=False)
+    drag(plot, place(plot, 2.0), place(plot, 2.4), release=False)
     assert panel.is_dragging
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert line.selection == pytest.approx((1.0, 2.0))
     assert not panel.is_dragging
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, place(plot, 2.4))
+    QTest.mouseRelease(plot, LEFT, NONE, place(plot, 2.4))
     assert session_of(panel).edits == ()
 
 
@@ -183,7 +183,7 @@ def test_numbers_are_typed(panel: CurvesPanel) -> None:
 def test_an_edit_of_the_selection_has_both_falloffs(panel: CurvesPanel) -> None:
     plot, session = panel.plots[0], session_of(panel)
     start = place(plot, 1.5)
-    drag(plot.viewport(), start, start - QPoint(0, 15))
+    drag(plot, start, start - QPoint(0, 15))
     (edit,) = session.edits
     assert (edit.start, edit.end, edit.falloff, edit.fade_out) == pytest.approx((1, 2, 0.3, 0.5))
 
@@ -191,11 +191,11 @@ def test_an_edit_of_the_selection_has_both_falloffs(panel: CurvesPanel) -> None:
 def test_alt_and_wheel_change_the_falloff_of_one_side(panel: CurvesPanel) -> None:
     plot, line = panel.plots[0], panel.timeline
     start = place(plot, 1.7)
-    drag(plot.viewport(), start, start - QPoint(0, 15), release=False)
-    turn(plot.viewport(), start, 2, ALT)
+    drag(plot, start, start - QPoint(0, 15), release=False)
+    turn(plot, start, 2, ALT)
     assert line.falloff == 0.3
     assert line.falloff_out > 0.5
-    QTest.mouseRelease(plot.viewport(), LEFT, NONE, start)
+    QTest.mouseRelease(plot, LEFT, NONE, start)
 
 
 def test_esc_brings_back_what_was_selected(panel: CurvesPanel) -> None:

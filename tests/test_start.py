@@ -170,7 +170,7 @@ def test_open_by_drop_with_gaps(bench: Bench) -> None:
 def test_a_file_may_be_dropped_on_any_part_of_the_window(bench: Bench) -> None:
     window = bench.editing()
     assert window.editor is not None
-    viewports = (window.editor.curves.plots[0].viewport(), window.editor.face.viewport)
+    viewports = (window.editor.curves.plots[0], window.editor.face.viewport)
     for number, part in enumerate(viewports):
         other = make_livelink_csv(bench.folder / f"other{number}.csv")
         drop(part, other)

@@ -46,12 +46,12 @@ def test_what_moves_together() -> None:
 def test_both_sides_are_one_edit_unless_alt_or_unlinked(panel: CurvesPanel) -> None:
     plot, session = panel.plots[LEFT_EYE], session_of(panel)
     start = place(plot, 1.0)
-    drag(plot.viewport(), start, start + QPoint(0, 12))
+    drag(plot, start, start + QPoint(0, 12))
     assert session.edits[0].controls == ("left_eyelid", "right_eyelid")
-    drag(plot.viewport(), start, start + QPoint(0, 12), ALT)
+    drag(plot, start, start + QPoint(0, 12), ALT)
     assert session.edits[1].controls == ("left_eyelid",)
     panel.tooling.link(False)
-    drag(plot.viewport(), start, start + QPoint(0, 12))
+    drag(plot, start, start + QPoint(0, 12))
     assert session.edits[2].controls == ("left_eyelid",)
 
 
@@ -62,7 +62,7 @@ def test_several_curves_are_chosen_by_ctrl_click(panel: CurvesPanel) -> None:
     assert panel.chosen_controls == ("mouth_opening", "upper_lip")
     plot = panel.plots[4]
     start = place(plot, 1.0)
-    drag(plot.viewport(), start, start - QPoint(0, 12))
+    drag(plot, start, start - QPoint(0, 12))
     assert only_edit(panel).controls == ("mouth_opening", "upper_lip")
     QTest.mouseClick(panel.headers[2], Qt.MouseButton.LeftButton)
     assert panel.chosen_controls == ()
@@ -79,9 +79,9 @@ def test_ctrl_snaps_to_zero_and_to_the_tracked_curve(panel: CurvesPanel) -> None
     asked, scale = float(session.asked[frame, 0]), plot.current_scale
     start = place(plot, 1.5)
     down = round(asked / scale.mm_per_pixel) + 4
-    drag(plot.viewport(), start, start + QPoint(0, down), CTRL)
+    drag(plot, start, start + QPoint(0, down), CTRL)
     assert session.asked[frame, 0] == pytest.approx(0.0, abs=1e-4)
-    drag(plot.viewport(), start, start - QPoint(0, down - 8), CTRL)
+    drag(plot, start, start - QPoint(0, down - 8), CTRL)
     assert session.asked[frame, 0] == pytest.approx(session.tracked[frame, 0], abs=1e-4)
 
 
@@ -92,7 +92,7 @@ def test_draw_goes_where_the_pointer_went(panel: CurvesPanel) -> None:
     panel.tooling.choose(Tool.DRAW)
     plot, session = panel.plots[0], session_of(panel)
     panel.timeline.set_falloff(0.05)
-    drag(plot.viewport(), place(plot, 1.0, 50), place(plot, 2.0, 20))
+    drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 20))
     edit = only_edit(panel)
     assert edit.op is Op.DRAW
     assert (edit.start, edit.end) == pytest.approx((1.0, 2.0), abs=0.02)
@@ -106,10 +106,10 @@ def test_draw_goes_where_the_pointer_went(panel: CurvesPanel) -> None:
 def test_drawing_back_draws_over(panel: CurvesPanel) -> None:
     panel.tooling.choose(Tool.DRAW)
     plot = panel.plots[0]
-    drag(plot.viewport(), place(plot, 1.0, 50), place(plot, 2.0, 50), release=False)
+    drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 50), release=False)
     for seconds in (1.8, 1.6, 1.4):
-        QTest.mouseMove(plot.viewport(), place(plot, seconds, 20))
-    QTest.mouseRelease(plot.viewport(), Qt.MouseButton.LeftButton, NONE, place(plot, 1.4, 20))
+        QTest.mouseMove(plot, place(plot, seconds, 20))
+    QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, NONE, place(plot, 1.4, 20))
     points = np.array(only_edit(panel).points)
     assert np.all(np.diff(points[:, 0]) > 0)
     high = points[(points[:, 0] > 1.42) & (points[:, 0] < 1.78), 1]
@@ -120,7 +120,7 @@ def test_smooth_paints_where_it_passes(panel: CurvesPanel) -> None:
     panel.tooling.choose(Tool.SMOOTH)
     panel.tooling.set_smooth(0.1)
     plot = panel.plots[0]
-    drag(plot.viewport(), place(plot, 1.0), place(plot, 1.6))
+    drag(plot, place(plot, 1.0), place(plot, 1.6))
     edit = only_edit(panel)
     assert (edit.op, edit.value) == (Op.SMOOTH, 0.1)
     assert (edit.start, edit.end) == pytest.approx((1.0, 1.6), abs=0.02)
@@ -131,7 +131,7 @@ def test_in_the_selection_a_paint_tool_takes_all_of_it(panel: CurvesPanel) -> No
     panel.timeline.select((1.0, 2.0))
     plot, session = panel.plots[0], session_of(panel)
     asked = float(session.asked[session.take.clip.frame_at(1.5), 0])
-    QTest.mouseClick(plot.viewport(), Qt.MouseButton.LeftButton, NONE, place(plot, 1.5))
+    QTest.mouseClick(plot, Qt.MouseButton.LeftButton, NONE, place(plot, 1.5))
     edit = only_edit(panel)
     assert (edit.op, edit.start, edit.end) == (Op.SET, 1.0, 2.0)
     assert edit.value == pytest.approx(asked)
@@ -141,7 +141,7 @@ def test_scale_about_the_median(panel: CurvesPanel) -> None:
     panel.tooling.choose(Tool.SCALE)
     plot = panel.plots[1]
     start = place(plot, 1.0)
-    drag(plot.viewport(), start, start - QPoint(0, 30))
+    drag(plot, start, start - QPoint(0, 30))
     assert only_edit(panel).op is Op.SCALE
     assert 1.2 < only_edit(panel).value < 1.3
 
@@ -152,7 +152,7 @@ def test_back_to_tracked_erases(panel: CurvesPanel) -> None:
     panel.refresh()
     panel.tooling.choose(Tool.RESTORE)
     panel.timeline.set_falloff(0.1)
-    drag(plot.viewport(), place(plot, 1.0), place(plot, 2.0))
+    drag(plot, place(plot, 1.0), place(plot, 2.0))
     frame = session.take.clip.frame_at(1.5)
     assert session.asked[frame, 0] == session.tracked[frame, 0]
     frame = session.take.clip.frame_at(0.7)
@@ -162,7 +162,7 @@ def test_back_to_tracked_erases(panel: CurvesPanel) -> None:
 def test_esc_drops_a_paint(panel: CurvesPanel) -> None:
     panel.tooling.choose(Tool.SMOOTH)
     plot, session = panel.plots[0], session_of(panel)
-    drag(plot.viewport(), place(plot, 1.0), place(plot, 1.6), release=False, pause=20)
+    drag(plot, place(plot, 1.0), place(plot, 1.6), release=False, pause=20)
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert session.edits == ()
     np.testing.assert_array_equal(session.asked, session.tracked)

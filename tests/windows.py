@@ -152,12 +152,12 @@ def drag_curve(window: MainWindow, row: int, seconds: float, pixels: int) -> Non
     assert window.editor is not None
     plot = window.editor.curves.plots[row]
     x = round(plot.current_scale.x_of(seconds))
-    start = QPoint(x, plot.viewport().height() // 2)
-    QTest.mouseMove(plot.viewport(), start)
-    QTest.mousePress(plot.viewport(), Qt.MouseButton.LeftButton, pos=start)
+    start = QPoint(x, plot.height() // 2)
+    QTest.mouseMove(plot, start)
+    QTest.mousePress(plot, Qt.MouseButton.LeftButton, pos=start)
     for step in range(1, 6):
-        _move(plot.viewport(), start - QPoint(0, pixels * step // 5))
-    QTest.mouseRelease(plot.viewport(), Qt.MouseButton.LeftButton, pos=start - QPoint(0, pixels))
+        _move(plot, start - QPoint(0, pixels * step // 5))
+    QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, pos=start - QPoint(0, pixels))
 
 
 def _move(widget: QWidget, to: QPoint, button: Qt.MouseButton = Qt.MouseButton.LeftButton) -> None:

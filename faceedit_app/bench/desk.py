@@ -99,18 +99,18 @@ class Desk:
     def press(self, control: str, seconds: float) -> None:
         """Take hold of a curve."""
         plot = self.plot(control)
-        self._held = QPointF(plot.current_scale.x_of(seconds), plot.viewport().height() / 2)
+        self._held = QPointF(plot.current_scale.x_of(seconds), plot.height() / 2)
         self._at = self._held
-        self._send(plot.viewport(), QEvent.Type.MouseButtonPress, _LEFT)
+        self._send(plot, QEvent.Type.MouseButtonPress, _LEFT)
 
     def move(self, control: str, pixels: float) -> None:
         """Drag it to so many pixels above where it was taken hold of."""
         self._at = self._held - QPointF(0.0, pixels)
-        self._send(self.plot(control).viewport(), QEvent.Type.MouseMove, _NONE)
+        self._send(self.plot(control), QEvent.Type.MouseMove, _NONE)
 
     def release(self, control: str) -> None:
         """Let go of it."""
-        self._send(self.plot(control).viewport(), QEvent.Type.MouseButtonRelease, _LEFT)
+        self._send(self.plot(control), QEvent.Type.MouseButtonRelease, _LEFT)
         self.settle(0.0)
 
     def give_up(self) -> None:

@@ -58,7 +58,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
         watched = sum(once() for _ in range(times))
     # Qt calls what paints a plot past Python's classes, so it is measured by itself.
     plots = desk.editor.curves.plots
-    painted = repeat(lambda: [plot.viewport().repaint() for plot in plots], times, 2)
+    painted = repeat(lambda: [plot.repaint() for plot in plots], times, 2)
     desk.give_up()
     desk.choose()
     parts = {stage: 1e3 * stages.seconds.get(stage, 0.0) / times for stage in STAGES}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
-    QAbstractScrollArea,
     QAbstractSlider,
     QGridLayout,
     QSplitter,
@@ -104,10 +103,6 @@ class Editor(QWidget):
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
         self.hints = HintLayer(self, self._first_steps())
-        for view in self.curves.findChildren(QAbstractScrollArea):
-            # Graphics views take every drop and do nothing with it; files are the window's.
-            view.setAcceptDrops(False)
-            view.viewport().setAcceptDrops(False)
         self.solving = Solving(document, timeline, self)
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import logging
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer
@@ -219,7 +220,7 @@ class Viewport(QWidget):
             self._draw()
         painter = QPainter(self)
         # Rectangle by rectangle: into a region of several Qt would fill dot by dot.
-        for part in event.region():
+        for part in cast(Iterable[QRect], event.region()):  # its type hints do not know
             painter.setClipRect(part)
             self._paint_picture(painter)
         painter.setClipping(False)

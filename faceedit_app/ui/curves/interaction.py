@@ -124,7 +124,7 @@ class Interaction(QObject):
         elif event.button() == MIDDLE:
             scale = plot.current_scale
             self._pan = Pan(event.position().x(), scale.view, scale.seconds_per_pixel)
-            plot.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+            plot.setCursor(Qt.CursorShape.ClosedHandCursor)
         elif event.button() == RIGHT:
             self.cancel()
 
@@ -162,7 +162,7 @@ class Interaction(QObject):
         elif event.button() == LEFT and self.drag is not None:
             self._drag_to(event)
             self._finish()
-        if not plot.viewport().rect().contains(event.position().toPoint()):
+        if not plot.rect().contains(event.position().toPoint()):
             self.leave(plot)
         self.changed.emit()
 
@@ -233,7 +233,7 @@ class Interaction(QObject):
 
     def _show_cursor(self, plot: CurvePlot) -> None:
         edge = self._band.edge_under(plot.current_scale, self._pointer.x())
-        plot.viewport().setCursor(
+        plot.setCursor(
             Qt.CursorShape.SizeHorCursor if edge is not None else CURSORS[self._tooling.tool]
         )
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-import pyqtgraph as pg
-from PySide6.QtGui import QPainter, QPen, QTransform
+from pyqtgraph.functions import arrayToQPath
+from PySide6.QtGui import QPainter, QPainterPath, QPen, QTransform
 
 from faceedit_app.ui.curves.axes import Span
 from faceedit_app.ui.curves.polyline import EMPTY, Polyline
 
 
-class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no types
+class WideLine:
     """Draws a hairline several times, fractions of a pixel apart.
 
     Qt has a fast path for antialiased lines up to one pixel wide. Any wider, it computes the
@@ -23,23 +23,22 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
     """
 
     def __init__(self, pen: QPen) -> None:
-        super().__init__(skipFiniteCheck=True)
-        self._wanted = pen
-        self._line = EMPTY
+        self._wanted, self._dashed = pen, bool(pen.dashPattern())
+        self._line, self._path = EMPTY, QPainterPath()
         self._hair: tuple[float, QPen] = (0.0, pen)
 
     def show_line(self, line: Polyline) -> Span | None:
         """Draw other points; tell between which seconds that is to be seen, None for nowhere."""
-        changed, self._line = line.changed_from(self._line), line
-        if changed is not None and self._wanted.dashPattern() and len(line.x):
-            changed = changed[0], max(changed[1], float(line.x[-1]))  # dashes follow each other
-        # pyqtgraph's own way in asks for the bounds of everything, twice; they are not wanted.
-        self.xData, self.yData = line.x, line.y
-        self.opts["connect"] = "all" if line.joined is None else line.joined
-        self.path = None
+        changed = line.changed_from(self._line)
+        if changed is not None:
+            self._line = line
+            joined = "all" if line.joined is None else line.joined
+            self._path = arrayToQPath(line.x, line.y, joined, finiteCheck=False)
+            if self._dashed and len(line.x):
+                changed = changed[0], max(changed[1], float(line.x[-1]))  # all dashes move
         return changed
 
-    def paint(self, painter: QPainter, *_: object) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw it, in its full width unless it fills its pixel columns anyway."""
         if len(self._line.x) < 2:
             return
@@ -48,10 +47,10 @@ class WideLine(pg.PlotCurveItem):  # type: ignore[misc]  # pyqtgraph has no type
         if self._hair[0] != ratio:
             self._hair = ratio, _hairline(self._wanted, ratio)
         painter.setPen(self._hair[1])
-        path, place = self.getPath(), painter.transform()
+        place = painter.transform()
         for dx, dy in offsets(1.0 if self._line.thinned else ratio * self._wanted.widthF()):
             painter.setTransform(place * QTransform.fromTranslate(dx / ratio, dy / ratio))
-            painter.drawPath(path)
+            painter.drawPath(self._path)
         painter.setTransform(place)
 
 

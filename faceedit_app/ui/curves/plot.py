@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QFocusEvent,
@@ -16,7 +15,7 @@ from PySide6.QtGui import (
     QResizeEvent,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QGraphicsView
+from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.regions import Control
 from faceedit_app.ui.curves import paint, style
@@ -61,11 +60,8 @@ class Handle:
     text: tuple[str, ...] = ()
 
 
-class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
-    """The plot of one control.
-
-    pyqtgraph makes the lines; its own mouse handling is bypassed, so that a drag means an edit
-    and nothing in the scene can swallow it, and so is its view: `current_scale` says what is where.
+class CurvePlot(QWidget):
+    """The plot of one control: its lines, with marks behind and before them.
 
     Signals:
         scale_changed(): its size, visible time or value axis changed.
@@ -76,7 +72,7 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
     focus_changed = Signal()
 
     def __init__(self, control: Control, mouse: Mouse) -> None:
-        super().__init__(background=None)
+        super().__init__()
         self.control, self._mouse = control, mouse
         self.view: Span = (0.0, 1.0)
         self.span: Span = (0.0, 1.0)
@@ -87,42 +83,26 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         self._marks, self._playhead = paint.Marks(), 0.0
         self._handle: Handle | None = None
         self._dot: float | None = None
-        self._bands, self._backdrop = Backdrop(self.viewport()), Backdrop(self.viewport())
+        self._tracked = WideLine(style.tracked_pen())
+        self._face = WideLine(style.face_pen(control.region))
+        self._asked = WideLine(style.asked_pen())
+        self._bands, self._backdrop = Backdrop(self), Backdrop(self)
         self._track = 0  # how many tracked lines there have been
         self.setObjectName(f"plot_{control.id}")
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.viewport().setCursor(Qt.CursorShape.SizeVerCursor)
+        self.setCursor(Qt.CursorShape.SizeVerCursor)
         self.setMinimumHeight(style.ROW_HEIGHT)
-        # The scene would ask for a second picture of each change.
-        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.NoViewportUpdate)
-        self._prepare()
-
-    def _prepare(self) -> None:
-        """Strip pyqtgraph's plot to its view, and put the three lines in it."""
-        item = self.getPlotItem()
-        item.layout.setContentsMargins(0, 0, 0, 0)
-        for side in ("left", "bottom", "right", "top"):
-            item.hideAxis(side)
-            item.getAxis(side).unlinkFromView()  # hidden, it would still typeset its label
-        item.hideButtons()
-        item.setMenuEnabled(False)
-        item.disableAutoRange()
-        self._face = WideLine(style.face_pen(self.control.region))
-        self._tracked = WideLine(style.tracked_pen())
-        self._asked = WideLine(style.asked_pen())
-        self._curves = (self._tracked, self._face, self._asked)
-        for curve in self._curves:
-            self.addItem(curve)
+        self.setMouseTracking(True)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
 
     # --- what it shows ---------------------------------------------------------------------
 
     @property
     def current_scale(self) -> Scale:
         """How its pixels map to seconds and millimetres."""
-        size = self.viewport().size()
-        return Scale(size.width(), size.height(), self.view, self.span)
+        return Scale(self.width(), self.height(), self.view, self.span)
 
     def show_view(self, view: Span) -> None:
         """Make a range of seconds visible."""
@@ -139,7 +119,8 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         """Draw these curves."""
         self.lines = lines
         shown = (EMPTY,) * 3 if lines is None else (lines.tracked, lines.face, lines.asked)
-        changed = [curve.show_line(line) for curve, line in zip(self._curves, shown, strict=True)]
+        curves = self._tracked, self._face, self._asked
+        changed = [curve.show_line(line) for curve, line in zip(curves, shown, strict=True)]
         self._track += changed[0] is not None
         spans = [span for span in changed if span is not None]
         if spans:
@@ -147,17 +128,16 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
 
     def _update_between(self, first: float, last: float) -> None:
         """Paint what lies between two seconds anew."""
-        scale, height = self.current_scale, self.viewport().height()
+        scale, height = self.current_scale, self.height()
         left = max(round(scale.x_of(first)) - _LINE, 0)
-        right = min(round(scale.x_of(last)) + _LINE, self.viewport().width())
+        right = min(round(scale.x_of(last)) + _LINE, self.width())
         if left < right:
-            self.viewport().update(left, 0, right - left, height)
+            self.update(left, 0, right - left, height)
 
     @property
     def columns(self) -> int:
         """Of the screen's pixels, across."""
-        columns: int = round(self.viewport().width() * self.devicePixelRatioF())
-        return columns
+        return round(self.width() * self.devicePixelRatioF())
 
     def show_marks(
         self, marks: paint.Marks, playhead: float, handle: Handle | None, dot: float | None
@@ -169,27 +149,23 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         if handle is not None or shown != (marks, handle):
             self._marks, self._handle = marks, handle
             if moved or shown != (marks, handle):
-                self.viewport().update()
+                self.update()
         elif moved:
             for seconds in (before, playhead):  # all that changes in playback
                 self._update_between(seconds, seconds)
 
     def _apply_scale(self) -> None:
-        self.viewport().update()
+        self.update()
         self.scale_changed.emit()
 
     # --- painting --------------------------------------------------------------------------
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Paint backdrop, lines and marks.
-
-        Qt would first look through pyqtgraph's scene for what is to be painted, and prepare each
-        item: a third of the time, to find the same three lines.
-        """
+        """Paint backdrop, lines and marks."""
         scale = self.current_scale
         # Bands stay as they are where a drag takes the value axis along; grid and take do not.
         still = self._marks, self.view, self._is_active
-        with QPainter(self.viewport()) as painter:
+        with QPainter(self) as painter:
 
             def draw_backdrop(inside: QPainter, _rect: QRectF) -> None:
                 self._bands.paint(inside, still, self._draw_bands)
@@ -287,21 +263,20 @@ class CurvePlot(pg.PlotWidget):  # type: ignore[misc]  # pyqtgraph has no types
         keyboard = reason.TabFocusReason, reason.BacktabFocusReason, reason.ShortcutFocusReason
         self.shows_focus = event.reason() in keyboard
         self.focus_changed.emit()
-        self.viewport().update()
+        self.update()
         event.accept()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """The keyboard went elsewhere."""
         self.shows_focus = False
         self.focus_changed.emit()
-        self.viewport().update()
+        self.update()
         event.accept()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Another size needs other ticks and other points."""
         super().resizeEvent(event)
-        if hasattr(self, "_curves"):  # pyqtgraph resizes while it is being built
-            self.scale_changed.emit()
+        self.scale_changed.emit()
 
     def sizeHint(self) -> QSize:
         """Room for a curve; plots then share what there is."""
