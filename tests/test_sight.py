@@ -162,10 +162,19 @@ def test_changes_that_are_long_past_are_all_of_the_take() -> None:
     session = tiny_session(1_000)
     live = session.live
     session.add(nudge(2.0))
-    count, rows = live.changes(0)
+    count, [rows] = live.changes(0)
     assert rows[0] <= 100 < rows[1]
-    assert live.changes(count) == (count, (0, 0))
+    assert live.changes(count) == (count, [])
     for _ in range(600):
         session.undo()
         session.redo()
-    assert live.changes(count)[1] == (0, 1_000)
+    assert live.changes(count)[1] == [(0, 1_000)]
+
+
+def test_what_lies_between_two_changes_is_not_read_again() -> None:
+    session = tiny_session(36_000)
+    session.add(nudge(2.0), nudge(700.0), nudge(10.0))
+    _, [early, late] = session.live.changes(0)
+    assert early[0] <= 100 < early[1] < 2_000
+    assert late[0] <= 35_000 < late[1]
+    assert late[0] > 33_000

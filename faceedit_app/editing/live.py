@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Mapping
+from itertools import islice
 
 from faceedit_app.core.clip import Floats
 from faceedit_app.editing.chunks import Piece, Rows
@@ -123,18 +124,22 @@ class Live:
         self._changes.append((rows.start, rows.stop))
         self._count += 1
 
-    def changes(self, since: int) -> tuple[int, Rows]:
+    def changes(self, since: int) -> tuple[int, list[Rows]]:
         """What has changed: for those who keep something that follows from the arrays.
 
         Args:
             since: the number that the last call gave, 0 at first.
 
         Returns:
-            A number for the next call, and a range that holds all frames that changed since.
+            A number for the next call, and ranges that hold all frames that changed since.
         """
         missed = self._count - since
         if missed > len(self._changes):  # too long ago
-            return self._count, (0, len(self.tracked))
-        news = list(self._changes)[len(self._changes) - missed :]
-        first = min((first for first, _ in news), default=0)
-        return self._count, (first, max((last for _, last in news), default=0))
+            return self._count, [(0, len(self.tracked))]
+        found: list[Rows] = []
+        for first, last in sorted(islice(reversed(self._changes), missed)):
+            if found and first <= found[-1][1]:
+                found[-1] = found[-1][0], max(last, found[-1][1])
+            else:
+                found.append((first, last))
+        return self._count, found

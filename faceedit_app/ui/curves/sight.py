@@ -73,7 +73,8 @@ class Sight:
     def _read_again(self) -> None:
         self._seen, changed = self._live.changes(self._seen)
         if self._envelope is not None:
-            self._envelope.update(*changed)
+            for rows in changed:
+                self._envelope.update(*rows)
         low, high = self._read_bins()
         y = low if low is high else _alternating(low, high)
         c = self._curves
