@@ -19,6 +19,7 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
+from faceedit_app.ui.app import keep_for_good
 from faceedit_app.ui.curves.interaction import PREVIEW_INTERVAL
 from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.editor import Editor
@@ -71,6 +72,7 @@ class Desk:
         viewport = self.editor.face.viewport
         if not viewport.can_draw:
             viewport.open(self.rig)
+            keep_for_good()
         viewport.setFixedSize(size, size)
         middle = take.clip.duration / 2
         self.window.timeline.show_range(middle - VIEW / 2, middle + VIEW / 2)
