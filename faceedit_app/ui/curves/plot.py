@@ -143,16 +143,15 @@ class CurvePlot(QWidget):
         self, marks: paint.Marks, playhead: float, handle: Handle | None, dot: float | None
     ) -> None:
         """Draw bands, playhead (seconds) and handle; `dot` is the face's value at the playhead."""
-        shown = self._marks, self._handle
+        others = (marks, handle) != (self._marks, self._handle)
         moved = (playhead, dot) != (self._playhead, self._dot)
-        before, self._playhead, self._dot = self._playhead, playhead, dot
-        if handle is not None or shown != (marks, handle):
-            self._marks, self._handle = marks, handle
-            if moved or shown != (marks, handle):
-                self.update()
-        elif moved:
-            for seconds in (before, playhead):  # all that changes in playback
-                self._update_between(seconds, seconds)
+        before, self._marks, self._handle = self._playhead, marks, handle
+        self._playhead, self._dot = playhead, dot
+        if others:
+            self.update()
+        elif moved:  # all that changes in playback
+            self._update_between(before, before)
+            self._update_between(playhead, playhead)
 
     def _apply_scale(self) -> None:
         self.update()
