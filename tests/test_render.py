@@ -322,6 +322,34 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
     anew.close()
 
 
+def test_while_the_camera_turns_nothing_is_prepared(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from faceedit_app.render import studio
+
+    try:
+        turned = open_renderer(rig, SIZE, SIZE)
+    except Unavailable as error:
+        pytest.skip(str(error))
+    calls, draw, blit = [], studio.GL.glDrawElements, studio.GL.glBlitFramebuffer
+    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (calls.append(a), draw(*a)))
+    monkeypatch.setattr(studio.GL, "glBlitFramebuffer", lambda *a: (calls.append(a), blit(*a)))
+    camera = default_camera(rig)
+
+    def prepared(smooth: bool) -> int:
+        turned.draw(rig.neutral, camera, smooth)
+        calls.clear()
+        turned.prepare()
+        return len(calls)
+
+    for _ in range(3):
+        camera = camera.orbit(0.1, 0.0)
+        assert prepared(smooth=False) == 0
+    assert prepared(smooth=True) == 2, "at rest: what is still, and its copy"
+    assert prepared(smooth=False) == 1, "the copy alone"
+    turned.close()
+
+
 def test_the_shipped_character_blinks(renderer: FaceRenderer) -> None:
     from faceedit_app.formats.glb import read_rig
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,12 @@ _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 _POSITION, _NORMAL, _COLOUR = 0, 1, 3  # where the shader has what may change with each frame
 _FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
 
-View = tuple[Camera, tuple[int, int]]  # and the picture's width and height, pixels
+
+class View(NamedTuple):
+    """Where a picture is taken from, and its width and height in pixels."""
+
+    camera: Camera
+    size: tuple[int, int]
 
 
 class Target:
@@ -189,14 +194,14 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         """
         self._upload(vertices)
         self._colour(tint)
-        view = (camera, (width, height))
-        target = self._target(view[1], samples)
+        view = View(camera, (width, height))
+        target = self._target(view.size, samples)
         # While the camera turns, to keep what is still would cost more than it saves.
         if tint is None and (samples or view == self._looked):
             self._put_still(target, view)
             self._draw_face(target, view, Part.MOVING)
         else:
-            self._draw_all(target, view, Part.ALL)
+            self._draw_with_backdrop(target, view, Part.ALL)
         self._looked, self._ready = view if tint is None else None, False
         GL.glFlush()
         self._drawn = target
@@ -207,8 +212,12 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
 
     def prepare(self) -> None:
         """Do what the next quick picture will need, while nobody waits for it."""
-        if self._looked is not None and not self._ready:
-            self._put_still(self._target(self._looked[1], 0), self._looked)
+        view = self._looked
+        if view is None or self._ready:
+            return
+        # A quick picture from a new place may be one of many while the camera turns.
+        if self._drawn.samples or self._still.get(0) == view:
+            self._put_still(self._target(view.size, 0), view)
             self._ready = True
 
     def delete(self) -> None:
@@ -284,7 +293,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         finally:
             target.delete()
 
-    def _draw_all(self, target: Target, view: View, part: Part) -> None:
+    def _draw_with_backdrop(self, target: Target, view: View, part: Part) -> None:
         """Some or all of the face, and the backdrop behind it."""
         self._begin(target)
         GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
@@ -316,7 +325,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         if target.samples or not self._ready:
             still = self._target(target.size, target.samples, still=True)
             if view != self._still.get(target.samples):
-                self._draw_all(still, view, Part.STILL)
+                self._draw_with_backdrop(still, view, Part.STILL)
                 self._still[target.samples] = view
             _blit(still, target, GL.GL_COLOR_BUFFER_BIT | GL.GL_DEPTH_BUFFER_BIT)
         self._begin(target)
@@ -363,8 +372,8 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         """Programs remember where from; the camera stands still most of the time."""
         if self._views.get(program._program_id) != view:
             self._views[program._program_id] = view
-            camera, (width, height) = view
-            place = camera.view()
+            width, height = view.size
+            place = view.camera.view()
             clip = _FLIP @ projection(width / height) @ place
             self._set_matrix(program, "clip_from_world", clip)
             self._set_matrix(program, "camera_from_world", place)
