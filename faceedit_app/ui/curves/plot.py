@@ -87,7 +87,6 @@ class CurvePlot(QWidget):
         self._face = WideLine(style.face_pen(control.region))
         self._asked = WideLine(style.asked_pen())
         self._bands, self._backdrop = Backdrop(self), Backdrop(self)
-        self._track = 0  # how many tracked lines there have been
         self.setObjectName(f"plot_{control.id}")
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
@@ -121,7 +120,6 @@ class CurvePlot(QWidget):
         shown = (EMPTY,) * 3 if lines is None else (lines.tracked, lines.face, lines.asked)
         curves = self._tracked, self._face, self._asked
         changed = [curve.show_line(line) for curve, line in zip(curves, shown, strict=True)]
-        self._track += changed[0] is not None
         spans = [span for span in changed if span is not None]
         if spans:
             self._update_between(min(span[0] for span in spans), max(span[1] for span in spans))
@@ -172,7 +170,7 @@ class CurvePlot(QWidget):
                 inside.setTransform(scale.transform)
                 self._tracked.paint(inside)
 
-            looks = still, self.span, self._track
+            looks = still, self.span, self.lines and self.lines.tracked
             self._backdrop.paint(painter, looks, draw_backdrop)
             painter.setTransform(scale.transform)
             for curve in (self._face, self._asked):

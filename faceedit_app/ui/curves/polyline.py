@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.ui.curves.axes import Span
+
 Values = NDArray[np.floating]
 Mask = NDArray[np.bool_]
 
@@ -42,7 +44,7 @@ class Polyline:
     joined: Mask | None = None
     thinned: bool = False
 
-    def changed_from(self, before: Polyline) -> tuple[float, float] | None:
+    def changed_from(self, before: Polyline) -> Span | None:
         """First and last second between which they are drawn otherwise; None where nowhere."""
         if self is before:
             return None
