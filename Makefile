@@ -65,7 +65,7 @@ character: $(READY)
 	$(BIN)/python -m assets.builder
 
 demo-take: $(READY)
-	$(BIN)/python -m faceedit_app.training.demo_take
+	$(BIN)/python -m faceedit_app.lab.training.demo_take
 
 clean:
 	rm -rf $(VENV) out build dist

@@ -21,11 +21,11 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
-from faceedit_app.ui.actions import help_rows
-from faceedit_app.ui.app import application
-from faceedit_app.ui.editor import Editor
-from faceedit_app.ui.store import Store
-from faceedit_app.ui.window import MainWindow
+from faceedit_app.ui.page.editor import Editor
+from faceedit_app.ui.start.app import application
+from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.actions import help_rows
+from faceedit_app.ui.state.preferences import Store
 
 DOCS = Path(__file__).parent
 PICTURES = DOCS / "images"
@@ -212,8 +212,8 @@ def shortcuts() -> str:
     """All shortcuts and gestures, from the table that the menus and the help are made of."""
     parts = [
         "# Shortcuts\n",
-        "Written by `docs/make_screenshots.py` from the table in `faceedit_app/ui/actions.py`;"
-        " the same list is in the window under Help > Shortcuts (F1).\n",
+        "Written by `docs/make_screenshots.py`; the same list is in the window under"
+        " Help > Shortcuts (F1).\n",
     ]
     for section, rows in groupby(help_rows(), key=lambda row: row[0]):
         parts += [f"## {section}\n", "| keys or mouse | what it does |", "|---|---|"]

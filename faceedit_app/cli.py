@@ -41,10 +41,10 @@ def _is_command(given: list[str]) -> bool:
 def _open_window(given: list[str]) -> int:
     demo = given == ["--demo"]
     take = Path(given[0]) if given and not demo else None
-    from faceedit_app.ui.display import has_display
+    from faceedit_app.ui.start.display import has_display
 
     if has_display():
-        from faceedit_app.ui.app import run
+        from faceedit_app.ui.start.app import run
 
         return run(take, demo)
     if not demo:
@@ -52,7 +52,7 @@ def _open_window(given: list[str]) -> int:
             "there is no display to open a window on; use faceedit apply, render or info, "
             "or faceedit --demo"
         )
-    from faceedit_app.ui.headless import run_headless
+    from faceedit_app.ui.start.headless import run_headless
 
     print("There is no display: editing the demo take without a window. Written:")
     for path in run_headless(DEMO_OUTPUT):

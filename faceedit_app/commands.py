@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
 from faceedit_app import __version__
-from faceedit_app.bench.command import bench
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.optional import require
 from faceedit_app.core.resources import shipped
-from faceedit_app.learning_commands import evaluate, experiment, statistics, synthesize, train
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from faceedit_app.networks.engine import Engine
 
 USAGE_ERROR = 2
+# The laboratory's commands. They are named here because the installed application leaves it out.
+LABORATORY = ("bench", "train", "evaluate", "experiment", "synthesize", "statistics")
 
 app = typer.Typer(
     help="Edit tracked facial animation by dragging eight plain curves. "
@@ -39,6 +41,7 @@ ModelsOption = Annotated[
 
 def run_command(given: list[str]) -> int:
     """Run one command; returns its exit code, 2 after a one-line complaint about its usage."""
+    _add_laboratory()
     try:
         return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
     except typer.TyperException as error:
@@ -86,7 +89,7 @@ def apply(
     models: ModelsOption = None,
 ) -> None:
     """Apply edits to a take and export it in its own format."""
-    from faceedit_app.editing.solve import Mode, Settings
+    from faceedit_app.editing.solving.solver import Mode, Settings
 
     if mode not in list(Mode):
         raise FaceEditError(f"--mode {mode}: must be {' or '.join(Mode)}")
@@ -140,12 +143,24 @@ def _size(text: str) -> tuple[int, int]:
     return width, height
 
 
-for _command in (bench, train, evaluate, experiment, synthesize, statistics):
-    app.command()(_command)
+def _add_laboratory() -> None:
+    if find_spec("faceedit_app.lab") is None:
+        anything = {"ignore_unknown_options": True, "allow_extra_args": True}
+        for name in LABORATORY:
+            app.command(name, hidden=True, context_settings=anything)(_left_out)
+        return
+    from faceedit_app.lab import commands
+
+    for name in LABORATORY:
+        app.command(name)(getattr(commands, name))
+
+
+def _left_out() -> None:
+    require("faceedit_app.lab", extra="training")
 
 
 def _rig() -> Rig:
-    from faceedit_app.formats.glb import read_rig
+    from faceedit_app.characters.glb import read_rig
 
     return read_rig(shipped("assets/character.glb"))
 

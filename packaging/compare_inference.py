@@ -35,7 +35,7 @@ def in_torch() -> Callable[[], object]:
     """The same with the networks as they are trained."""
     import torch
 
-    from faceedit_app.networks.store import load_model
+    from faceedit_app.lab.training.model_files import load_model
 
     torch.set_num_threads(1)
     models = [load_model(shipped("models") / f"{r.id}.safetensors") for r in REGIONS]

@@ -41,10 +41,9 @@ UNUSED_SCIPY = [
 ]
 
 EXCLUDED = [
-    # Training stays with pip: torch alone is twice the rest of the application.
+    # The laboratory stays with pip: torch alone is twice the rest of the application.
     "torch",
-    "faceedit_app.training",
-    "faceedit_app.evaluation",
+    "faceedit_app.lab",
     # FaceEdit and the parts of pyrender that it draws with get along without these.
     *(f"scipy.{part}" for part in UNUSED_SCIPY),
     # pyrender as a package imports these, see faceedit_app/render/contexts.py; not its parts.

@@ -33,7 +33,7 @@ LIMIT = 120  # seconds for one start
 PNG = b"\x89PNG\r\n\x1a\n"
 # A picture of an empty window, or of one with empty parts, compresses to less.
 LEAST_PICTURE = 60_000
-# What the window writes, see faceedit_app/ui/smoke.py.
+# What the window writes, see faceedit_app/ui/start/smoke.py.
 EDITED, EDITS, PICTURE, REPORT = "edited.csv", "edits.json", "window.png", "report.json"
 
 

@@ -42,8 +42,11 @@ def test_nothing_imports_upwards() -> None:
     ("module", "heavy"),
     [
         ("faceedit_app.cli", ("numpy", "typer", "click", "rich", "torch", "scipy", "PySide6")),
-        ("faceedit_app.ui.app", ("typer", "click", "rich", "torch", "scipy", "pyrender", "OpenGL")),
-        ("faceedit_app.ui.window", ("av", "sounddevice", "torch", "scipy")),
+        (
+            "faceedit_app.ui.start.app",
+            ("typer", "click", "rich", "torch", "scipy", "pyrender", "OpenGL"),
+        ),
+        ("faceedit_app.ui.start.window", ("av", "sounddevice", "torch", "scipy")),
         ("faceedit_app.editing.session", ("torch", "typer", "PySide6", "pyrender")),
     ],
 )

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from faces import random_model
-from takes import make_livelink_csv
+from support.faces import random_model
+from support.takes import make_livelink_csv
 
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.formats.opening import open_take
-from faceedit_app.networks.store import save_model
-from faceedit_app.ui import display
+from faceedit_app.lab.training.model_files import save_model
+from faceedit_app.ui.start import display
 
 EDIT: dict[str, Any] = {
     "control": "mouth_opening",

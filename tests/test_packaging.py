@@ -17,17 +17,19 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from faces import random_engine
-from windows import Bench
+from support.faces import random_engine
+from support.windows import Bench
 
 import faceedit_app
 from faceedit_app.cli import main
-from faceedit_app.core import extras
+from faceedit_app.core import optional
 from faceedit_app.core.errors import Unavailable
-from faceedit_app.core.extras import require
-from faceedit_app.ui import loading, smoke
+from faceedit_app.core.optional import require
+from faceedit_app.ui.start import smoke
+from faceedit_app.ui.state import background as loading
 
 ROOT = Path(__file__).resolve().parent.parent
+START = ROOT / "faceedit_app/ui/start/app.py"
 PACKAGING = ROOT / "packaging"
 LINUX = PACKAGING / "linux"
 Tool = Callable[[str], ModuleType]
@@ -137,13 +139,10 @@ def _imports(path: Path) -> set[str]:
 
 def test_the_bundle_leaves_out_nothing_that_the_application_imports(tool: Tool) -> None:
     excluded = set(tool("contents").EXCLUDED)
-    # Guarded by `require`: training, and what reads and writes models for it.
-    training = ("training", "evaluation", "networks/models.py", "networks/store.py")
-    training += ("bench/references.py",)  # asks for torch first
-    guarded = {ROOT / "faceedit_app" / "learning_commands.py"}
+    guarded = {ROOT / "faceedit_app" / "commands.py"}
     for path in (ROOT / "faceedit_app").rglob("*.py"):
         inside = path.relative_to(ROOT / "faceedit_app").as_posix()
-        if not inside.startswith(training) and path not in guarded:
+        if not inside.startswith("lab/") and path not in guarded:
             assert not _imports(path) & excluded, path
 
 
@@ -207,7 +206,9 @@ def test_the_smoke_test_reads_what_the_window_writes(tool: Tool) -> None:
     test = tool("smoke_test")
     for name in ("EDITED", "EDITS", "PICTURE", "REPORT"):
         assert getattr(test, name) == getattr(smoke, name)
-    assert f'"{smoke.VARIABLE}"' in (ROOT / "faceedit_app/ui/app.py").read_text(encoding="utf-8")
+    assert f'"{smoke.VARIABLE}"' in (ROOT / "faceedit_app/ui/start/app.py").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_the_smoke_test_sees_no_source_tree_and_no_virtual_environment(
@@ -276,7 +277,7 @@ def test_a_missing_part_is_one_line_with_the_remedy(
     require("json", extra="training")
     with pytest.raises(Unavailable, match=r'needs nowhere.*pip install "faceedit\[training\]"'):
         require("nowhere.to.be.found", extra="training")
-    monkeypatch.setattr(extras, "find_spec", lambda _name: None)
+    monkeypatch.setattr(optional, "find_spec", lambda _name: None)
     for command in (["train", "--data", "takes"], ["evaluate", "takes"], ["statistics", "takes"]):
         assert main(command) == 2
         line = capsys.readouterr().err

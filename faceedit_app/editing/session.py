@@ -14,12 +14,12 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.clip import Floats
 from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edit import Edit, Op, read_edits, write_edits
-from faceedit_app.editing.fingerprint import Fingerprint, fingerprint_of
-from faceedit_app.editing.live import Live
-from faceedit_app.editing.placement import Placement
-from faceedit_app.editing.settings import Settings
-from faceedit_app.editing.solve import Solver
+from faceedit_app.editing.edits.edit import Edit, Op, read_edits, write_edits
+from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
+from faceedit_app.editing.solving.live import Live
+from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.formats.opening import write_take
 from faceedit_app.formats.take import Take
 

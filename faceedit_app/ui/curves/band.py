@@ -8,7 +8,7 @@ from PySide6.QtGui import QMouseEvent
 from faceedit_app.ui.curves.axes import Scale
 from faceedit_app.ui.curves.edges import Edge, EdgeDrag, edge_at, press_edge
 from faceedit_app.ui.curves.gestures import Brush
-from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.state.timeline import Timeline
 
 
 class BandMouse(QObject):

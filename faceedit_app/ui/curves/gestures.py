@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
-from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.axes import Scale, Span
 
 CLICK_SLOP = 3.0  # pixels that a hand moves while it only means to click

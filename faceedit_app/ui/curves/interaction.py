@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QMouseEvent, QWheelEvent
 
 from faceedit_app.core.regions import CONTROL_INDEX
-from faceedit_app.editing.edit import Edit
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves.axes import zoomed_span
 from faceedit_app.ui.curves.band import BandMouse
@@ -25,8 +25,8 @@ from faceedit_app.ui.curves.gestures import (
 from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.ruler import turn_wheel
 from faceedit_app.ui.curves.tools import Gesture, Press, begin
-from faceedit_app.ui.timeline import Timeline
-from faceedit_app.ui.tooling import Tool, Tooling
+from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.ui.state.tools import Tool, Tooling
 
 # Seconds between two previews: a mouse can report a thousand moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016

@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QFont, QFontMetricsF, QLinearGradient, QPainter, QPen
 
-from faceedit_app.editing.edit import Op
+from faceedit_app.editing.edits.edit import Op
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import Scale, Span
 from faceedit_app.ui.curves.gestures import Brush

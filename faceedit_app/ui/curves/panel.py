@@ -29,8 +29,8 @@ from faceedit_app.ui.curves.range_fields import RangeFields
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.curves.sight import Sight
 from faceedit_app.ui.curves.tools import ScaleDrag
-from faceedit_app.ui.timeline import Timeline
-from faceedit_app.ui.tooling import Tool, Tooling
+from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.ui.state.tools import Tool, Tooling
 
 _APART = 0.05  # mm between two lines from which on the header mentions it
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"

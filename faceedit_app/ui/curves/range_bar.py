@@ -19,7 +19,7 @@ from faceedit_app.ui.curves.axes import Scale, Span
 from faceedit_app.ui.curves.band import BandMouse
 from faceedit_app.ui.curves.edges import Edge
 from faceedit_app.ui.curves.gestures import Brush, RulerDrag, stepped_falloff
-from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 17
 _TIP = (

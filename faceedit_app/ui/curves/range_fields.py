@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QSizePolicy, 
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.band import BandMouse
 from faceedit_app.ui.curves.gestures import Brush
-from faceedit_app.ui.timeline import FALLOFF_RANGE, Timeline
+from faceedit_app.ui.state.timeline import FALLOFF_RANGE, Timeline
 
 _LONGEST = 1e6
 

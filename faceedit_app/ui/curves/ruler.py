@@ -16,7 +16,6 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QToolTip, QWidget
 
 from faceedit_app.core.clip import Clip
-from faceedit_app.ui.clock import Unit, label
 from faceedit_app.ui.curves import paint, style
 from faceedit_app.ui.curves.axes import Scale, Tick, frame_ticks, time_ticks
 from faceedit_app.ui.curves.gestures import (
@@ -27,7 +26,8 @@ from faceedit_app.ui.curves.gestures import (
     wheel_means,
     zoom_factor,
 )
-from faceedit_app.ui.timeline import Timeline
+from faceedit_app.ui.state.clock import Unit, label
+from faceedit_app.ui.state.timeline import Timeline
 
 _FRAME_SPACING = 34.0  # pixels between two frame numbers
 _FRAME_CLOSEST = 9.0  # pixels between two frames, below which they are not marked

@@ -11,7 +11,7 @@ from functools import lru_cache
 from PySide6.QtGui import QColor, QFont, QPen
 from PySide6.QtWidgets import QWidget
 
-from faceedit_app.ui import palette
+from faceedit_app.ui.look import palette
 
 BACKGROUND = palette.BACKGROUND
 PLOT = "#23272c"

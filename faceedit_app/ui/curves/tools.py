@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from faceedit_app.editing.edit import Edit, Op
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.axes import Scale, Span
 from faceedit_app.ui.curves.gestures import (
     CLICK_SLOP,
@@ -16,7 +16,7 @@ from faceedit_app.ui.curves.gestures import (
     moved_together,
     press_curve,
 )
-from faceedit_app.ui.tooling import Tool
+from faceedit_app.ui.state.tools import Tool
 
 DOUBLING = 90.0  # pixels upwards that double a scale
 LARGEST_SCALE = 4.0

@@ -1,0 +1,1 @@
+"""Characters: their files, and the one that ships."""

@@ -1,0 +1,323 @@
+"""One user action on controls over a time range, and the file that lists them."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.errors import FileError
+from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
+from faceedit_app.editing.files.documents import read_document
+
+VERSION = 1
+Word = TypeVar("Word", bound=StrEnum)
+# Far beyond any take and any face, and far below where sums stop being numbers.
+LARGEST = 1e6
+LONGEST_SMOOTH = 10.0  # seconds
+STRONGEST = 1.5  # of `Edit.strength`
+MOST_POINTS = 200_000
+
+
+class Op(StrEnum):
+    """What an edit does to a curve; `Edit.value` is its amount."""
+
+    OFFSET = "offset"  # add `value` mm
+    SET = "set"  # go to `value` mm
+    SCALE = "scale"  # multiply the distance from the take's median by `value`
+    SMOOTH = "smooth"  # zero-phase Gaussian of `value` seconds standard deviation
+    RESET = "reset"  # back to the take as tracked; `value` is ignored
+    DRAW = "draw"  # follow `points`, mm; `value` is ignored
+    ADD = "add"  # add `points`, mm of change; `value` is ignored
+
+
+class Company(StrEnum):
+    """What an edit does with the curves that go along with those it names (`companions.py`)."""
+
+    YIELD = "yield"  # they follow, unless they were edited themselves
+    ALONG = "along"  # they follow: the edit is an expression of the whole mouth
+    STAY = "stay"  # they stay where they are
+
+
+WITH_POINTS = (Op.DRAW, Op.ADD)
+WITHOUT_VALUE = (Op.RESET, *WITH_POINTS)
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A non-destructive change of one or more curves.
+
+    Attributes:
+        controls: ids of the curves that change.
+        op: what is done.
+        start, end: seconds; the full change holds from start to end.
+        falloff: seconds over which the change fades in before start, and out after end.
+        value: the amount, see `Op`.
+        falloff_out: seconds over which it fades out after end; None = as `falloff`.
+        strength: 0..1.5, how much of the change is made.
+        enabled: an edit that is switched off stays in the list and changes nothing.
+        name: what the user calls it; empty = `describe.describe(edit)`.
+        about: mm that a `scale` leaves where it is; None = the take's median of each control.
+        points: (seconds of the take, mm) in order of time, for `draw` and `add`: straight lines
+            between them, level before the first and after the last.
+        companions: what becomes of the curves that go along with those it names.
+    """
+
+    controls: tuple[str, ...]
+    op: Op
+    start: float
+    end: float
+    falloff: float
+    value: float = 0.0
+    falloff_out: float | None = None
+    strength: float = 1.0
+    enabled: bool = True
+    name: str = ""
+    about: float | None = None
+    points: tuple[tuple[float, float], ...] = ()
+    companions: Company = Company.YIELD
+
+    def __post_init__(self) -> None:
+        if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
+            raise ValueError(f"unknown control {unknown[0]!r}")
+        if not self.controls:
+            raise ValueError("it names no control")
+        if len(set(self.controls)) < len(self.controls):
+            raise ValueError("it names a control twice")
+        numbers = (self.start, self.end, self.falloff, self.fade_out, self.value, self.about or 0.0)
+        if not all(math.isfinite(number) and abs(number) <= LARGEST for number in numbers):
+            raise ValueError(f"its numbers must lie between -{LARGEST:.0f} and {LARGEST:.0f}")
+        if self.end < self.start:
+            raise ValueError("its end lies before its start")
+        if self.falloff < 0 or self.fade_out < 0:
+            raise ValueError("its falloff is negative")
+        if not 0 <= self.strength <= STRONGEST:
+            raise ValueError(f"its strength must lie between 0 and {STRONGEST:g}")
+        if self.op in (Op.SCALE, Op.SMOOTH) and self.value < 0:
+            raise ValueError(f"a {self.op} needs a value of at least 0")
+        if self.op is Op.SMOOTH and self.value > LONGEST_SMOOTH:
+            raise ValueError(f"a smooth needs a value of at most {LONGEST_SMOOTH:.0f} seconds")
+        if self.about is not None and self.op is not Op.SCALE:
+            raise ValueError("only a scale is about something")
+        if self.points or self.op in WITH_POINTS:
+            self._check_points()
+
+    def _check_points(self) -> None:
+        if self.op not in WITH_POINTS:
+            raise ValueError(f"a {self.op} has no points")
+        if not 1 <= len(self.points) <= MOST_POINTS:
+            raise ValueError(f"a {self.op} needs 1 to {MOST_POINTS} points")
+        if not (np.isfinite(self.polyline).all() and np.abs(self.polyline).max() <= LARGEST):
+            raise ValueError(f"its points must lie between -{LARGEST:.0f} and {LARGEST:.0f}")
+        if not (np.diff(self.polyline[0]) > 0).all():
+            raise ValueError("its points are not in order of time")
+
+    @cached_property
+    def polyline(self) -> NDArray[np.float64]:
+        """(2, P): the seconds and the millimetres of `points`."""
+        return np.ascontiguousarray(np.array(self.points, np.float64).T)
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(
+            (self.controls, self.op, self.start, self.end, self.falloff, self.value, self.points)
+        )
+
+    def __hash__(self) -> int:
+        return self._hash  # once: a drawn edit may have thousands of points
+
+    @property
+    def fade_out(self) -> float:
+        """Seconds over which the change fades out after `end`."""
+        return self.falloff if self.falloff_out is None else self.falloff_out
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """First and last second at which the edit changes what was asked for."""
+        return self.start - self.falloff, self.end + self.fade_out
+
+    @cached_property
+    def effect(self) -> Edit | None:
+        """The edit without what only people care about; None if it changes nothing.
+
+        Edits with the same effect are equal here, so that a rename computes nothing anew.
+        """
+        if not self.enabled or self.strength == 0:
+            return None
+        fade = None if self.falloff_out == self.falloff else self.falloff_out
+        if not self.name and fade == self.falloff_out:
+            return self
+        return replace(self, name="", falloff_out=fade)
+
+    def mask(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How much of the edit applies at `times` (T,): 1 in the hold, cosine falloff, 0."""
+        before, after = self.start - times, times - self.end
+        if self.fade_out == self.falloff:
+            return fade(np.maximum(before, after), self.falloff)
+        return fade(before, self.falloff) * fade(after, self.fade_out)
+
+    def shifted(self, seconds: float) -> Edit:
+        """The same edit earlier or later, its points with it."""
+        points = tuple((t + seconds, mm) for t, mm in self.points)
+        return replace(self, start=self.start + seconds, end=self.end + seconds, points=points)
+
+    def stretched(self, start: float, end: float) -> Edit:
+        """The same edit with its hold on another range; points keep their place in it."""
+        width = self.end - self.start
+        factor = (end - start) / width if width > 0 else 1.0
+        points = tuple((start + factor * (t - self.start), mm) for t, mm in self.points)
+        if factor <= 0:  # onto a moment: all points would be one
+            points = points[:1]
+        return replace(self, start=start, end=end, points=points)
+
+    def mirrored(self) -> Edit:
+        """The same edit on the other half of the face."""
+        return replace(self, controls=tuple(MIRRORED_CONTROL[c] for c in self.controls))
+
+
+def fade(outside: NDArray[np.float64], falloff: float) -> NDArray[np.float64]:
+    """Seconds outside the hold (0 or less: inside) -> how much applies."""
+    # Half a nanosecond of slack keeps a frame that stands on the edge on the inside.
+    if falloff < 1e-9:
+        return (outside <= 5e-10).astype(np.float64)
+    inside = np.clip(1.0 - np.maximum(outside, 0.0) / falloff, 0.0, 1.0)
+    return 0.5 - 0.5 * np.cos(np.pi * inside)
+
+
+def to_json(edit: Edit) -> dict[str, Any]:
+    """The edit as it stands in an edits file."""
+    named: dict[str, Any] = (
+        {"control": edit.controls[0]} if len(edit.controls) == 1 else {"controls": [*edit.controls]}
+    )
+    return (
+        named
+        | {
+            "op": edit.op.value,
+            "start": edit.start,
+            "end": edit.end,
+            "falloff": edit.falloff,
+            "value": edit.value,
+        }
+        | _optional(edit)
+    )
+
+
+def _optional(edit: Edit) -> dict[str, Any]:
+    """What most edits do without; the rest is the format that FaceEdit always had."""
+    entry: dict[str, Any] = {}
+    for name in ("falloff_out", "about"):
+        if getattr(edit, name) is not None:
+            entry[name] = getattr(edit, name)
+    if edit.strength != 1:
+        entry["strength"] = edit.strength
+    if not edit.enabled:
+        entry["enabled"] = False
+    if edit.name:
+        entry["name"] = edit.name
+    if edit.companions is not Company.YIELD:
+        entry["companions"] = edit.companions.value
+    if edit.points:
+        entry["points"] = [list(point) for point in edit.points]
+    return entry
+
+
+def from_json(entry: Mapping[str, Any]) -> Edit:
+    """Read one entry of an edits file.
+
+    Raises:
+        ValueError: what is wrong with it, as a phrase.
+    """
+    if extra := set(entry) - _FIELDS:
+        raise ValueError(f"it has an unknown field {sorted(extra)[0]!r}")
+    names = entry.get("controls", [entry.get("control")])
+    if (
+        {"control", "controls"} <= set(entry)
+        or not isinstance(names, list)
+        or not all(isinstance(name, str) for name in names)
+    ):
+        raise ValueError('it needs "control" (a name) or "controls" (a list of names)')
+    op = _one_of(Op, entry, "op")
+    company = _one_of(Company, {"companions": Company.YIELD, **entry}, "companions")
+    required = {"start", "end"} | (set() if op in WITHOUT_VALUE else {"value"})
+    for name in sorted(required - set(entry)):
+        raise ValueError(f'it lacks "{name}"')
+    numbers = {"falloff": 0.0} | {
+        k: _number(entry[k], f'its "{k}"') for k in _NUMBERS if k in entry
+    }
+    enabled, name = entry.get("enabled", True), entry.get("name", "")
+    if not isinstance(enabled, bool):
+        raise ValueError('its "enabled" is neither true nor false')
+    if not isinstance(name, str):
+        raise ValueError('its "name" is not a text')
+    points = _points(entry.get("points", []))
+    return Edit(
+        tuple(names),
+        op,
+        **numbers,
+        enabled=enabled,
+        name=name,
+        points=points,
+        companions=company,
+    )
+
+
+_NUMBERS = ("start", "end", "falloff", "value", "falloff_out", "strength", "about")
+_FIELDS = {"control", "controls", "op", "enabled", "name", "points", "companions", *_NUMBERS}
+
+
+def _one_of(kind: type[Word], entry: Mapping[str, Any], field: str) -> Word:
+    try:
+        return kind(str(entry.get(field)))
+    except ValueError:
+        raise ValueError(f'its "{field}" must be one of {", ".join(kind)}') from None
+
+
+def _number(number: Any, what: str) -> float:
+    if isinstance(number, bool) or not isinstance(number, int | float):
+        raise ValueError(f"{what} is not a number")
+    # Whole numbers have no largest; one that no float holds is as bad as infinity.
+    return float(min(max(number, -1e300), 1e300))
+
+
+def _points(entry: Any) -> tuple[tuple[float, float], ...]:
+    what = 'its "points"'
+    if not isinstance(entry, list) or not all(isinstance(p, list) and len(p) == 2 for p in entry):
+        raise ValueError(f"{what} are no list of [seconds, millimetres]")
+    return tuple((_number(t, f"one of {what}"), _number(mm, f"one of {what}")) for t, mm in entry)
+
+
+def write_edits(path: Path | str, edits: Iterable[Edit]) -> None:
+    """Save edits as a readable JSON file, one edit a line."""
+    lines = ",\n    ".join(json.dumps(to_json(edit)) for edit in edits)
+    text = f'{{\n  "version": {VERSION},\n  "edits": [\n    {lines}\n  ]\n}}\n'
+    write_atomically(path, text.encode())
+
+
+def read_edits(path: Path | str) -> tuple[Edit, ...]:
+    """Read an edits file.
+
+    Raises:
+        FileError: it cannot be read, is no edits file, or an edit in it is not usable.
+    """
+    path = Path(path)
+    document = read_document(path, "edits file", VERSION)
+    if not isinstance(document.get("edits"), list):
+        raise FileError(path, 'has no list of "edits"', "choose an edits file saved by FaceEdit")
+    edits = []
+    for number, entry in enumerate(document["edits"], start=1):
+        try:
+            if not isinstance(entry, dict):
+                raise ValueError("it is not an object")
+            edits.append(from_json(entry))
+        except ValueError as error:
+            raise FileError(path, f"edit {number}: {error}", "correct that edit") from error
+    return tuple(edits)

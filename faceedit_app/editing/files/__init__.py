@@ -1,0 +1,1 @@
+"""Projects, the journal, and how a take's file is recognised."""

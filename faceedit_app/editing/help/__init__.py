@@ -1,0 +1,1 @@
+"""What helps to edit: presets, fixes, problems, copy and paste."""

@@ -1,0 +1,212 @@
+"""What commonly goes wrong in tracked faces, found in a take, each with a proposal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.regions import CONTROL_IDS, CONTROLS
+from faceedit_app.editing.edits.describe import describe_controls
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.help.events import (
+    LIDS,
+    closed_lips,
+    missed_closures,
+    open_eyes,
+)
+from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
+from faceedit_app.editing.solving.filters import moving_mean
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.session import EditSession
+
+Doubles = NDArray[np.float64]
+
+SHAKES = 0.15  # mm to and fro between frames
+# Ripple against the movement from frame to frame: 0.37 for noise, 0.18 for a quarter of the
+# frame rate, 0.5 for half of it.
+SHARE = 0.25
+SHAKE_WINDOW = 0.5  # seconds
+STEADIED = 0.04  # seconds of smoothing that are proposed against shaking
+SHORTEST_SHAKE = 0.15  # seconds
+JUMP = 1.5  # mm across lost frames that catch the eye
+TOGETHER = 0.3  # seconds between faults that are told as one
+
+
+class Kind(StrEnum):
+    """What is wrong."""
+
+    LIPS = "lips"  # lips nearly met and did not
+    BLINK = "blink"  # a blink did not close the eyes
+    JITTER = "jitter"  # a curve shakes from frame to frame
+    DROPPED = "dropped"  # the recording lost frames
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is probably wrong.
+
+    Attributes:
+        kind: see `Kind`.
+        start, end: seconds.
+        controls: the curves in which it shows; none for dropped frames without a jump.
+        message: one line for the user.
+        fix: edits that are proposed; none where edits cannot help.
+    """
+
+    kind: Kind
+    start: float
+    end: float
+    controls: tuple[str, ...]
+    message: str
+    fix: tuple[Edit, ...]
+
+
+def find_problems(session: EditSession) -> list[Problem]:
+    """What is wrong with the take as edited up to now, in order of time."""
+    return problems_of(session.take.clip, session.weights, session.achieved)
+
+
+def problems_of(
+    clip: Clip, weights: NDArray[np.float32], controls: NDArray[np.float32]
+) -> list[Problem]:
+    """What is wrong with a performance, in order of time.
+
+    Args:
+        clip: its times, rate and gaps; the clip's own weights are not looked at.
+        weights: (T, 52) in ARKit order.
+        controls: (T, 8) mm, as measured on them.
+    """
+    values, measured = weights.astype(np.float64), controls.astype(np.float64)
+    found = [
+        *_lips(clip, values, measured),
+        *_blinks(clip, measured),
+        *_jitter(clip, measured),
+        *_dropped(clip, measured),
+    ]
+    return sorted(found, key=lambda problem: (problem.start, problem.kind))
+
+
+def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
+    closed = closed_lips(controls)
+    return [
+        Problem(
+            Kind.LIPS,
+            dip.start,
+            dip.end,
+            ("mouth_opening",),
+            f"The lips nearly meet: {dip.level - closed:.1f} mm are left between them",
+            (close_lips(dip, closed),),
+        )
+        for dip in missed_closures(clip.times, controls, weights, clip.rate)
+    ]
+
+
+def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
+    usual = open_eyes(controls[:, LIDS])
+    return [
+        Problem(
+            Kind.BLINK,
+            dip.start,
+            dip.end,
+            lids,
+            f"The blink stops half-way: the eyes close by {100 * (1 - dip.level / usual):.0f} %",
+            (complete_blink(dip, lids),),
+        )
+        for dip, lids in half_blinks(clip.times, controls, clip.rate)
+    ]
+
+
+def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
+    if len(clip) < 5:
+        return []
+    window = max(round(SHAKE_WINDOW * clip.rate), 5)
+    ripple = _ripple(controls)
+    shaking = _shakes(ripple, controls, window)
+    found = []
+    somewhere: NDArray[np.bool_] = np.any(shaking, axis=1)
+    for first, last in _runs(somewhere, round(TOGETHER * clip.rate)):
+        if clip.times[last] - clip.times[first] < SHORTEST_SHAKE:
+            continue
+        # A window that is half shaking still counts, at either end.
+        first, last = max(first - window // 4, 0), min(last + window // 4, len(clip) - 1)
+        start, end = (round(float(clip.times[frame]), 4) for frame in (first, last))
+        which = np.flatnonzero(shaking[first : last + 1].any(axis=0))
+        ids = tuple(CONTROL_IDS[i] for i in which)
+        amount = float(np.abs(ripple[first : last + 1, which]).max())
+        edit = Edit(ids, Op.SMOOTH, start, end, 0.15, STEADIED, name="Steady the curve")
+        message = f"Shaking by up to {amount:.1f} mm: {describe_controls(ids)}"
+        found.append(Problem(Kind.JITTER, start, end, ids, message, (edit,)))
+    return found
+
+
+def _shakes(ripple: Doubles, curves: Doubles, window: int) -> NDArray[np.bool_]:
+    """(T, 8) where curves go to and fro, again and again, faster than any face does.
+
+    Speech moves lips at up to 8 Hz, which at 30 frames a second is a ripple too; shaking is
+    where most of all movement is ripple.
+    """
+    # More than half of the frames, not the mean: one fast movement is not shaking.
+    wide = (np.abs(ripple) > SHAKES).astype(np.float64)
+    often = moving_mean(wide, window) > 0.5
+    if not often.any():
+        return np.zeros(curves.shape, np.bool_)
+    moves = np.diff(curves, axis=0, prepend=curves[:1])
+    ripples, all_ = (moving_mean(part**2, window) for part in (ripple, moves))
+    shaking: NDArray[np.bool_] = often & (ripples > SHARE**2 * all_)
+    return shaking
+
+
+def _ripple(curves: Doubles) -> Doubles:
+    """(T, 8) mm: what goes to and fro from frame to frame; a slow movement leaves nothing."""
+    x = np.pad(curves, ((2, 2), (0, 0)), mode="edge")
+    ripple: Doubles = (x[:-4] - 4 * x[1:-3] + 6 * x[2:-2] - 4 * x[3:-1] + x[4:]) / 16
+    return ripple
+
+
+def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
+    found = []
+    for first, last in _joined([gap.frame for gap in clip.gaps], clip):
+        missing = sum(gap.missing for gap in clip.gaps if first <= gap.frame <= last)
+        end = round(float(clip.times[min(last + 1, len(clip) - 1)]), 4)
+        start = round(float(clip.times[first]), 4)
+        before, after = controls[first : last + 1], controls[first + 1 : last + 2]
+        jumps = np.abs(after - before[: len(after)]).max(axis=0) if len(after) else np.zeros(8)
+        moved = tuple(control.id for control, j in zip(CONTROLS, jumps, strict=True) if j > JUMP)
+        fix = (
+            (Edit(moved, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump"),)
+            if moved
+            else ()
+        )
+        frames = "1 frame is" if missing == 1 else f"{missing} frames are"
+        message = f"{frames} missing" + (
+            f"; a jump in: {describe_controls(moved)}" if moved else ""
+        )
+        found.append(Problem(Kind.DROPPED, start, end, moved, message, fix))
+    return found
+
+
+def _joined(frames: list[int], clip: Clip) -> list[tuple[int, int]]:
+    """Frames as runs (first, last); those that are close together are one."""
+    runs: list[tuple[int, int]] = []
+    for frame in sorted(frames):
+        if runs and clip.times[frame] - clip.times[runs[-1][1]] <= TOGETHER:
+            runs[-1] = (runs[-1][0], frame)
+        else:
+            runs.append((frame, frame))
+    return runs
+
+
+def _runs(where: NDArray[np.bool_], join: int) -> list[tuple[int, int]]:
+    """Runs (first, last) of true frames; those at most `join` frames apart are one."""
+    frames = np.flatnonzero(where)
+    if not len(frames):
+        return []
+    cuts = np.flatnonzero(np.diff(frames) > join)
+    firsts, lasts = frames[np.r_[0, cuts + 1]], frames[np.r_[cuts, len(frames) - 1]]
+    return list(zip(firsts.tolist(), lasts.tolist(), strict=True))

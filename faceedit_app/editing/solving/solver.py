@@ -1,0 +1,250 @@
+"""From edits to weights: the networks' answer combined with the take, then reach.
+
+The take is computed in chunks; see `chunks.py` for what a chunk's result depends on. So undo needs
+no copies, an export has the same bytes however an edit came to be, and moving an edit recomputes
+the chunks that it touches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
+from faceedit_app.core.resample import from_grid, grid_length, to_grid
+from faceedit_app.core.rig import Distances, Rig
+from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.solving.answers import Answers
+from faceedit_app.editing.solving.chunks import Chunks, Piece
+from faceedit_app.editing.solving.companions import Companions
+from faceedit_app.editing.solving.reach import Goal, Reach
+from faceedit_app.editing.solving.request import Request, region_influence, request
+
+if TYPE_CHECKING:  # the window is there before the networks
+    from faceedit_app.networks.engine import Engine
+
+__all__ = ["Mode", "Patch", "Settings", "Solver"]
+
+Array = NDArray[np.float64]
+
+# How far above the range seen in training a request is followed, as a share of that range.
+BEYOND = 0.1
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A chunk's result: `asked` (N, 8) mm, `weights` (N, 52), `controls` (N, 8) mm."""
+
+    asked: NDArray[np.float32]
+    weights: NDArray[np.float32]
+    controls: NDArray[np.float32]
+
+
+class Solver:
+    """Computes chunks of one take on one rig.
+
+    Args:
+        clip: the take as tracked.
+        rig: the character that the controls are measured on.
+        engine: the networks; None leaves all the work to reach (while they are loading, or
+            where no model can be had).
+    """
+
+    def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
+        self.clip = clip
+        self.tracked = clip.arkit_weights()
+        self.distances = rig.arkit_distances
+        self.controls = self.distances.measure(self.tracked)
+        self.medians = np.median(self.controls, axis=0).astype(np.float64)
+        self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
+        self.use_engine(engine)
+
+    def use_engine(self, engine: Engine | None) -> None:
+        """Answer by these networks from now on; chunks may lie elsewhere than before."""
+        self.engine = engine
+        clip, present = self.clip, frozenset(self.clip.channels)
+        scale, context = (engine.scale, engine.context) if engine else (1, 0)
+        self.chunks = Chunks(clip.times, clip.rate, len(self.grid), scale, context)
+        may = present if "jawOpen" in present else present - {"mouthClose"}
+        self._parts = {region.id: _Part(region, engine, self.distances, may) for region in REGIONS}
+        lower = self._parts["lower"]
+        self._companions = Companions(lower.region.controls, lower.control_covariance())
+        self._answers = Answers(engine, self.grid) if engine else None
+        lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
+        self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
+
+    def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
+        """What has to be computed to answer edits, by chunk."""
+        listening = {name: part.listens_to for name, part in self._parts.items()}
+        return self.chunks.pieces(edits, settings, listening)
+
+    def solve(self, piece: Piece) -> Patch:
+        """Compute one chunk."""
+        rows, near, settings = self.chunks.slice(piece.chunk), slice(*piece.near), piece.settings
+        tracked = self.controls[near].astype(np.float64)
+        times, rate = self.clip.times[near], self.clip.rate
+        asked = request(times, rate, tracked, self.medians, piece.edits, self._companions)
+        inner = slice(rows.start - near.start, rows.stop - near.start)
+        mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
+        weights = self.tracked[rows].astype(np.float64)
+        wanted = self._believable(asked.curves, tracked)
+        influences = {}
+        for name, part in self._parts.items():
+            influence = region_influence(mine, part.listens_to)
+            if name in piece.regions:
+                influence = np.ones_like(influence)
+            if influence.any():
+                influences[name] = influence
+        answers = self._answer(piece, tuple(influences), wanted - tracked)
+        for name, influence in influences.items():
+            self._combine(weights, self._parts[name], answers[name], influence, rows, settings)
+        for name in influences:
+            self._reach(weights, self._parts[name], mine, wanted[inner], settings)
+        result = weights.astype(np.float32)
+        controls = self.distances.measure(result)
+        # A matrix product's last bits depend on how many frames it is made for.
+        same = (result == self.tracked[rows]).all(axis=1)
+        controls[same] = self.controls[rows][same]
+        return Patch(mine.curves.astype(np.float32), result, controls)
+
+    def _believable(self, curves: Array, tracked: Array) -> Array:
+        """(N, 8) mm: curves within what faces do, or what this face already did."""
+        low, high = np.minimum(self._low, tracked), np.maximum(self._high, tracked)
+        believable: Array = np.minimum(np.maximum(curves, low), high)
+        return believable
+
+    def _answer(self, piece: Piece, regions: tuple[str, ...], change: Array) -> dict[str, Array]:
+        """(N, K) by region: what the networks add (preserve) or put (resynthesize) on its rows.
+
+        Args:
+            change: (N', 8) mm by which the controls near the piece differ from the take.
+        """
+        rows, settings = self.chunks.slice(piece.chunk), piece.settings
+        anew = settings.mode is Mode.RESYNTHESIZE
+        if self._answers is None:
+            share, tracked = float(anew), self.tracked[rows].astype(np.float64)
+            return {name: share * tracked[:, self._parts[name].columns] for name in regions}
+        if not regions:
+            return {}
+        first, last = (int(i) for i in self.chunks.windows[piece.chunk])
+        times = self.clip.times[slice(*piece.near)]
+        edited = self.grid[first:last] + to_grid(times, change, first, last)
+        window = first, last
+        answers = self._answers.to(regions, window, edited, settings.naturalness)
+        if not anew:
+            unedited = self._answers.to_tracked(regions, window, settings.naturalness)
+            answers = {name: answer - unedited[name] for name, answer in answers.items()}
+        stacked = np.concatenate([answers[name] for name in regions], axis=1)
+        ends = np.cumsum([answers[name].shape[1] for name in regions])[:-1]
+        parts = np.split(from_grid(stacked, first, self.clip.times[rows]), ends, axis=1)
+        return dict(zip(regions, parts, strict=True))
+
+    def _combine(
+        self,
+        weights: Array,
+        part: _Part,
+        answer: Array,
+        influence: Array,
+        rows: slice,
+        settings: Settings,
+    ) -> None:
+        """Put the networks' answer into the chunk's weights, within bounds."""
+        columns = part.columns[part.have]
+        answer = answer[:, part.have]
+        old = weights[:, columns]
+        if settings.mode is Mode.PRESERVE:
+            answer = old + influence[:, None] * answer
+        new = np.clip(answer, np.minimum(old, 0.0), _upper(old, influence))
+        weights[:, columns] = np.where(influence[:, None] > 0, new, old)
+        if "mouthClose" in part.region.channels:
+            _couple(weights, self.tracked[rows], influence > 0)
+
+    def _reach(
+        self, weights: Array, part: _Part, mine: Request, wanted: Array, settings: Settings
+    ) -> None:
+        """Bring the region's own controls the rest of the way to what was asked."""
+        where = np.flatnonzero(mine.hold[:, part.own].any(axis=1))
+        if not len(where) or part.reach is None or settings.reach == 0:
+            return
+        columns = part.columns[part.have]
+        hold = mine.hold[np.ix_(where, part.own)]
+        asked = hold > 0
+        strength = np.where(asked, hold, hold.max(axis=1, keepdims=True))
+        here = weights[where]
+        influence = region_influence(mine, part.region.controls)[where]
+        goal = Goal(wanted[np.ix_(where, part.own)], settings.reach * strength, asked)
+        upper = _upper(here[:, columns], influence)
+        weights[np.ix_(where, columns)] = part.reach(here, goal, upper, settings.naturalness)
+
+
+class _Part:
+    """What solving needs to know of a region, worked out once.
+
+    Attributes:
+        listens_to: ids of the controls that its networks answer to.
+        columns: (K,) its channels among the 52.
+        have: positions of the channels that may change: the source has a column for them.
+        own: positions of the controls that are its own; the brows have none, they move no control.
+        reach: brings its own controls to a goal, where it has any and may change anything.
+    """
+
+    def __init__(
+        self, region: Region, engine: Engine | None, distances: Distances, may: frozenset[str]
+    ) -> None:
+        self.region, self._all = region, distances
+        self._model = engine.models[region.id] if engine else None
+        self.listens_to = self._model.controls if self._model else region.controls
+        self.columns = np.array([ARKIT_INDEX[c] for c in region.channels], np.intp)
+        self.have = np.array([i for i, c in enumerate(region.channels) if c in may], np.intp)
+        self.own = np.array([i for i, c in enumerate(CONTROLS) if c.region == region.id], np.intp)
+        self._covariance = (
+            self._model.covariance if self._model else 0.04 * np.eye(len(region.channels))
+        )
+        names = [region.channels[i] for i in self.have]
+        both = {"mouthClose", "jawOpen"} <= set(names)
+        coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
+        self.reach: Reach | None = None
+        if len(self.own) and len(self.have):
+            mine, covariance = distances.select(self.own), self._covariance
+            covariance = covariance[np.ix_(self.have, self.have)]
+            self.reach = Reach(mine, self.columns[self.have], covariance, coupled)
+
+    def control_covariance(self) -> Array:
+        """(C, C) mm² how the region's controls vary together, linearised at rest."""
+        rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
+        mine = self._all.select([CONTROL_INDEX[c] for c in self.region.controls])
+        slopes = mine.jacobian(rest)[1][0][:, self.columns].astype(np.float64)
+        covariance: Array = slopes @ self._covariance @ slopes.T
+        return covariance
+
+    def limits(self) -> tuple[Array, Array]:
+        """(8,) mm: how low and how high the controls it listens to are followed."""
+        low, high = np.full(len(CONTROLS), -np.inf), np.full(len(CONTROLS), np.inf)
+        if self._model is not None:
+            heard = [CONTROL_INDEX[control] for control in self._model.controls]
+            slack = BEYOND * (self._model.high - self._model.low)
+            low[heard], high[heard] = self._model.low, self._model.high + slack
+        return low, high
+
+
+def _upper(old: Array, influence: Array) -> Array:
+    """Largest weight: 1, but a tracked value above 1 is let go of only as the edit fades in."""
+    return 1.0 + np.maximum(old - 1.0, 0.0) * (1.0 - influence[:, None])
+
+
+def _couple(weights: Array, tracked: NDArray[np.float32], where: NDArray[np.bool_]) -> None:
+    """Keep mouthClose <= jawOpen, in place: alone, the corrective tears any rig.
+
+    Where the take itself exceeds it, by as much as the take does.
+    """
+    close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
+    slack = np.maximum(tracked[:, close].astype(np.float64) - tracked[:, jaw], 0.0)
+    limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
+    weights[where, close] = limit[where]

@@ -1,0 +1,1 @@
+"""The laboratory: training, evaluation, bench. The application never imports it."""

@@ -1,0 +1,170 @@
+"""A real window without a display, and a hand on its mouse."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPointF, QSettings, Qt, QTimer
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QApplication, QWidget
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import open_take
+from faceedit_app.formats.take import Take
+from faceedit_app.networks.engine import Engine
+from faceedit_app.ui.commands.file import DEMO
+from faceedit_app.ui.curves.interaction import PREVIEW_INTERVAL
+from faceedit_app.ui.curves.plot import CurvePlot
+from faceedit_app.ui.page.editor import Editor
+from faceedit_app.ui.start.app import keep_for_good
+from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.preferences import Store
+
+RATE = 25.0  # the paper's: each frame is one of the networks' own
+VIEW = 8.0  # seconds of curves on screen
+_LEFT, _NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
+
+
+def long_take(frames: int, rate: float = RATE) -> Take:
+    """The demo performance, again and again, until it has so many frames."""
+    demo = open_take(shipped(DEMO))
+    rows = np.arange(frames) % len(demo.clip)
+    times = np.arange(frames) / rate
+    clip = Clip(demo.clip.weights[rows], demo.clip.channels, times, rate)
+    return Take(Path(f"{frames}.csv"), demo.format, clip, (), (), demo.source)
+
+
+class Desk:
+    """The window, with the face in a square of some pixels.
+
+    Args:
+        folder: for the window's settings, so that the user's stay as they are.
+        rig, engine: the character and the networks.
+    """
+
+    def __init__(self, app: QApplication, folder: Path, rig: Rig, engine: Engine) -> None:
+        self.app, self.rig, self.engine = app, rig, engine
+        settings = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
+        self.window = MainWindow(Store(settings))
+        self.window.document.engine = engine
+        self.window.resize(1440, 900)
+        self.window.show()
+        self.editor: Editor = self.window.build_editor()
+        self.worked = 0.0  # ms of the processors for the last step of a drag
+
+    @property
+    def session(self) -> EditSession:
+        """The open take's."""
+        session = self.window.document.session
+        assert session is not None
+        return session
+
+    def open(self, take: Take, size: int = 640) -> EditSession:
+        """Put a take on the screen, and the middle of it in view."""
+        self.window.document.adopt(EditSession(take, self.rig, self.engine))
+        viewport = self.editor.face.viewport
+        if not viewport.can_draw:
+            viewport.open(self.rig)
+            keep_for_good()
+        viewport.setFixedSize(size, size)
+        middle = take.clip.duration / 2
+        self.window.timeline.show_range(middle - VIEW / 2, middle + VIEW / 2)
+        self.window.timeline.go_to_time(middle)
+        self.settle()
+        return self.session
+
+    def settle(self, seconds: float = 0.25) -> None:
+        """Let the window come to rest: all computed, all painted, the smooth picture drawn."""
+        until = time.perf_counter() + seconds
+        while time.perf_counter() < until or self.editor.solving.is_busy:
+            self.app.processEvents()
+
+    # --- the mouse -----------------------------------------------------------------------------
+
+    def plot(self, control: str) -> CurvePlot:
+        """One of the eight."""
+        return self.editor.curves.plots[CONTROL_IDS.index(control)]
+
+    def choose(self, *controls: str) -> None:
+        """Have curves edited together; none ends that."""
+        curves = self.editor.curves
+        for control in {*controls} ^ {*curves.chosen_controls}:
+            curves.headers[CONTROL_IDS.index(control)].picked.emit(True)
+
+    def press(self, control: str, seconds: float) -> None:
+        """Take hold of a curve."""
+        plot = self.plot(control)
+        self._held = QPointF(plot.current_scale.x_of(seconds), plot.height() / 2)
+        self._at = self._held
+        self._send(plot, QEvent.Type.MouseButtonPress, _LEFT)
+
+    def move(self, control: str, pixels: float) -> None:
+        """Drag it to so many pixels above where it was taken hold of."""
+        self._at = self._held - QPointF(0.0, pixels)
+        self._send(self.plot(control), QEvent.Type.MouseMove, _NONE)
+
+    def release(self, control: str) -> None:
+        """Let go of it."""
+        self._send(self.plot(control), QEvent.Type.MouseButtonRelease, _LEFT)
+        self.settle(0.0)
+
+    def give_up(self) -> None:
+        """Drop the drag."""
+        self.editor.curves.cancel_drag()
+        self.settle(0.0)
+
+    def _send(self, widget: QWidget, kind: QEvent.Type, button: Qt.MouseButton) -> None:
+        place = QPointF(widget.mapToGlobal(self._at))
+        keys = Qt.KeyboardModifier.NoModifier
+        QApplication.sendEvent(widget, QMouseEvent(kind, self._at, place, button, _LEFT, keys))
+
+    def dragged(self, control: str) -> Callable[[], float]:
+        """A drag in steps: each call moves the mouse, waits for the picture, returns ms."""
+        viewport = self.editor.face.viewport
+        step = 0
+
+        def once() -> float:
+            nonlocal step
+            step += 1
+            # At most one preview a screen frame is computed; the time until then is not ours.
+            resume = time.perf_counter() + 1.1 * PREVIEW_INTERVAL
+            while time.perf_counter() < resume:
+                self.app.processEvents()
+            draws, began, worked = viewport.draws, time.perf_counter(), time.process_time()
+            self.move(control, 12.0 + step % 24)
+            while viewport.draws == draws:
+                self.app.processEvents()
+            self.worked = 1e3 * (time.process_time() - worked)
+            return 1e3 * (time.perf_counter() - began)
+
+        return once
+
+
+class Heartbeat:
+    """How long the window did not answer, at most."""
+
+    def __init__(self, parent: QWidget) -> None:
+        self._timer = QTimer(parent, interval=1)
+        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self._timer.timeout.connect(self._tick)
+        self._last = time.perf_counter()
+        self.longest = 0.0
+        self._timer.start()
+
+    def _tick(self) -> None:
+        now = time.perf_counter()
+        self.longest = max(self.longest, now - self._last)
+        self._last = now
+
+    def stop(self) -> float:
+        """Milliseconds."""
+        self._tick()
+        self._timer.stop()
+        return 1e3 * self.longest

@@ -1,0 +1,227 @@
+"""What our times are compared with; each reference is None where it is not installed."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.lab.bench.clocks import Times, repeat
+from faceedit_app.lab.bench.desk import long_take
+from faceedit_app.networks.engine import Engine
+from faceedit_app.render.camera import FIELD_OF_VIEW, Camera, default_camera, projection
+
+FRAMES, SIZE = 202, 640
+_BLENDER_SECONDS = 180  # about 25 are needed where both engines draw without a GPU
+
+
+def naive(engine: Engine, rig: Rig, times: int) -> Times:
+    """The plain way: networks on the whole take, then pyrender as its manual shows it."""
+    import pyrender
+    import trimesh
+
+    clip = long_take(FRAMES).clip
+    weights = clip.arkit_weights()
+    camera = default_camera(rig)
+    scene_camera = pyrender.PerspectiveCamera(yfov=FIELD_OF_VIEW)
+    renderer = pyrender.OffscreenRenderer(SIZE, SIZE)
+    colors = (255 * rig.colors).astype(np.uint8)
+
+    def once() -> None:
+        curves = rig.arkit_distances.measure(weights).astype(np.float64)
+        both = np.stack([curves, curves + 1.0])
+        for region in REGIONS:
+            engine.answer(region.id, both, 1.0)
+        rig.arkit_distances.measure(weights)
+        vertices = rig.vertices(rig.from_arkit(weights[100]))
+        mesh = trimesh.Trimesh(vertices, rig.faces, vertex_colors=colors, process=False)
+        scene = pyrender.Scene()
+        scene.add(pyrender.Mesh.from_trimesh(mesh))
+        scene.add(scene_camera, pose=camera.pose())
+        scene.add(pyrender.DirectionalLight(intensity=4.0), pose=camera.pose())
+        renderer.render(scene)
+
+    try:
+        return repeat(once, times, 3)
+    finally:
+        renderer.delete()
+
+
+def holden(times: int) -> Times | None:
+    """Holden's networks for the three regions, on 202 frames, in torch on one thread."""
+    if importlib.util.find_spec("torch") is None:
+        return None
+    import torch
+
+    from faceedit_app.lab.training.holden import HoldenNetworks
+
+    nets = [HoldenNetworks(len(r.controls), len(r.channels)).eval() for r in REGIONS]
+    inputs = [torch.randn(1, len(r.controls), FRAMES) for r in REGIONS]
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        with torch.inference_mode():
+            return repeat(lambda: [net(x) for net, x in zip(nets, inputs, strict=True)], times)
+    finally:
+        torch.set_num_threads(threads)
+
+
+def cpu_limit(engine: Engine, times: int) -> Times:
+    """As many multiplications as the networks need for 202 frames, as one product of matrices."""
+    needed = sum(engine.models[region.id].products for region in REGIONS) * FRAMES
+    side = 384
+    rows = max(round(needed / side**2), 1)
+    random = np.random.default_rng(0)
+    a = random.normal(size=(rows, side)).astype(np.float32)
+    b = random.normal(size=(side, side)).astype(np.float32)
+    out = np.empty((rows, side), np.float32)
+    return repeat(lambda: np.matmul(a, b, out=out), times)
+
+
+def gl_limit(rig: Rig, times: int) -> Times | None:
+    """The same triangles, one colour, read back: what this OpenGL needs at the least."""
+    if importlib.util.find_spec("moderngl") is None:
+        return None
+    moderngl = importlib.import_module("moderngl")  # no dependency: an option for this measure
+    context = moderngl.create_standalone_context(backend="egl")
+    try:
+        program = context.program(
+            vertex_shader="""#version 330
+                in vec3 position; uniform mat4 clip;
+                void main() { gl_Position = clip * vec4(position, 1.0); }""",
+            fragment_shader="""#version 330
+                out vec4 pixel; void main() { pixel = vec4(0.8, 0.6, 0.5, 1.0); }""",
+        )
+        camera: Camera = default_camera(rig)
+        clip = (projection(1.0) @ camera.view()).astype(np.float32)
+        program["clip"].write(np.ascontiguousarray(clip.T).tobytes())
+        vertices = np.ascontiguousarray(rig.neutral, np.float32)
+        buffer = context.buffer(vertices.tobytes())
+        indices = context.buffer(np.ascontiguousarray(rig.faces, np.int32).tobytes())
+        mesh = context.vertex_array(program, [(buffer, "3f", "position")], indices)
+        target = context.simple_framebuffer((SIZE, SIZE))
+        target.use()
+        context.enable(moderngl.DEPTH_TEST)
+        out = bytearray(4 * SIZE * SIZE)
+
+        def once() -> None:
+            buffer.write(vertices)
+            target.clear()
+            mesh.render()
+            target.read_into(out, components=4)
+
+        return repeat(once, times)
+    finally:
+        context.release()
+
+
+def blender(
+    rig: Rig, times: int, say: Callable[[str], None] = lambda _: None
+) -> dict[str, Any] | None:
+    """The same head and take in Blender: change a shape key's curve, evaluate, draw.
+
+    Blender draws in a window only; where there is no display it gets one from `xvfb-run`.
+
+    Args:
+        rig: ours, for the take's weights and the view.
+        times: repetitions.
+        say: told why there is no answer.
+
+    Returns:
+        What `blender_script.py` prints; None where there is no `blender`, or it cannot draw.
+    """
+    program = shutil.which("blender")
+    if program is None:
+        return None
+    command = [program, "--factory-startup", "--window-geometry", "0", "0", str(SIZE), str(SIZE)]
+    shown = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if sys.platform == "linux" and not shown:
+        display = shutil.which("xvfb-run")
+        if display is None:
+            say("blender: needs a display, or xvfb-run")
+            return None
+        command = [display, "-a", "-s", "-screen 0 1280x1024x24", *command]
+    with tempfile.TemporaryDirectory() as folder:
+        job = Path(folder, "job.json")
+        job.write_text(json.dumps(_job(rig, times)), encoding="utf-8")
+        script = Path(__file__).with_name("blender_script.py")
+        printed = _output([*command, "--python", str(script), "--", str(job)], folder)
+    lines = [line for line in printed.splitlines() if line.startswith("FACEEDIT ")]
+    if not lines:
+        say("blender: " + (printed.strip().splitlines() or ["no answer"])[-1])
+        return None
+    found: dict[str, Any] = json.loads(lines[-1].removeprefix("FACEEDIT "))
+    return found
+
+
+def _job(rig: Rig, times: int) -> dict[str, Any]:
+    """What Blender is told: the head, our take on it, and from where it is looked at."""
+    weights = rig.from_arkit(long_take(FRAMES).clip.arkit_weights())
+    camera = default_camera(rig)
+    return {
+        "head": str(shipped("assets/character.glb")),
+        "weights": dict(zip(rig.channels, weights.T.tolist(), strict=True)),
+        "changed": "jawOpen",
+        "frame": FRAMES // 2,
+        "size": SIZE,
+        "times": times,
+        "target": camera.target,
+        "distance": camera.distance,
+        "field_of_view": FIELD_OF_VIEW,
+    }
+
+
+def _output(command: list[str], folder: str) -> str:
+    """What a program printed, errors too, after `_BLENDER_SECONDS` at the latest.
+
+    It is stopped with all that it started: `xvfb-run` would leave Blender and the display behind.
+    """
+    try:
+        process = subprocess.Popen(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,  # as `xvfb-run` does anyway
+            encoding="utf-8",
+            errors="replace",
+            env=os.environ | {"TMPDIR": folder},
+            start_new_session=True,
+        )
+    except OSError as error:
+        return str(error)
+    with process:
+        try:
+            return process.communicate(timeout=_BLENDER_SECONDS)[0]
+        except subprocess.TimeoutExpired:
+            if sys.platform == "win32":
+                process.kill()
+            else:
+                os.killpg(process.pid, signal.SIGKILL)
+            return f"{process.communicate()[0]}\nnot done after {_BLENDER_SECONDS} seconds"
+
+
+def of_all(engine: Engine, rig: Rig, times: int) -> dict[str, Times | None]:
+    """Those that run in this process."""
+    references: dict[str, Times | None] = {
+        "naive": naive(engine, rig, max(times // 5, 3)),
+        "holden": holden(times),
+        "cpu_limit": cpu_limit(engine, times),
+    }
+    try:
+        references["gl_limit"] = gl_limit(rig, times)
+    except Exception:  # drivers raise all kinds
+        references["gl_limit"] = None
+    return references

@@ -1,0 +1,112 @@
+"""Starts FaceEdit in a process of its own, and measures when things are there and what they take.
+
+`python -m faceedit_app.lab.bench.starting SECONDS_SINCE_1970 FRAMES` prints one line of JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from typing import Any
+
+_LONGEST = 240  # seconds
+
+
+def start(frames: int = 0) -> dict[str, float]:
+    """Start the window in another process: on the demo take, or on one of so many frames.
+
+    Returns:
+        Seconds from the start of the process to the `window`, the `face` and the first `edit`;
+        `peak_mb` of memory, with an edit of the whole take made.
+    """
+    with tempfile.TemporaryDirectory() as home:
+        told = {"QT_QPA_PLATFORM": "offscreen", "HOME": home}
+        told |= {f"XDG_{name}_HOME": home for name in ("CONFIG", "STATE", "DATA", "CACHE")}
+        command = [sys.executable, "-m", "faceedit_app.lab.bench.starting", str(time.time())]
+        run = subprocess.run(
+            [*command, str(frames)],
+            capture_output=True,
+            encoding="utf-8",
+            env=os.environ | told,
+            timeout=_LONGEST,
+            check=True,
+        )
+    found: dict[str, float] = json.loads(run.stdout.splitlines()[-1])
+    return found
+
+
+def _child(began: float, frames: int) -> None:
+    """What `faceedit --demo` does, with somebody who looks at the clock."""
+    from PySide6.QtCore import QTimer
+
+    from faceedit_app.ui.start import app
+    from faceedit_app.ui.start.window import MainWindow
+    from faceedit_app.ui.state import background as loading
+
+    seen: dict[str, float] = {}
+    if frames:
+        _instead_of_the_demo(loading, frames)
+
+    def begin(window: MainWindow, *how: Any) -> None:
+        seen["window"] = time.time() - began
+        really_start(window, *how)
+        watch = QTimer(window, interval=2)
+        watch.timeout.connect(lambda: look(window))
+        watch.start()
+
+    def look(window: MainWindow) -> None:
+        session = window.document.session
+        if session is None or window.editor is None:
+            return
+        if "face" not in seen and window.editor.face.viewport.draws:
+            seen["face"] = time.time() - began
+        if "edit" not in seen and session.has_engine and "face" in seen:
+            seen["edit"] = time.time() - began
+            _edit(window)
+        elif "edit" in seen and not window.editor.solving.is_busy:
+            window.document.session = None  # nothing is to be asked about it
+            window.close()
+
+    really_start = MainWindow.start
+    MainWindow.start = begin  # type: ignore[method-assign, assignment]
+    app.run(None, demo=True)
+    print(json.dumps(seen | {"peak_mb": peak_megabytes()}))
+
+
+def _instead_of_the_demo(loading: Any, frames: int) -> None:
+    from pathlib import Path
+
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.lab.bench.desk import long_take
+
+    def open_session(_path: Path, rig: Rig) -> EditSession:
+        return EditSession(long_take(frames), rig)
+
+    loading.open_session = open_session
+
+
+def _edit(window: Any) -> None:
+    from faceedit_app.editing.edits.edit import Edit, Op
+
+    window.document.act(
+        lambda session: session.add(Edit(("mouth_opening",), Op.OFFSET, 0.0, 1e6, 0.0, 2.0))
+    )
+
+
+def peak_megabytes() -> float:
+    """The most memory that this process has had; 0 where the system does not tell."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0.0
+    unit = 1 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
+
+
+if __name__ == "__main__":
+    _child(float(sys.argv[1]), int(sys.argv[2]))

@@ -1,0 +1,171 @@
+"""What the user waits for: a drag, wide edits at any length of take, playback."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.solving import solver as solve
+from faceedit_app.lab.bench.clocks import Stages, Times, repeat
+from faceedit_app.lab.bench.desk import Desk, Heartbeat, long_take
+from faceedit_app.networks.engine import Engine
+from faceedit_app.render.renderer import FaceRenderer
+from faceedit_app.render.surface import NormalSolver
+from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.face.viewport import Viewport
+
+FRAMES = 202  # the paper's
+STAGES = ("controls", "networks", "curves", "plots", "deform", "draw")
+LIDS, MOUTH = ("left_eyelid", "right_eyelid"), "mouth_opening"
+
+
+def drag(desk: Desk, times: int) -> dict[str, Any]:
+    """Measure 1: the mouth and both lids are dragged over a whole take.
+
+    So all networks of all three regions answer, for all 202 frames, at each step.
+    """
+    clip = desk.open(long_take(FRAMES)).take.clip
+    desk.choose(MOUTH, *LIDS)
+    desk.window.timeline.show_range(0.0, clip.duration)
+    desk.window.timeline.select((0.0, clip.duration))
+    desk.press(MOUTH, clip.duration / 2)
+    once = desk.dragged(MOUTH)
+    for _ in range(20):
+        once()
+    steps = [(once(), desk.worked) for _ in range(times)]
+    whole, worked = (Times(column) for column in zip(*steps, strict=True))
+    stages = Stages()
+    accounts = (
+        ("controls", EditSession, "preview"),
+        ("curves", solve.Solver, "solve"),
+        ("controls", solve, "request"),
+        ("controls", solve.Solver, "_believable"),
+        ("networks", Engine, "answer_all"),
+        ("plots", CurvesPanel, "refresh"),
+        ("draw", Viewport, "_draw"),
+        ("draw", FaceRenderer, "begin"),
+        ("draw", FaceRenderer, "finish"),
+        ("deform", Rig, "vertices"),
+        ("deform", NormalSolver, "__call__"),
+    )
+    with stages.watching(*accounts):
+        watched = sum(once() for _ in range(times))
+    # Qt calls what paints a plot past Python's classes, so it is measured by itself.
+    plots = desk.editor.curves.plots
+    painted = repeat(lambda: [plot.repaint() for plot in plots], times, 2)
+    desk.give_up()
+    desk.choose()
+    parts = {stage: 1e3 * stages.seconds.get(stage, 0.0) / times for stage in STAGES}
+    parts["plots"] += painted.median
+    return {
+        "drag": whole.summary() | {"processors": worked.median, "repetitions": times},
+        "stages": parts | {"window": max(watched / times - sum(parts.values()), 0.0)},
+        "drag_one": _drag_of_one(desk, times).summary(),
+    }
+
+
+def _drag_of_one(desk: Desk, times: int) -> Times:
+    """The ordinary drag: one curve, in a selection of 0.4 s, where the lids are edited too."""
+    session, line = desk.session, desk.window.timeline
+    session.add(Edit(LIDS, Op.OFFSET, 0.0, session.take.clip.duration, 0.0, -1.0))
+    desk.window.document.changed.emit()
+    line.select((line.time - 0.2, line.time + 0.2))
+    desk.press(MOUTH, line.time)
+    once = desk.dragged(MOUTH)
+    for _ in range(10):
+        once()
+    steps = Times([once() for _ in range(times)])
+    desk.give_up()
+    return steps
+
+
+def networks(engine: Engine, times: int) -> Times:
+    """The three regions' networks on 202 frames, as the paper measures them."""
+    demo = long_take(FRAMES).clip
+    curves = np.random.default_rng(0).normal(30.0, 3.0, (len(demo), 8))
+    regions = tuple(region.id for region in REGIONS)
+    return repeat(lambda: engine.answer_all(regions, curves, 1.0), times)
+
+
+def lengths(desk: Desk, frames: tuple[int, ...], times: int) -> dict[str, Any]:
+    """Measure 2: one local edit, and one of the whole take, at several lengths."""
+    return {str(count): _length(desk, count, times) for count in frames}
+
+
+def _length(desk: Desk, frames: int, times: int) -> dict[str, Any]:
+    session = desk.open(long_take(frames))
+    line, clip = desk.window.timeline, session.take.clip
+    moment = line.time
+    desk.press(MOUTH, moment)
+    once = desk.dragged(MOUTH)
+    for _ in range(10):
+        once()
+    local = Times([once() for _ in range(times)])
+    desk.give_up()
+    line.show_range(0.0, clip.duration)
+    desk.settle()
+    desk.press(MOUTH, moment)
+    overview = Times([once() for _ in range(max(times // 4, 2))])
+    desk.give_up()
+    line.show_range(moment - 4.0, moment + 4.0)
+    return {
+        "local": local.summary(),
+        "local_overview": overview.summary(),
+        "whole": _whole(desk, moment),
+    }
+
+
+def _whole(desk: Desk, moment: float) -> dict[str, float]:
+    line, clip = desk.window.timeline, desk.session.take.clip
+    line.select((0.0, clip.duration))
+    desk.settle()
+    desk.press(MOUTH, moment)
+    beat, began = Heartbeat(desk.window), time.perf_counter()
+    first = desk.dragged(MOUTH)()
+    desk.release(MOUTH)
+    complete = 1e3 * (time.perf_counter() - began)
+    blocked = beat.stop()
+    desk.window.document.undo()
+    desk.press(MOUTH, moment)
+    desk.dragged(MOUTH)()
+    began = time.perf_counter()
+    desk.editor.curves.cancel_drag()
+    cancelled = 1e3 * (time.perf_counter() - began)
+    desk.settle()
+    line.select(None)
+    return {
+        "visible": first,
+        "complete": complete,
+        "longest_block": blocked,
+        "cancel": cancelled,
+    }
+
+
+def playback(desk: Desk, size: int, seconds: float) -> dict[str, float]:
+    """Measure 3: a take of 60 fps, with its curves and the playhead moving."""
+    desk.open(long_take(round(60 * (seconds + 2)), 60.0), size)
+    window, viewport = desk.window, desk.editor.face.viewport
+    window.timeline.show_range(0.0, 8.0)
+    window.timeline.go_to_frame(0)
+    desk.settle()
+    window.playback.play()
+    _run(desk, 0.3)
+    draws, frame, began = viewport.draws, window.timeline.frame, time.perf_counter()
+    _run(desk, seconds)
+    took = time.perf_counter() - began
+    window.playback.pause()
+    shown, passed = viewport.draws - draws, window.timeline.frame - frame
+    return {"fps": shown / took, "frames": passed, "dropped": max(passed - shown, 0)}
+
+
+def _run(desk: Desk, seconds: float) -> None:
+    until = time.perf_counter() + seconds
+    while time.perf_counter() < until:
+        desk.app.processEvents()
+        time.sleep(0.0002)  # as an event loop that waits

@@ -1,0 +1,213 @@
+"""The laboratory's commands: bench, train, evaluate, experiment, synthesize, statistics."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.optional import require
+from faceedit_app.core.resources import shipped
+
+# typer reads the annotations at run time, where `X | None` is not yet understood by all versions.
+OptionalPath = Optional[Path]  # noqa: UP045
+Paths = Optional[list[Path]]  # noqa: UP045
+Texts = Optional[list[str]]  # noqa: UP045
+Number = Optional[int]  # noqa: UP045
+
+DataOption = Annotated[
+    Paths, typer.Option("--data", help="A folder of takes; may be given several times.")
+]
+ExcludeOption = Annotated[
+    Texts, typer.Option("--exclude", help="File names to leave out, such as 'grid__*'.")
+]
+
+
+def train(
+    more: Annotated[
+        Paths, typer.Argument(metavar="[DIR]...", help="More folders of takes.")
+    ] = None,
+    data: DataOption = None,
+    exclude: ExcludeOption = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of models.")] = Path(
+        "models"
+    ),
+    recipe: Annotated[
+        str, typer.Option(help="faceedit, or paper: the settings of the publication.")
+    ] = "faceedit",
+    epochs: Annotated[
+        Number, typer.Option(min=1, help="Passes over the data for each network.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Same seed, same data: same networks.")] = 1,
+    finetune: Annotated[
+        bool, typer.Option("--finetune", help="Start from the models that ship with FaceEdit.")
+    ] = False,
+    models: Annotated[
+        OptionalPath, typer.Option("--models", help="With --finetune: start from these instead.")
+    ] = None,
+    baseline: Annotated[
+        bool, typer.Option(help="Also train the baseline that evaluate compares with.")
+    ] = True,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Do not go on from an interrupted training.")
+    ] = False,
+) -> int:
+    """Train the networks of all regions and write them with a model card.
+
+    Ctrl+C keeps the best so far; the same command goes on from there.
+    """
+    require("torch", extra="training")
+    from faceedit_app.lab.training.run import Plan, train_models
+
+    folders = [*(data or []), *(more or [])]
+    if not folders:
+        raise FaceEditError("train needs takes to learn from: --data DIR")
+    if models is not None and not finetune:
+        raise FaceEditError("--models says where --finetune starts: give both or neither")
+    plan = Plan(
+        tuple(folders),
+        output,
+        tuple(exclude or ()),
+        recipe,
+        epochs,
+        seed,
+        (models or shipped("models")) if finetune else None,
+        baseline,
+        fresh,
+    )
+    with Progress(console=Console(stderr=True)) as progress:
+        try:
+            for path in train_models(plan, progress):
+                print(path)
+        except KeyboardInterrupt:
+            progress.stop()
+            print(f"Stopped. The best so far is in {output}; the same command goes on from there.")
+            return 130
+    return 0
+
+
+def evaluate(
+    takes: Annotated[list[Path], typer.Argument(help="Takes, or folders of takes.")],
+    models: Annotated[
+        OptionalPath, typer.Option("--models", help="Folder of models; the shipped ones if absent.")
+    ] = None,
+    output: Annotated[
+        OptionalPath, typer.Option("--json", help="Write all figures to this file.")
+    ] = None,
+    report: Annotated[
+        OptionalPath, typer.Option("--report", help="Write a report with plots to this folder.")
+    ] = None,
+    exclude: ExcludeOption = None,
+) -> None:
+    """Measure the networks on takes: errors, closures, smoothness, and a benchmark of edits."""
+    require("torch", extra="training")
+    from faceedit_app.lab.evaluation.evaluate import evaluate_takes
+    from faceedit_app.lab.evaluation.report import summary_lines, write_report
+    from faceedit_app.lab.training.data import load_performances
+
+    performances = load_performances(takes, exclude or ())
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Evaluating", total=None)
+        figures = evaluate_takes(
+            performances,
+            models or shipped("models"),
+            lambda done, of: progress.update(bar, completed=done, total=of),
+        )
+    if output is not None:
+        write_atomically(output, (json.dumps(figures.as_json(), indent=2) + "\n").encode())
+    if report is not None:
+        print(write_report(report, figures))
+    for line in summary_lines(figures):
+        print(line)
+
+
+def experiment(
+    name: Annotated[str, typer.Argument(help="Which one, or all; a wrong name lists them.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")] = Path(
+        "docs/evaluation"
+    ),
+    data: DataOption = None,
+    held_out: Annotated[
+        Paths, typer.Option("--held-out", help="Takes to measure on only; several times.")
+    ] = None,
+    models: Annotated[
+        OptionalPath, typer.Option("--models", help="Folder of models; the shipped ones if absent.")
+    ] = None,
+    epochs: Annotated[
+        int, typer.Option(min=1, help="Passes over the data for each network trained here.")
+    ] = 14,
+) -> None:
+    """Repeat the paper's experiments and ours; each writes its part of the report."""
+    require("torch", extra="training")
+    from faceedit_app.lab.evaluation.experiments import run_experiment
+    from faceedit_app.lab.evaluation.setting import Setting
+
+    with Progress(console=Console(stderr=True)) as progress:
+        setting = Setting(
+            output,
+            tuple(data or ()),
+            tuple(held_out or ()),
+            models or shipped("models"),
+            epochs,
+            progress,
+        )
+        for path in run_experiment(name, setting):
+            print(path)
+
+
+def synthesize(
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the takes.")],
+    minutes: Annotated[float, typer.Option(min=0.05, help="Of performance in all.")] = 10.0,
+    seed: Annotated[int, typer.Option(min=0, help="Same seed: same takes.")] = 1,
+) -> None:
+    """Write synthetic performances, spoken and acted, to train on."""
+    require("faceedit_app.lab.training", extra="training")  # not in the installed application
+    from faceedit_app.lab.training.synthesis import write_performances
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Synthesizing", total=None)
+        paths = write_performances(
+            output,
+            minutes,
+            seed,
+            lambda done, of: progress.update(bar, completed=done, total=of),
+        )
+    for path in paths:
+        print(path)
+
+
+def statistics(
+    takes: Annotated[list[Path], typer.Argument(help="Folders of takes, compared by source.")],
+    exclude: ExcludeOption = None,
+) -> None:
+    """Compare takes: blinks, closures and jaw peaks, spectrum, how channels move together."""
+    require("torch", extra="training")
+    from faceedit_app.lab.training.sources import by_source
+    from faceedit_app.lab.training.statistics import measure, table
+
+    try:
+        print(
+            table({name: measure(some) for name, some in by_source(takes, exclude or ()).items()})
+        )
+    except ValueError as error:
+        raise FileError(takes[0], str(error), "name longer takes") from error
+
+
+def bench(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Few repetitions and short takes: a trial run.")
+    ] = False,
+) -> None:
+    """Measure the window on this machine: from the mouse to the picture, playback, start."""
+    from faceedit_app.lab.bench.report import QUICK, Plan, run, text
+
+    found = run(QUICK if quick else Plan(), lambda what: print(f"{what}…", file=sys.stderr))
+    print(json.dumps(found, indent=2) if as_json else text(found))

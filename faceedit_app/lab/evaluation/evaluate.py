@@ -1,0 +1,299 @@
+"""All figures about some takes: each region's answers, closures, and the benchmark of edits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.formats.opening import open_take
+from faceedit_app.lab.evaluation.benchmark import GOALS, Outcome, run_benchmark
+from faceedit_app.lab.evaluation.metrics import (
+    Closures,
+    closures,
+    energy_kept,
+    high_energy,
+    jerk,
+    squared_errors,
+    vertex_errors,
+)
+from faceedit_app.lab.evaluation.systems import SYSTEMS, Systems
+from faceedit_app.lab.training.data import Performance
+
+Array = NDArray[np.float64]
+
+MOUTH_MM = tuple(0.5 * i for i in range(1, 13))
+LIDS_MM = tuple(0.5 * i for i in range(1, 15))
+CLOSING: dict[str, tuple[str, str, tuple[float, ...]]] = {
+    "mouth": ("lower", "mouth_opening", MOUTH_MM),
+    "left_eyelid": ("eyelids", "left_eyelid", LIDS_MM),
+    "right_eyelid": ("eyelids", "right_eyelid", LIDS_MM),
+}
+"""What can close: its region, its control, and the thresholds of detection in mm."""
+REGION_IDS = tuple(region.id for region in REGIONS)
+WILD_MM = 40.0
+WILD_FRAMES = 6
+
+
+@dataclass(frozen=True)
+class Score:
+    """One system's figures in one region.
+
+    Attributes:
+        mse: mean squared weight error over the captured channels.
+        vertex_mm: mean distance of the lip, lid or brow vertices from the truth.
+        control_mm: mean absolute error of the region's controls.
+        hf_kept: share of the truth's energy above 4 Hz that the answer has as well.
+        jerk_ratio: jerk by that of the truth.
+        natural: 99.9th percentile of the distance from natural motion, by the limit.
+        wild: the same of the frames of a wild edit (40 mm for six frames), at worst.
+    """
+
+    mse: float
+    vertex_mm: float
+    control_mm: float
+    hf_kept: float
+    jerk_ratio: float
+    natural: float
+    wild: float
+
+
+@dataclass
+class Figures:
+    """Everything that `evaluate` finds.
+
+    Attributes:
+        takes: (name, source, seconds).
+        regions: by region and system.
+        closures: by what closes, and system.
+        outcomes: of the benchmark of edits.
+        curves: mouth opening (mm) of the first takes, by take and system, for the plots.
+    """
+
+    takes: list[tuple[str, str, float]]
+    regions: dict[str, dict[str, Score]]
+    closures: dict[str, dict[str, Closures]]
+    outcomes: list[Outcome] = field(default_factory=list)
+    curves: dict[str, dict[str, Array]] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        """The figures as plain JSON values; what cannot be measured is null."""
+        names = ("mse", "vertex_mm", "hf_kept", "jerk_ratio")
+        nothing = dict.fromkeys(names)
+        regions = {
+            region: {
+                system: {n: _number(getattr(scores[system], n)) for n in names}
+                if system in scores
+                else dict(nothing)
+                for system in SYSTEMS
+            }
+            for region, scores in self.regions.items()
+        }
+        closing: dict[str, Any] = {}
+        for what, found in self.closures.items():
+            thresholds = CLOSING[what][2]
+            closing[what] = {"threshold_mm": list(thresholds)}
+            for system in SYSTEMS:
+                empty = [None] * len(thresholds)
+                rates = found.get(system)
+                closing[what][system] = {
+                    "tpr": [_number(v) for v in rates.tpr] if rates else empty,
+                    "fpr": [_number(v) for v in rates.fpr] if rates else empty,
+                }
+        return {
+            "regions": regions,
+            "closures": closing,
+            "edits": {
+                mode: {k: _number(v) for k, v in edit_figures(self.outcomes, mode).items()}
+                for mode in ("preserve", "resynthesize")
+            },
+            "takes": [{"name": name, "seconds": seconds} for name, _, seconds in self.takes],
+        }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def edit_figures(
+    outcomes: Sequence[Outcome], mode: str, naturalness: float = 1.0
+) -> dict[str, float]:
+    """The benchmark in four numbers.
+
+    `reached_mm_p95` is over lip closures and blinks, which any face can do; the others are over
+    all edits: the largest change outside, the 95th percentile of the jumps, the mean share at the
+    limits.
+    """
+    mine = [o for o in outcomes if o.mode == mode and o.naturalness == naturalness]
+    goals = [o.reached_mm for o in mine if o.kind in GOALS]
+    nan = float("nan")
+    return {
+        "reached_mm_p95": float(np.percentile(goals, 95)) if goals else nan,
+        "changed_outside": max((o.changed_outside for o in mine), default=nan),
+        "boundary_jump": float(np.percentile([o.boundary_jump for o in mine], 95)) if mine else nan,
+        "clipped_share": float(np.mean([o.clipped for o in mine])) if mine else nan,
+    }
+
+
+def evaluate_takes(
+    performances: Sequence[Performance],
+    models: Path,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Figures:
+    """Measure a folder of models on takes.
+
+    Raises:
+        FileError: a model is missing or damaged.
+        FaceEditError: the takes are too short.
+    """
+    rig = read_rig(shipped("assets/character.glb"))
+    systems = Systems.load(models)
+    figures = measure_systems(performances, systems, rig)
+    takes = [open_take(take.path) for take in performances if take.path is not None]
+    figures.outcomes = run_benchmark(takes, rig, systems.engine, progress)
+    return figures
+
+
+def measure_systems(
+    performances: Sequence[Performance],
+    systems: Systems,
+    rig: Rig,
+    regions: Sequence[str] = REGION_IDS,
+) -> Figures:
+    """The figures of the regions and closures, without edits.
+
+    Raises:
+        FaceEditError: there is no take of a second or more.
+    """
+    takes = [take for take in performances if take.seconds >= 1.0]
+    if not takes:
+        raise FaceEditError("no take is as long as a second; name longer takes to measure on")
+    answers = {
+        (region.id, system): [_bounded(systems, system, region, take, rig) for take in takes]
+        for region in REGIONS
+        if region.id in regions
+        for system in systems.names(region.id)
+    }
+    figures = Figures([(t.name, t.source, t.seconds) for t in takes], {}, {})
+    for region in REGIONS:
+        if region.id in regions:
+            figures.regions[region.id] = {
+                system: _score(takes, answers[region.id, system], region, system, systems, rig)
+                for system in systems.names(region.id)
+            }
+    for what, (region_id, control, thresholds) in CLOSING.items():
+        if region_id not in regions:
+            continue
+        region = next(r for r in REGIONS if r.id == region_id)
+        column = CONTROL_INDEX[control]
+        seen = [take.captured[_columns(region)].any() for take in takes]
+        figures.closures[what] = {
+            system: closures(
+                _joined(
+                    [
+                        _controls(take, region, answer, rig)[:, column]
+                        for take, answer, ok in zip(
+                            takes, answers[region_id, system], seen, strict=True
+                        )
+                        if ok
+                    ]
+                ),
+                _joined(
+                    [
+                        _truth(take, rig)[:, column]
+                        for take, ok in zip(takes, seen, strict=True)
+                        if ok
+                    ]
+                ),
+                thresholds,
+            )
+            for system in systems.names(region_id)
+        }
+    if "lower" in regions:
+        lower = REGIONS[0]
+        for i, take in enumerate(takes[:3]):
+            figures.curves[take.name] = {"truth": _truth(take, rig)[:, 0]} | {
+                system: _controls(take, lower, answers["lower", system][i], rig)[:, 0]
+                for system in systems.names("lower")
+            }
+    return figures
+
+
+def _joined(parts: Sequence[Array]) -> Array:
+    return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def _columns(region: Region) -> list[int]:
+    return [ARKIT_INDEX[c] for c in region.channels]
+
+
+def _truth(take: Performance, rig: Rig) -> Array:
+    """(T, 8) mm: the take's own controls."""
+    return rig.arkit_distances.measure(take.weights).astype(np.float64)
+
+
+def _controls(take: Performance, region: Region, answer: Array, rig: Rig) -> Array:
+    """(T, 8) mm: the controls with a region's weights replaced."""
+    weights = take.weights.copy()
+    weights[:, _columns(region)] = answer
+    return rig.arkit_distances.measure(weights).astype(np.float64)
+
+
+def _bounded(systems: Systems, system: str, region: Region, take: Performance, rig: Rig) -> Array:
+    """A system's answer to the take's own controls, as the application would use it: 0..1."""
+    return np.clip(systems.answer(system, region.id, _truth(take, rig)), 0.0, 1.0)
+
+
+def _score(
+    takes: Sequence[Performance],
+    answers: Sequence[Array],
+    region: Region,
+    system: str,
+    systems: Systems,
+    rig: Rig,
+) -> Score:
+    columns = _columns(region)
+    controls = [CONTROL_INDEX[c] for c in systems.engine.models[region.id].controls]
+    natural = systems.engine.models[region.id].natural
+    squares, vertices, misses, far, wild = [], [], [], [], []
+    high, rough = np.zeros(2), np.zeros(2)
+    for take, answer in zip(takes, answers, strict=True):
+        captured = take.captured[columns]
+        if not captured.any():
+            continue
+        truth = take.weights[:, columns].astype(np.float64)
+        squares.append(squared_errors(answer, truth, captured))
+        vertices.append(vertex_errors(rig, region, np.where(captured, answer, truth), truth))
+        away = _controls(take, region, answer, rig) - _truth(take, rig)
+        misses.append(np.abs(away[:, controls]).ravel())
+        high += high_energy(answer, truth, captured)
+        rough += [jerk(answer, captured), jerk(truth, captured)]
+        if natural is not None:
+            far.append(natural.distance(answer))
+            asked = _truth(take, rig)
+            middle = len(asked) // 2
+            asked[middle : middle + WILD_FRAMES, controls[0]] += WILD_MM
+            wild.append(natural.distance(systems.answer(system, region.id, asked)).max())
+    nan = float("nan")
+    if not squares:
+        return Score(nan, nan, nan, nan, nan, nan, nan)
+    limit = natural.limit if natural is not None else nan
+    return Score(
+        mse=float(_joined(squares).mean()),
+        vertex_mm=float(_joined(vertices).mean()),
+        control_mm=float(_joined(misses).mean()),
+        hf_kept=energy_kept(float(high[0]), float(high[1])),
+        jerk_ratio=float(rough[0] / rough[1]) if rough[1] > 0 else nan,
+        natural=float(np.percentile(_joined(far), 99.9)) / limit if far else nan,
+        wild=float(np.max(wild)) / limit if wild else nan,
+    )

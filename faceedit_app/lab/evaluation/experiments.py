@@ -1,0 +1,211 @@
+"""The paper's experiments and ours, one function each; each writes one part of the report.
+
+    faceedit experiment all --data DIR... --held-out DIR... -o docs/evaluation
+
+`held-out` are takes that nothing is ever trained on. The shipped models answer where an
+experiment does not need networks of its own; those it trains get `epochs` passes, which is less
+than the shipped ones had.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.lab.evaluation.evaluate import Figures
+from faceedit_app.lab.evaluation.report import (
+    LABELS,
+    NOTES,
+    cell,
+    closure_charts,
+    closures_table,
+    curve_charts,
+    edits_table,
+    kinds_table,
+    make_folder,
+    markdown_table,
+    regions_table,
+)
+from faceedit_app.lab.evaluation.retraining import leave_one_out, recipes, table2
+from faceedit_app.lab.evaluation.robustness import robustness_part
+from faceedit_app.lab.evaluation.setting import Setting
+from faceedit_app.lab.evaluation.systems import Systems
+from faceedit_app.lab.training.card import with_figures
+from faceedit_app.lab.training.charts import Line, chart
+from faceedit_app.lab.training.run import CARD
+from faceedit_app.lab.training.sources import by_source
+from faceedit_app.lab.training.statistics import measure, spectrum, table
+
+Experiment = Callable[[Setting], Path]
+
+
+def held_out(setting: Setting) -> Path:
+    """Everything about the shipped models on takes that they were not trained on."""
+    figures = setting.figures
+    make_folder(setting.output)
+    parts = [
+        "# The shipped models on held-out takes",
+        f"{_takes_text(figures)} {NOTES}",
+        regions_table(figures),
+        closures_table(figures),
+        *closure_charts(figures, setting.output),
+        "## Edits",
+        "Each take: a spike of one frame, a smile over the whole take, conflicting corners, a wild "
+        "40 mm, and up to three lip closures and blinks, at places fixed by the take's name.",
+        edits_table(figures.outcomes),
+        "Preserve mode at naturalness 1, by kind of edit:",
+        kinds_table(figures.outcomes),
+    ]
+    return setting.write("held-out", "\n\n".join(parts))
+
+
+def table1(setting: Setting) -> Path:
+    """The paper's Table 1: mean squared errors of the three systems."""
+    figures = setting.figures
+    paper = {"regressor": (0.0028, 0.0064), "holden": (0.004, 0.009), "system": (0.0082, 0.0086)}
+    rows = [
+        [
+            LABELS[system],
+            cell(figures.regions["lower"][system].mse),
+            cell(figures.regions["eyelids"][system].mse),
+            *(f"{value:.4f}" for value in paper[system]),
+        ]
+        for system in ("regressor", "holden", "system")
+        if system in figures.regions["lower"]
+    ]
+    titles = ["", "lower face", "eyelids", "the paper: lower face", "eyelids"]
+    text = f"""# Table 1: mean squared error
+
+{_takes_text(figures)} The paper's numbers are on its own data and other channels, beside ours for
+the proportions only.
+
+{markdown_table(titles, rows)}"""
+    return setting.write("table1", text)
+
+
+def robustness(setting: Setting) -> Path:
+    """The paper's robustness figure: believable and unbelievable mouth openings in."""
+    make_folder(setting.output)
+    systems = Systems.load(setting.models)
+    return setting.write("robustness", robustness_part(setting.unseen, systems, setting))
+
+
+def oversmoothing(setting: Setting) -> Path:
+    """The paper's curve figure: the baseline smooths, we do not."""
+    figures = setting.figures
+    make_folder(setting.output)
+    rows = [
+        [
+            region,
+            LABELS[system],
+            cell(score.hf_kept, 2),
+            cell(score.jerk_ratio, 2),
+        ]
+        for region, scores in figures.regions.items()
+        for system, score in scores.items()
+    ]
+    text = "\n\n".join(
+        [
+            "# Over-smoothing",
+            "Mouth opening of held-out takes: as tracked (dashed), and as each system gives it "
+            "back from the controls.",
+            *curve_charts(figures, setting.output),
+            "Energy above 4 Hz, and jerk, by that of the takes:",
+            markdown_table(["region", "system", "energy above 4 Hz kept", "jerk ratio"], rows),
+        ]
+    )
+    return setting.write("oversmoothing", text)
+
+
+def statistics(setting: Setting) -> Path:
+    """Synthesised takes beside real ones: figures and spectrum."""
+    takes = by_source([*setting.data, *setting.held_out])
+    figures = {name: measure(some) for name, some in takes.items()}
+    lines = [
+        Line(name, *(values.tolist() for values in spectrum(some))) for name, some in takes.items()
+    ]
+    make_folder(setting.output)
+    text = chart("Spectrum of the mouth", "Hz", "share of the variance per Hz", lines, log_y=True)
+    write_atomically(setting.output / "spectrum.svg", text.encode())
+    return setting.write(
+        "statistics",
+        f"""# Synthesised and recorded performances
+
+Measured at 25 frames a second, by source. A dash: the source does not capture it, or never does
+it. `synthetic` is what `faceedit synthesize` writes; no person was recorded for it.
+
+```
+{table(figures).rstrip()}
+```
+
+![Spectrum of the mouth](spectrum.svg)""",
+    )
+
+
+def card(setting: Setting) -> Path:
+    """Write the held-out figures into the model card, reached or not."""
+    from faceedit_app.lab.evaluation.goals import goals_part
+
+    path = setting.models / CARD
+    text = with_figures(path.read_text(encoding="utf-8"), goals_part(setting.figures))
+    write_atomically(path, text.encode())
+    return path
+
+
+EXPERIMENTS: dict[str, Experiment] = {
+    "statistics": statistics,
+    "held-out": held_out,
+    "card": card,
+    "table1": table1,
+    "oversmoothing": oversmoothing,
+    "robustness": robustness,
+    "leave-one-out": leave_one_out,
+    "table2": table2,
+    "recipes": recipes,
+}
+
+
+def run_experiment(name: str, setting: Setting) -> Iterator[Path]:
+    """Run one experiment, or all; yields each part of the report as it is written.
+
+    Raises:
+        FaceEditError: there is no such experiment, or it lacks takes.
+    """
+    if name not in EXPERIMENTS and name != "all":
+        raise FaceEditError(f"no experiment {name!r}; there are {', '.join(EXPERIMENTS)} and all")
+    for some in EXPERIMENTS if name == "all" else [name]:
+        yield EXPERIMENTS[some](setting)
+        yield _index(setting)
+
+
+def _index(setting: Setting) -> Path:
+    """The report's first page: its parts, by their titles."""
+    make_folder(setting.output)
+    parts = [setting.output / f"{name}.md" for name in EXPERIMENTS]
+    links = [
+        f"- [{path.read_text(encoding='utf-8').splitlines()[0].lstrip('# ')}]({path.name})"
+        for path in parts
+        if path.exists()
+    ]
+    text = "\n".join(
+        [
+            "# Evaluation",
+            "",
+            "Written by `faceedit experiment`; each part can be written again on its own.",
+            "",
+            *links,
+        ]
+    )
+    path = setting.output / "README.md"
+    write_atomically(path, f"{text}\n".encode())
+    return path
+
+
+def _takes_text(figures: Figures) -> str:
+    seconds: dict[str, float] = {}
+    for _, source, length in figures.takes:
+        seconds[source] = seconds.get(source, 0.0) + length
+    parts = [f"`{name}` ({length:.0f} s)" for name, length in seconds.items()]
+    return f"Held out, never trained on: {', '.join(parts)}."

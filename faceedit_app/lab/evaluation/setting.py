@@ -1,0 +1,120 @@
+"""What experiments work with: takes, models, a budget, a folder for the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import torch
+from rich.progress import Progress
+
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.regions import Region
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.lab.evaluation.evaluate import Figures, evaluate_takes
+from faceedit_app.lab.evaluation.report import make_folder
+from faceedit_app.lab.evaluation.systems import Systems
+from faceedit_app.lab.training.data import Performance, load_performances
+from faceedit_app.lab.training.fit import Epoch, fit_region
+from faceedit_app.lab.training.holden import fit_holden
+from faceedit_app.lab.training.run import THREADS
+from faceedit_app.lab.training.settings import RECIPES, FitSettings
+
+
+@dataclass
+class Setting:
+    """What experiments work with.
+
+    Attributes:
+        output: folder of the report.
+        data: folders of takes to train on.
+        held_out: folders of takes to measure on only.
+        models: folder of the models that are measured.
+        epochs: passes over the data for each network that is trained here.
+        progress: where to show it.
+    """
+
+    output: Path
+    data: tuple[Path, ...]
+    held_out: tuple[Path, ...]
+    models: Path
+    epochs: int
+    progress: Progress
+
+    @cached_property
+    def rig(self) -> Rig:
+        """The character that distances are measured on."""
+        return read_rig(shipped("assets/character.glb"))
+
+    @cached_property
+    def unseen(self) -> list[Performance]:
+        """The takes to measure on."""
+        if not self.held_out:
+            raise FaceEditError("this experiment needs takes to measure on: --held-out DIR")
+        return load_performances(self.held_out)
+
+    @cached_property
+    def known(self) -> list[Performance]:
+        """The takes to train on: none that is held out."""
+        if not self.data:
+            raise FaceEditError("this experiment needs takes to train on: --data DIR")
+        unseen = {p.name for p in self.unseen} if self.held_out else set()
+        return [p for p in load_performances(self.data) if p.name not in unseen]
+
+    @cached_property
+    def figures(self) -> Figures:
+        """The shipped models on the held-out takes."""
+        bar = self.progress.add_task("Shipped models on held-out takes", total=None)
+        figures = evaluate_takes(
+            self.unseen,
+            self.models,
+            lambda done, of: self.progress.update(bar, completed=done, total=of),
+        )
+        self.progress.update(bar, visible=False)
+        return figures
+
+    def settings(self, recipe: str = "faceedit") -> FitSettings:
+        """A recipe with the experiments' budget."""
+        return replace(
+            RECIPES[recipe], epochs_regressor=self.epochs, epochs_autoencoder=self.epochs
+        )
+
+    def train(
+        self,
+        label: str,
+        regions: Sequence[Region],
+        takes: Sequence[Performance],
+        settings: FitSettings,
+        baseline: bool = False,
+    ) -> Systems:
+        """Train some regions on some takes."""
+        torch.set_num_threads(THREADS)
+        total = (4 if baseline else 2) * self.epochs * len(regions)
+        bar = self.progress.add_task(label, total=total)
+
+        def report(epoch: Epoch) -> None:
+            self.progress.update(bar, advance=1)
+
+        distances = self.rig.arkit_distances
+        models = [fit_region(r, takes, distances, settings, report).model for r in regions]
+        others = (
+            [fit_holden(r, takes, distances, settings, report)[0] for r in regions]
+            if baseline
+            else []
+        )
+        self.progress.update(bar, visible=False)
+        if not self.progress.console.is_terminal:
+            self.progress.console.print(f"trained: {label}")
+        return Systems.of(*models, baseline=tuple(others))
+
+    def write(self, name: str, text: str) -> Path:
+        """Write one part of the report."""
+        make_folder(self.output)
+        path = self.output / f"{name}.md"
+        write_atomically(path, (text.strip() + "\n").encode())
+        return path

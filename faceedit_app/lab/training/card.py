@@ -1,0 +1,115 @@
+"""The model card: what the models were made of, and what they measure."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import defaultdict
+from collections.abc import Sequence
+from pathlib import Path
+
+from faceedit_app import __version__
+from faceedit_app.lab.training.data import Performance
+from faceedit_app.lab.training.fit import Fitted
+from faceedit_app.lab.training.settings import FitSettings, as_json
+
+LICENCES = "licences.md"
+FIGURES_START = "<!-- figures: written by faceedit experiment -->"
+FIGURES_END = "<!-- end of figures -->"
+NO_FIGURES = "Not measured yet: `faceedit experiment card` writes them here."
+
+
+def model_card(
+    fitted: Sequence[Fitted],
+    performances: Sequence[Performance],
+    settings: FitSettings,
+    folder: Path,
+    command: str,
+) -> str:
+    """What the models were made of and what they measure, in Markdown.
+
+    Args:
+        folder: where the model files are.
+        command: the command line that made them.
+    """
+    seconds: dict[str, float] = defaultdict(float)
+    takes: dict[str, int] = defaultdict(int)
+    for take in performances:
+        seconds[take.source] += take.seconds
+        takes[take.source] += 1
+    sources = "\n".join(f"| `{name}` | {takes[name]} | {seconds[name]:.0f} |" for name in seconds)
+    rows = "\n".join(
+        f"| {result.model.region} | {len(result.model.controls)} → {len(result.model.channels)} | "
+        f"{result.windows[0]} / {result.windows[1]} | "
+        + " | ".join(
+            f"{result.mse[k]:.4f}, {result.control_mm[k]:.2f}" for k in ("regressor", "system")
+        )
+        + " |"
+        for result in fitted
+    )
+    hashes = "\n".join(
+        f"    {hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder)}"
+        for path in sorted(folder.rglob("*.safetensors"))
+        if "checkpoint" not in path.parts
+    )
+    numbers = "\n".join(f"- {name}: {value}" for name, value in as_json(settings).items())
+    licences = (
+        f" Who made the sources and their licences: [{LICENCES}]({LICENCES})."
+        if (folder / LICENCES).exists()
+        else ""
+    )
+    return f"""# The networks
+
+Written by `faceedit train` of FaceEdit {__version__}. For each face region a regressor (controls to
+blendshape weights) and a stacked denoising autoencoder, after Berson, Soladié, Barrielle and
+Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019). One safetensors file a
+region; nothing in it is ever executed. The folder `holden`, where it is there, holds the baseline
+that the evaluation compares with; the application does not read it.
+
+They are meant for editing tracked facial animation on ARKit channels, at 25 frames per second
+inside. They are not meant for recognising people or feelings, and have seen few people.
+
+    {command}
+
+The same takes and seed give the same networks on the same kind of processor; another one rounds
+differently.
+
+## Data
+
+| source | takes | seconds |
+|---|---|---|
+{sources}
+
+Channels that a source does not capture are left out of the loss.{licences}
+
+## Figures on people and trackers that were not trained on
+
+{FIGURES_START}
+{NO_FIGURES}
+{FIGURES_END}
+
+## Figures on blocks of the same takes that were not trained on
+
+Mean squared weight error, and median absolute error of the controls in mm. This flatters: the
+people are the same. Losses by epoch: [losses.svg](losses.svg).
+
+| region | controls → channels | windows (an epoch / held out) | regressor | full system |
+|---|---|---|---|---|
+{rows}
+
+## Settings
+
+{numbers}
+
+## Files (SHA-256)
+
+{hashes}
+"""
+
+
+def with_figures(card: str, figures: str) -> str:
+    """The card with its held-out figures replaced."""
+    if FIGURES_START not in card or FIGURES_END not in card:
+        return card
+    before, rest = card.split(FIGURES_START, 1)
+    after = rest.split(FIGURES_END, 1)[1]
+    return f"{before}{FIGURES_START}\n{figures.strip()}\n{FIGURES_END}{after}"

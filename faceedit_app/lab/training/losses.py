@@ -1,0 +1,126 @@
+"""What the networks are trained to make small, and the noise they learn to see through."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from faceedit_app.core.rig import Distances
+from faceedit_app.lab.training.data import Windows
+from faceedit_app.lab.training.settings import FitSettings
+
+# A burst of a wild edit: so many frames at most, and so far beyond the range, in ranges.
+WILD_FRAMES = 12
+WILD_BEYOND = 3.0
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Windows as tensors; see `Windows`."""
+
+    controls: Tensor
+    weights: Tensor
+    captured: Tensor
+    still: Tensor
+
+    @classmethod
+    def of(cls, windows: Windows, rows: NDArray[np.intp]) -> Batch:
+        """Some of the windows."""
+        part = windows[rows]
+        return cls(*map(torch.from_numpy, (part.controls, part.weights, part.captured, part.still)))
+
+
+class Losses:
+    """The terms of the losses of one region.
+
+    Args:
+        distances: the region's controls as a function of its own channels.
+        settings: weights of the terms.
+    """
+
+    def __init__(self, distances: Distances, settings: FitSettings) -> None:
+        self.gradients = torch.from_numpy(distances.gradients)
+        self.shuts = torch.from_numpy(distances.shuts)[:, None]
+        self.heights = torch.from_numpy(distances.offsets[:, 1].copy())[:, None]
+        self.settings = settings
+
+    def mse(self, answer: Tensor, batch: Batch) -> Tensor:
+        """Mean squared weight error over the captured channels."""
+        mask = batch.captured[:, :, None].float()
+        error = ((answer - batch.weights) ** 2 * mask).sum()
+        return error / (mask.sum() * answer.shape[2])
+
+    def velocity(self, answer: Tensor, batch: Batch) -> Tensor:
+        """Mean squared error of the change from frame to frame over the captured channels."""
+        mask = batch.captured[:, :, None].float()
+        error = ((answer - batch.weights).diff(dim=2) ** 2 * mask).sum()
+        return error / (mask.sum() * (answer.shape[2] - 1))
+
+    def control_error(self, answer: Tensor, batch: Batch) -> Tensor:
+        """(N, C, W) mm: the controls of the answer, through the rig, minus those of the take."""
+        vectors = batch.still + torch.einsum("nkt,kcx->ncxt", answer, self.gradients)
+        lengths = torch.sqrt((vectors**2).sum(2) + 1e-6)
+        passed = self.shuts & (vectors[:, :, 1] * self.heights < 0)  # shut is 0, see `Distances`
+        return lengths.masked_fill(passed, 0.0) - batch.controls
+
+    def distance(self, answer: Tensor, batch: Batch) -> Tensor:
+        """Mean squared control error, in units; small distances (closures) count more."""
+        how = self.settings
+        error = self.control_error(answer, batch) / how.distance_unit_mm
+        weight = 1.0 + how.near_weight * torch.exp(-batch.controls / how.near_mm)
+        return (weight * error**2).mean()
+
+    def regressor(self, answer: Tensor, batch: Batch) -> Tensor:
+        """The loss of the regressor (its L2 term is the optimiser's weight decay)."""
+        loss = self.mse(answer, batch)
+        if self.settings.distance_loss_regressor:
+            loss = loss + self.settings.distance_loss_regressor * self.distance(answer, batch)
+        return self._with_velocity(loss, answer, batch)
+
+    def system(self, answer: Tensor, batch: Batch) -> Tensor:
+        """The loss of the full system: MSE + distances."""
+        loss = self.mse(answer, batch)
+        loss = loss + self.settings.distance_loss * self.distance(answer, batch)
+        return self._with_velocity(loss, answer, batch)
+
+    def _with_velocity(self, loss: Tensor, answer: Tensor, batch: Batch) -> Tensor:
+        if not self.settings.velocity_loss:
+            return loss
+        return loss + self.settings.velocity_loss * self.velocity(answer, batch)
+
+
+def salt_and_pepper(
+    controls: Tensor, low: Tensor, high: Tensor, settings: FitSettings, random: torch.Generator
+) -> Tensor:
+    """Set a share of the control values (N, C, W) to the ends of their range (C,), as wild edits
+    do, in a share of the windows."""
+    noisy = torch.rand(len(controls), 1, 1, generator=random) < settings.noisy_windows
+    hit = torch.rand(controls.shape, generator=random) < settings.noise
+    salt = torch.rand(controls.shape, generator=random) < 0.5
+    extremes = torch.where(salt, high[:, None], low[:, None])
+    return torch.where(noisy & hit, extremes, controls)
+
+
+def wild_bursts(
+    controls: Tensor, low: Tensor, high: Tensor, settings: FitSettings, random: torch.Generator
+) -> Tensor:
+    """Push one control (N, C, W) far beyond its range for some frames, in a share of the windows.
+
+    The push is up to `WILD_BEYOND` ranges above the highest value, or to 0.
+    """
+    n, c, w = controls.shape
+    wild = torch.rand(n, generator=random) < settings.wild_windows
+    which = torch.randint(c, (n,), generator=random)
+    first = torch.randint(w, (n,), generator=random)
+    length = torch.randint(1, WILD_FRAMES + 1, (n,), generator=random)
+    beyond = high + WILD_BEYOND * torch.rand(n, 1, generator=random) * (high - low)
+    up = torch.rand(n, 1, generator=random) < 0.75
+    value = torch.where(up, beyond, torch.zeros_like(beyond))
+    time = torch.arange(w)
+    here = (time >= first[:, None]) & (time < (first + length)[:, None])
+    hit = (wild[:, None] & here)[:, None, :] & (torch.arange(c) == which[:, None])[:, :, None]
+    return torch.where(hit, value[:, :, None], controls)

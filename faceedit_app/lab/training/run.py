@@ -1,0 +1,215 @@
+"""The whole training: takes in, a folder of models with a model card out."""
+
+from __future__ import annotations
+
+import dataclasses
+import shlex
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+from rich.progress import Progress
+
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Distances
+from faceedit_app.lab.training.card import model_card
+from faceedit_app.lab.training.charts import Line, chart
+from faceedit_app.lab.training.data import Performance, load_performances
+from faceedit_app.lab.training.fit import Epoch, Fitted, fit_region
+from faceedit_app.lab.training.holden import FOLDER, fit_holden, save_holden
+from faceedit_app.lab.training.loop import History
+from faceedit_app.lab.training.model_files import RegionModel, load_model, save_model
+from faceedit_app.lab.training.settings import RECIPES, FitSettings
+
+CARD = "README.md"
+LOSSES = "losses.svg"
+CHECKPOINTS = "checkpoint"
+LOG_EVERY = 5  # epochs, where no progress bar can be drawn
+
+# So that the same data and seed give the same networks on one core or many. It is also as fast:
+# on networks this small, threads wait for each other.
+THREADS = 1
+
+# Fine-tuning: fewer epochs, smaller steps.
+FINETUNE_EPOCHS = 15
+FINETUNE_RATE = 0.2  # of the recipe's
+
+Report = Callable[[Epoch], None]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to train.
+
+    Attributes:
+        folders: folders of takes, or takes.
+        output: folder for the models.
+        exclude: file name patterns to leave out.
+        recipe: key of `RECIPES`.
+        epochs: passes over the data for each network; the recipe's if None.
+        seed: same seed, same data: same networks.
+        finetune: start from these models.
+        baseline: train the baseline of the evaluation as well.
+        fresh: do not go on from an interrupted training in `output`.
+    """
+
+    folders: tuple[Path, ...]
+    output: Path
+    exclude: tuple[str, ...] = ()
+    recipe: str = "faceedit"
+    epochs: int | None = None
+    seed: int = 1
+    finetune: Path | None = None
+    baseline: bool = True
+    fresh: bool = False
+
+    @property
+    def settings(self) -> FitSettings:
+        """The recipe with what the plan changes.
+
+        Raises:
+            FaceEditError: there is no such recipe.
+        """
+        if self.recipe not in RECIPES:
+            raise FaceEditError(f"--recipe {self.recipe}: must be {' or '.join(RECIPES)}")
+        settings = dataclasses.replace(RECIPES[self.recipe], seed=self.seed)
+        if self.finetune is not None:
+            settings = dataclasses.replace(
+                settings,
+                learning_rate=FINETUNE_RATE * settings.learning_rate,
+                epochs_regressor=FINETUNE_EPOCHS,
+                epochs_autoencoder=FINETUNE_EPOCHS,
+            )
+        if self.epochs is not None:
+            settings = dataclasses.replace(
+                settings, epochs_regressor=self.epochs, epochs_autoencoder=self.epochs
+            )
+        return settings
+
+    @property
+    def command(self) -> str:
+        """The command line of this plan, folders by their last name."""
+        words = ["faceedit train"]
+        words += [f"--data {folder.name}" for folder in self.folders]
+        words += [f"--exclude {shlex.quote(pattern)}" for pattern in self.exclude]
+        words += [f"-o {self.output.name}", f"--recipe {self.recipe}", f"--seed {self.seed}"]
+        if self.epochs is not None:
+            words.append(f"--epochs {self.epochs}")
+        if self.finetune is not None:
+            words.append(f"--finetune --models {self.finetune.name}")
+        if not self.baseline:
+            words.append("--no-baseline")
+        return " ".join(words)
+
+
+def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
+    """Train the networks of each region; yields each file as it is written.
+
+    The state of each epoch is kept in the folder `checkpoint` of the output until all is done:
+    the same command goes on from there. Ctrl+C writes the best networks so far of the region
+    that is being trained.
+
+    Raises:
+        FileError: a folder holds no take, or the output cannot be written.
+        KeyboardInterrupt: the user stopped the training; what was written is usable.
+    """
+    torch.set_num_threads(THREADS)
+    settings = plan.settings
+    begin = _beginnings(plan.finetune)
+    checkpoints = plan.output / CHECKPOINTS
+    try:
+        if plan.fresh:
+            shutil.rmtree(checkpoints, ignore_errors=True)
+        checkpoints.mkdir(parents=True, exist_ok=True)
+        if plan.baseline:
+            (plan.output / FOLDER).mkdir(exist_ok=True)
+    except OSError as error:
+        raise FileError(plan.output, "cannot be made", "choose another folder") from error
+    performances = load_performances(plan.folders, plan.exclude)
+    distances = read_rig(shipped("assets/character.glb")).arkit_distances
+    fitted = []
+    for region in REGIONS:
+        report = _reporter(progress, region.label, _epochs(settings, plan.baseline))
+        start = begin.get(region.id)
+        result = fit_region(region, performances, distances, settings, report, start, checkpoints)
+        path = plan.output / f"{region.id}.safetensors"
+        save_model(path, result.model)
+        fitted.append(result)
+        yield path
+        if plan.baseline and not result.stopped:
+            yield _baseline(
+                region.id, performances, distances, settings, report, plan.output, result
+            )
+        if result.stopped:
+            raise KeyboardInterrupt
+    chart_file = plan.output / LOSSES
+    write_atomically(chart_file, losses_chart(fitted).encode())
+    yield chart_file
+    card = plan.output / CARD
+    text = model_card(fitted, performances, settings, plan.output, plan.command)
+    write_atomically(card, text.encode())
+    yield card
+    shutil.rmtree(checkpoints, ignore_errors=True)
+
+
+def _baseline(
+    region: str,
+    performances: Sequence[Performance],
+    distances: Distances,
+    settings: FitSettings,
+    report: Report,
+    output: Path,
+    result: Fitted,
+) -> Path:
+    one = next(r for r in REGIONS if r.id == region)
+    checkpoints = output / CHECKPOINTS
+    model, histories = fit_holden(one, performances, distances, settings, report, checkpoints)
+    result.histories.update(histories)
+    result.stopped = any(history.stopped for history in histories.values())
+    path = output / FOLDER / f"{region}.safetensors"
+    save_holden(path, model)
+    return path
+
+
+def _beginnings(folder: Path | None) -> dict[str, RegionModel]:
+    if folder is None:
+        return {}
+    return {r.id: load_model(folder / f"{r.id}.safetensors") for r in REGIONS}
+
+
+def _epochs(settings: FitSettings, baseline: bool) -> int:
+    once = settings.epochs_regressor + settings.epochs_autoencoder
+    return once * (2 if baseline else 1)
+
+
+def _reporter(progress: Progress, label: str, total: int) -> Report:
+    bar = progress.add_task(label, total=total)
+
+    def report(epoch: Epoch) -> None:
+        text = f"{label}: {epoch.stage}, held-out loss {epoch.validation:.5f}"
+        progress.update(bar, advance=1, description=text)
+        if not progress.console.is_terminal and epoch.number % LOG_EVERY == 0:
+            progress.console.print(f"{text}, epoch {epoch.number} of {epoch.of}")
+
+    return report
+
+
+def losses_chart(fitted: Sequence[Fitted]) -> str:
+    """Held-out loss of each network over the epochs, as SVG."""
+
+    def line(region: str, stage: str, history: History) -> Line:
+        return Line(f"{region} {stage}", range(1, len(history.held) + 1), history.held)
+
+    lines = [
+        line(result.model.region, stage, history)
+        for result in fitted
+        for stage, history in result.histories.items()
+        if not stage.startswith("holden")
+    ]
+    return chart("Held-out loss", "epoch", "loss", lines, log_y=True)

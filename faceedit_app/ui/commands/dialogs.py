@@ -1,0 +1,169 @@
+"""Asking the user. Each function is one question, so that tests answer it by replacing it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum, auto
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QDateTime, Qt
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
+
+from faceedit_app.media import ENDINGS
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.files.journal import Pending
+
+TAKES = "Takes (*.csv);;All files (*)"
+OPENED = "Takes and projects (*.csv *.faceedit);;All files (*)"
+PROJECTS = "Projects (*.faceedit);;All files (*)"
+MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
+EDITS = "Edits (*.json);;All files (*)"
+
+
+class Unsaved(Enum):
+    """What to do about edits that are not exported."""
+
+    EXPORT = auto()
+    SAVE = auto()
+    DISCARD = auto()
+    CANCEL = auto()
+
+
+class Recover(Enum):
+    """What to do about edits that a crash left behind."""
+
+    RECOVER = auto()
+    DISCARD = auto()
+    LATER = auto()
+
+
+def ask_open(parent: QWidget, folder: Path) -> Path | None:
+    """Which take to open."""
+    return _chosen(
+        QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), OPENED)
+    )
+
+
+def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the edited take."""
+    return _save_name(parent, "Export the edited take", suggestion, TAKES)
+
+
+def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save the project."""
+    return _save_name(parent, "Save the project", suggestion, PROJECTS)
+
+
+def ask_take_of_project(
+    parent: QWidget, message: str, choices: Sequence[Path], folder: Path
+) -> Path | None:
+    """Which take a project is about, now that its own is changed or gone."""
+    box = _question(parent, message, "Which take shall the edits be applied to?")
+    role = QMessageBox.ButtonRole
+    paths = {box.addButton(f"Use {path.name}", role.AcceptRole): path for path in choices[:3]}
+    for button, path in paths.items():
+        button.setToolTip(str(path))
+    look = box.addButton("Look for it…", role.ActionRole)
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    if box.clickedButton() is look:
+        return _chosen(
+            QFileDialog.getOpenFileName(parent, "The project's take", str(folder), TAKES)
+        )
+    return next((path for button, path in paths.items() if button is box.clickedButton()), None)
+
+
+def ask_recover(parent: QWidget, pending: Pending) -> Recover:
+    """What to do about edits of a session that ended without closing."""
+    one = pending.gestures == 1
+    steps = "1 step that was" if one else f"{pending.gestures} steps that were"
+    when = QDateTime.fromSecsSinceEpoch(int(pending.when)).toString("yyyy-MM-dd HH:mm")
+    box = _question(
+        parent,
+        f"FaceEdit ended unexpectedly while {pending.take.name} was edited.",
+        f"{steps} not saved can be brought back, up to {when}."
+        + ("" if one else " Undo then takes all of it back at once."),
+    )
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("Recover", role.AcceptRole): Recover.RECOVER,
+        box.addButton("Discard", role.DestructiveRole): Recover.DISCARD,
+    }
+    later = box.addButton("Ask later", role.RejectRole)
+    box.setEscapeButton(later)
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), Recover.LATER)
+
+
+def ask_save_edits(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save the list of edits."""
+    return _save_name(parent, "Save edits", suggestion, EDITS)
+
+
+def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
+    """Which edits to load."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Load edits", str(folder), EDITS))
+
+
+def ask_media(parent: QWidget, folder: Path) -> Path | None:
+    """Which sound or film to add."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
+
+
+def ask_preset_name(parent: QWidget) -> str | None:
+    """What a preset is to be called."""
+    name, ok = QInputDialog.getText(
+        parent, "Save as preset", "Name of the preset, as it stands in the menu:"
+    )
+    return name.strip() if ok and name.strip() else None
+
+
+def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
+    """What to do about edits before their take is closed."""
+    message = f"What you did to {name} is neither exported nor saved."
+    box = _question(parent, message, "It is lost if you discard it.")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,
+        box.addButton("Save project…", role.AcceptRole): Unsaved.SAVE,
+        box.addButton("Discard", role.DestructiveRole): Unsaved.DISCARD,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), Unsaved.CANCEL)
+
+
+def show_error(parent: QWidget | None, error: Exception | str) -> None:
+    """Tell the user what went wrong, in one line."""
+    box = QMessageBox(QMessageBox.Icon.Warning, "FaceEdit", "", parent=parent)
+    box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
+    box.setText(str(error))
+    box.exec()
+
+
+def _question(parent: QWidget, message: str, more: str) -> QMessageBox:
+    """A question without its buttons."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("FaceEdit")
+    box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
+    box.setText(message)
+    box.setInformativeText(more)
+    return box
+
+
+def _save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path | None:
+    dialog = QFileDialog(parent, title, str(suggestion.parent), kinds)
+    dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+    # Added before the question whether to replace a file, so that it asks about the right one.
+    dialog.setDefaultSuffix(suggestion.suffix)
+    dialog.selectFile(suggestion.name)
+    return Path(dialog.selectedFiles()[0]) if dialog.exec() else None
+
+
+def _chosen(answer: tuple[str, str]) -> Path | None:
+    return Path(answer[0]) if answer[0] else None

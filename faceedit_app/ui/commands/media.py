@@ -1,0 +1,101 @@
+"""What the user can do with sound and film: add, drop, remove, mute."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QWidget
+
+from faceedit_app.editing.edits.media import Placement
+from faceedit_app.formats.take import Take
+from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.media.sound_player import Sounding
+from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.preferences import Store
+
+
+class MediaCommands(QObject):
+    """The commands behind the menus, and the files that are dropped."""
+
+    def __init__(self, window: QWidget, media: Media, sounding: Sounding, store: Store) -> None:
+        super().__init__(window)
+        self._window, self._store = window, store
+        self._media, self._sounding = media, sounding
+        self._actions: Actions | None = None
+        self._dropped: list[Path] = []  # to be added when the take that came with them is open
+        volume, muted = store.volume()
+        sounding.set_volume(volume)
+        sounding.set_muted(muted)
+        media.sound_changed.connect(self._sync)
+        media.film_changed.connect(self._sync)
+        media.turned.connect(self._sync)
+        sounding.changed.connect(self._sync)
+        sounding.settled.connect(lambda: store.set_volume(sounding.volume, sounding.muted))
+
+    def handlers(self) -> dict[str, Callable[[], None]]:
+        """What to do for each command."""
+        return {
+            "add_media": self.ask_add,
+            "remove_sound": self._media.remove_sound,
+            "remove_film": self._media.remove_film,
+            "mirror_film": lambda: self._media.mirror(not self._media.mirrored),
+            "mute": lambda: self._sounding.set_muted(not self._sounding.muted),
+        }
+
+    def attach(self, actions: Actions) -> None:
+        """Keep the commands greyed out while there is nothing to do for them."""
+        self._actions = actions
+        self._sync()
+
+    def _sync(self) -> None:
+        if self._actions is None:
+            return
+        has_sound = self._media.sound is not None
+        self._actions["remove_sound"].setEnabled(has_sound)
+        self._actions["remove_film"].setEnabled(self._media.film is not None)
+        self._actions["mirror_film"].setEnabled(self._media.film is not None)
+        self._actions["mirror_film"].setChecked(self._media.mirrored)
+        self._actions["mute"].setEnabled(has_sound)
+        self._actions["mute"].setChecked(self._sounding.muted)
+
+    def ask_add(self) -> None:
+        """File > Add sound or film."""
+        path = dialogs.ask_media(self._window, self._store.folder("media"))
+        if path is not None:
+            self._store.set_folder("media", path.resolve().parent)
+            self._media.add(path)
+
+    def follow(self, take: Take, placement: Placement | None) -> None:
+        """A take is open: take what belongs to it, then what was dropped with it.
+
+        Args:
+            placement: what its project names; None = what lies beside it.
+        """
+        codes, began = take.clip.timecodes, None
+        if codes:
+            began = time_of_day(codes[0], derive_base(parse_timecodes(codes))[0])
+        self._media.follow(take.path, began, placement)
+        dropped, self._dropped = self._dropped, []
+        for path in dropped:
+            self._media.add(path)
+        self._sync()
+
+    def drop(self, paths: list[Path], opens_take: bool, has_take: bool) -> None:
+        """Files were dropped on the window.
+
+        Args:
+            opens_take: a take was dropped with them and is being opened.
+            has_take: a take is open.
+        """
+        self._dropped = paths if opens_take else []
+        if opens_take or not paths:
+            return
+        if not has_take:
+            self._media.told.emit(f"Open a take first, then drop {paths[0].name} on it")
+            return
+        for path in paths:
+            self._media.add(path)

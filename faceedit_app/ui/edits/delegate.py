@@ -1,0 +1,143 @@
+"""How a row of the list of edits looks: switch, name, curves, range, strength."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import (
+    QAbstractItemModel,
+    QEvent,
+    QModelIndex,
+    QPersistentModelIndex,
+    QPointF,
+    QRectF,
+    QSize,
+    Qt,
+)
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPainterPath, QPen
+from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
+
+from faceedit_app.ui.edits.model import columns
+from faceedit_app.ui.look.palette import (
+    ACCENT,
+    ACCENT_DEEP,
+    BACKGROUND,
+    BORDER,
+    FAINT,
+    HOVER,
+    MUTED,
+    TEXT,
+)
+
+ROW = 25
+_BOX = 14.0
+_LEFT = 32.0  # where the name starts
+_RIGHT = 8.0
+_STRENGTH = 50.0
+_RANGE = 116.0
+_NARROW = 400  # pixels below which the curves' names are left out
+
+Index = QModelIndex | QPersistentModelIndex
+
+
+class EditsDelegate(QStyledItemDelegate):
+    """Paints rows, and takes clicks on their switch."""
+
+    def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
+        """One line."""
+        return QSize(200, ROW)
+
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
+        """Switch, name, curves, range, strength."""
+        edit = index.data(Qt.ItemDataRole.UserRole)
+        rect, state = QRectF(option.rect), option.state
+        painter.save()
+        if state & QStyle.StateFlag.State_Selected:
+            painter.fillRect(rect, QColor(ACCENT_DEEP))
+        elif state & QStyle.StateFlag.State_MouseOver:
+            painter.fillRect(rect, QColor(HOVER))
+        # Only now: rows that end between two pixels of the screen would leave a line behind.
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if state & QStyle.StateFlag.State_HasFocus:
+            painter.setPen(QPen(QColor(ACCENT), 1))
+            painter.drawRect(rect.adjusted(0.5, 0.5, -0.5, -0.5))
+        self._paint_switch(painter, switch_rect(rect), edit.enabled)
+        selected = bool(state & QStyle.StateFlag.State_Selected)
+        quiet = QColor(FAINT) if not edit.enabled else QColor(TEXT if selected else MUTED)
+        name = str(index.data(Qt.ItemDataRole.DisplayRole))
+        (text, room), *others = cells(rect, name, *columns(edit))
+        painter.setPen(QColor(TEXT if edit.enabled else FAINT))
+        self._write(painter, room, text, Qt.AlignmentFlag.AlignLeft)
+        painter.setPen(quiet)
+        for text, room in others:
+            last = room.right() >= rect.right() - _RIGHT
+            align = Qt.AlignmentFlag.AlignRight if last else Qt.AlignmentFlag.AlignLeft
+            self._write(painter, room, text, align)
+        painter.restore()
+
+    @staticmethod
+    def _write(painter: QPainter, room: QRectF, text: str, align: Qt.AlignmentFlag) -> None:
+        metrics = painter.fontMetrics()
+        shown = metrics.elidedText(text, Qt.TextElideMode.ElideRight, int(room.width()))
+        painter.drawText(room, align | Qt.AlignmentFlag.AlignVCenter, shown)
+
+    @staticmethod
+    def _paint_switch(painter: QPainter, box: QRectF, on: bool) -> None:
+        painter.setPen(QPen(QColor(ACCENT if on else BORDER), 1.2))
+        painter.setBrush(QColor(ACCENT if on else BACKGROUND))
+        painter.drawRoundedRect(box, 3, 3)
+        if on:
+            tick = QPainterPath(QPointF(box.x() + 3, box.center().y()))
+            tick.lineTo(box.x() + 5.8, box.bottom() - 3.8)
+            tick.lineTo(box.right() - 2.8, box.y() + 4)
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.setPen(QPen(QColor(BACKGROUND), 1.8))
+            painter.drawPath(tick)
+
+    def editorEvent(
+        self,
+        event: QEvent,
+        model: QAbstractItemModel,
+        option: QStyleOptionViewItem,
+        index: Index,
+    ) -> bool:
+        """A click on the switch switches."""
+        if (
+            isinstance(event, QMouseEvent)
+            and event.type() == QEvent.Type.MouseButtonRelease
+            and switch_rect(QRectF(option.rect)).adjusted(-6, -6, 6, 6).contains(event.position())
+        ):
+            edit = index.data(Qt.ItemDataRole.UserRole)
+            check = Qt.CheckState
+            value = check.Unchecked if edit.enabled else check.Checked
+            return bool(
+                model.setData(model.index(index.row(), 0), value, Qt.ItemDataRole.CheckStateRole)
+            )
+        return False
+
+    def updateEditorGeometry(
+        self, editor: QWidget, option: QStyleOptionViewItem, index: Index
+    ) -> None:
+        """The name is typed over the name."""
+        editor.setGeometry(option.rect.adjusted(int(_LEFT) - 5, 0, -int(_STRENGTH), 0))
+
+
+def cells(row: QRectF, name: str, when: str, what: str, strength: str) -> list[tuple[str, QRectF]]:
+    """What stands in a row and where, the name first.
+
+    A name that says itself which curve it is of takes that column's room as well.
+    """
+    right = row.right() - _RIGHT
+    out = []
+    for text, width in ((strength, _STRENGTH), (when, _RANGE)):
+        out.append((text, QRectF(right - width, row.y(), width, row.height())))
+        right -= width + 8
+    if row.width() >= _NARROW and what.lower() not in name.lower():
+        width = max(0.26 * row.width(), 96.0)
+        out.append((what, QRectF(right - width, row.y(), width, row.height())))
+        right -= width + 8
+    left = row.x() + _LEFT
+    return [(name, QRectF(left, row.y(), right - left, row.height())), *out]
+
+
+def switch_rect(row: QRectF) -> QRectF:
+    """Where a row's switch is."""
+    return QRectF(row.x() + 9, row.center().y() - _BOX / 2, _BOX, _BOX)

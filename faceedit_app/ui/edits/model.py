@@ -1,0 +1,145 @@
+"""The list of edits as Qt's views want it: names, switches, and rows that can be dragged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import (
+    QAbstractListModel,
+    QMimeData,
+    QModelIndex,
+    QPersistentModelIndex,
+    Qt,
+    Signal,
+)
+
+from faceedit_app.ui.state.document import Document
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.edits.edit import Edit
+
+_MIME = "application/x-faceedit-row"
+Index = QModelIndex | QPersistentModelIndex
+_ROOT = QModelIndex()
+
+
+class EditsModel(QAbstractListModel):
+    """Rows are the session's edits, the first that was made on top.
+
+    Signals:
+        bringing(int): an edit is about to be moved to a row.
+    """
+
+    bringing = Signal(int)
+
+    def __init__(self, document: Document) -> None:
+        super().__init__(document)
+        self._document = document
+
+    @property
+    def edits(self) -> Sequence[Edit]:
+        """The edits, in order."""
+        session = self._document.session
+        return session.edits if session is not None else ()
+
+    def refresh(self) -> None:
+        """The list is another one."""
+        self.beginResetModel()
+        self.endResetModel()
+
+    def rowCount(self, parent: Index = _ROOT) -> int:
+        """How many edits there are."""
+        return 0 if parent.isValid() else len(self.edits)
+
+    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+        """Name, switch, and all of it in words for tooltips and screen readers."""
+        from faceedit_app.editing.edits.describe import describe
+
+        if not 0 <= index.row() < len(self.edits):
+            return None
+        edit = self.edits[index.row()]
+        match role:
+            case Qt.ItemDataRole.DisplayRole | Qt.ItemDataRole.EditRole:
+                return describe(edit)
+            case Qt.ItemDataRole.CheckStateRole:
+                return Qt.CheckState.Checked if edit.enabled else Qt.CheckState.Unchecked
+            case Qt.ItemDataRole.ToolTipRole | Qt.ItemDataRole.AccessibleTextRole:
+                state = "" if edit.enabled else ", switched off"
+                return f"{describe(edit)}, {', '.join(columns(edit))}{state}"
+            case Qt.ItemDataRole.UserRole:
+                return edit
+            case _:
+                return None
+
+    def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
+        """Rename an edit, or switch it."""
+        row = index.row()
+        if role == Qt.ItemDataRole.CheckStateRole:
+            on = Qt.CheckState(value) is Qt.CheckState.Checked
+            self._document.act(lambda session: session.set_enabled(row, on))
+            return True
+        if role == Qt.ItemDataRole.EditRole and str(value) != self.data(index):
+            self._document.act(lambda session: session.rename(row, str(value)))
+            return True
+        return False
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        """What can be done with a row; edits are dropped between rows."""
+        flag = Qt.ItemFlag
+        if not index.isValid():
+            return flag.ItemIsDropEnabled
+        return (
+            flag.ItemIsEnabled
+            | flag.ItemIsSelectable
+            | flag.ItemIsEditable
+            | flag.ItemIsUserCheckable
+            | flag.ItemIsDragEnabled
+        )
+
+    # --- dragging rows -----------------------------------------------------------------------
+
+    def supportedDropActions(self) -> Qt.DropAction:
+        """Rows are moved, not copied."""
+        return Qt.DropAction.MoveAction
+
+    def mimeTypes(self) -> list[str]:
+        """Our own rows only."""
+        return [_MIME]
+
+    def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
+        """The row that is dragged."""
+        data = QMimeData()
+        data.setData(_MIME, str(indexes[0].row()).encode())
+        return data
+
+    def dropMimeData(
+        self, data: QMimeData, action: Qt.DropAction, row: int, column: int, parent: Index
+    ) -> bool:
+        """Bring the dragged edit to the row it was dropped before."""
+        if not data.hasFormat(_MIME):
+            return False
+        source = int(bytes(data.data(_MIME).data()).decode())
+        to = row if row >= 0 else len(self.edits)
+        self.bring(source, to - 1 if to > source else to)
+        # Qt would take the source's row away; the session has moved it already.
+        return False
+
+    def bring(self, row: int, to: int) -> None:
+        """Move an edit to another row."""
+        to = min(max(to, 0), len(self.edits) - 1)
+        if row != to:
+            self.bringing.emit(to)
+            self._document.act(lambda session: session.move(row, to))
+
+
+def columns(edit: Edit) -> tuple[str, str, str]:
+    """When it acts, on what, and how strongly."""
+    from faceedit_app.editing.edits.describe import describe_controls
+
+    start, end = (f"{max(seconds, 0.0):.2f}" for seconds in (edit.start, edit.end))
+    return (
+        f"{start} s" if start == end else f"{start} – {end} s",
+        describe_controls(edit.controls),
+        f"{100 * edit.strength:.0f} %",
+    )

@@ -1,0 +1,334 @@
+"""The panel of edits: what was done, and how strongly; each can be changed at any time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt, QTimer
+from PySide6.QtGui import QContextMenuEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QApplication,
+    QHBoxLayout,
+    QLabel,
+    QListView,
+    QMenu,
+    QSlider,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from faceedit_app.ui.edits.delegate import EditsDelegate
+from faceedit_app.ui.edits.model import EditsModel
+from faceedit_app.ui.look.theme import GAP, MARGIN
+from faceedit_app.ui.look.widgets import caption, icon_button
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.edits.edit import Edit
+
+STRONGEST = 150  # per cent
+_KEYS_MS = 500  # key presses closer together than this are one gesture
+_EMPTY = (
+    "No edits yet. Drag a curve, or press one of the fixes above.\n"
+    "Everything you do is listed here, and can be weakened, switched off or deleted."
+)
+MENU = ("toggle_edit", "rename_edit", "edit_up", "edit_down", "delete_edit")
+
+
+class EditsPanel(QWidget):
+    """List and strength; the edit that is selected shows its range on the curves."""
+
+    def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
+        super().__init__()
+        self._actions, self._document, self._timeline = actions, document, timeline
+        self.model = EditsModel(document)
+        self.list = QListView()
+        self.strength = self._slider()
+        self.percent, self.title = QLabel(), QLabel()
+        self._pages = QStackedWidget()
+        self._showing = False  # our own selection of the range, not the user's
+        self._strengthening = False  # what floats is the slider's
+        self._brought: int | None = None  # row to which the selected edit is being moved
+        self.is_tied = False  # the range on the curves is the selected edit's
+        self._own_falloffs: tuple[float, float] | None = None  # the user's, while it is tied
+        self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
+        self._gesture = QTimer(self, singleShot=True, interval=_KEYS_MS)
+        self._gesture.timeout.connect(self.settle)
+        self._build()
+        selection = self.list.selectionModel()
+        selection.currentChanged.connect(self._chosen)
+        selection.selectionChanged.connect(self._sync)
+        timeline.selection_changed.connect(self._other_range)
+        timeline.falloff_changed.connect(self._other_falloff)
+        self.model.bringing.connect(self._bring)
+        document.opened.connect(self.refresh)
+        document.changed.connect(self.refresh)
+        self.refresh()
+
+    def _build(self) -> None:
+        self.setObjectName("edits")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        view = self.list
+        view.setObjectName("edits_list")
+        view.setModel(self.model)
+        view.setItemDelegate(EditsDelegate(view))
+        view.setAccessibleName("Edits")
+        view.setMouseTracking(True)
+        view.setUniformItemSizes(True)
+        view.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        view.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
+        view.setDefaultDropAction(Qt.DropAction.MoveAction)
+        trigger = QAbstractItemView.EditTrigger
+        view.setEditTriggers(trigger.DoubleClicked)
+        view.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        empty = QLabel(_EMPTY)
+        empty.setObjectName("caption")
+        empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        empty.setWordWrap(True)
+        self._pages.addWidget(empty)
+        self._pages.addWidget(view)
+        self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("150 %"))
+        self.title.setObjectName("heading")
+        bar = QHBoxLayout()
+        bar.setContentsMargins(MARGIN, 3, MARGIN - 4, 3)
+        bar.setSpacing(GAP // 2)
+        bar.addWidget(self.title)
+        bar.addStretch()
+        bar.addWidget(caption("Strength", self.strength))
+        bar.addWidget(self.strength)
+        bar.addWidget(self.percent)
+        bar.addSpacing(GAP)
+        bar.addWidget(icon_button(self._actions["delete_edit"]))
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addLayout(bar)
+        column.addWidget(self._pages, 1)
+
+    def _slider(self) -> QSlider:
+        slider = QSlider(Qt.Orientation.Horizontal)
+        slider.setRange(0, STRONGEST)
+        slider.setPageStep(10)
+        slider.setFixedWidth(130)
+        slider.setToolTip("How much of the selected edit is made. 100 %: as you made it.")
+        slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        slider.valueChanged.connect(self._strengthen)
+        slider.sliderReleased.connect(self.settle)
+        return slider
+
+    # --- which edit --------------------------------------------------------------------------
+
+    @property
+    def current(self) -> int | None:
+        """Row of the edit that is selected."""
+        row = self.list.currentIndex().row()
+        return row if 0 <= row < len(self.model.edits) else None
+
+    @property
+    def rows(self) -> list[int]:
+        """Rows of all edits that are selected."""
+        chosen = {index.row() for index in self.list.selectionModel().selectedIndexes()}
+        return sorted(row for row in chosen if row < len(self.model.edits))
+
+    def select(self, row: int | None) -> None:
+        """Select an edit, or none."""
+        if row is None:
+            self.list.clearSelection()
+            self.list.selectionModel().clearCurrentIndex()
+        else:
+            self.list.setCurrentIndex(self.model.index(row))
+
+    def select_new(self, count: int = 1) -> None:
+        """Select the newest edits, to be weakened; the range on the curves stays the user's."""
+        self._select_quietly(range(max(len(self.model.edits) - count, 0), len(self.model.edits)))
+
+    def _select_quietly(self, rows: Sequence[int]) -> None:
+        """Select edits, and leave range and view as they are."""
+        with QSignalBlocker(self.list.selectionModel()):
+            self._select_rows(list(rows))
+        self._untie()
+        if rows:  # a view that hears of nothing does not scroll either
+            self.list.scrollTo(self.model.index(rows[-1]))
+            self.list.scrollTo(self.model.index(rows[0]))
+        self._sync()
+        self.list.viewport().update()
+
+    def _select_rows(self, rows: list[int]) -> None:
+        """Select these rows, the first of which is the current one."""
+        if not rows:
+            return
+        self.list.setCurrentIndex(self.model.index(rows[0]))
+        first, last = self.model.index(rows[0]), self.model.index(rows[-1])
+        if len(rows) == rows[-1] - rows[0] + 1:
+            spans = QItemSelection(first, last)
+        else:
+            spans = QItemSelection()
+            for row in rows:
+                spans.select(self.model.index(row), self.model.index(row))
+        flag = QItemSelectionModel.SelectionFlag
+        self.list.selectionModel().select(spans, flag.ClearAndSelect)
+
+    def refresh(self) -> None:
+        """Show the list as it is now; a new edit is not selected, a changed one stays so."""
+        row, rows = self.current, self.rows
+        if self._brought is not None:  # who moves an edit goes on with that edit
+            row, rows, self._brought = self._brought, [self._brought], None
+        focus = QApplication.focusWidget()
+        typed = focus is not None and self.list.viewport().isAncestorOf(focus)
+        with QSignalBlocker(self.list.selectionModel()):
+            self.model.refresh()
+            if row is not None and row < len(self.model.edits):
+                self._select_rows([row] if row not in rows else rows)
+        if typed:  # the field for a name is gone, and Qt would go on to what stands next
+            self.list.setFocus()
+        if self.current is None:
+            self._untie()
+        count = len(self.model.edits)
+        self.title.setText(f"Edits  {count}" if count else "Edits")
+        self._pages.setCurrentIndex(1 if count else 0)
+        self._sync()
+        if self.current is not None and self.is_tied:  # undo may have given it another range
+            self.show_range(self.model.edits[self.current])
+
+    def _chosen(self) -> None:
+        self.settle()
+        self._sync()
+        if self.current is not None:
+            self.show_range(self.model.edits[self.current])
+        else:
+            self._untie()
+
+    def show_range(self, edit: Edit) -> None:
+        """Show on the curves where an edit acts; its falloffs are not those of the next drag."""
+        line = self._timeline
+        start = min(max(edit.start, 0.0), line.duration)
+        end = min(max(edit.end, start), line.duration)
+        self._showing = True
+        if start <= 0 and end >= line.duration - 0.05:
+            # All of the take is better shown by no band than by one over everything.
+            self._untie()
+            line.select(None)
+        else:
+            if not self.is_tied:
+                self._own_falloffs = line.falloff, line.falloff_out
+            self.is_tied = True
+            line.set_falloffs(edit.falloff, edit.fade_out)
+            line.select((start, end))
+        first, last = line.view
+        if end < first or start > last:
+            width = last - first
+            middle = 0.5 * (start + end)
+            line.show_range(middle - width / 2, middle + width / 2)
+        self._showing = False
+
+    def _other_range(self) -> None:
+        """Who selects another time has left the edit."""
+        if not (self._showing or self.reshaping()):
+            self._untie()
+            if self.current is not None:
+                self.select(None)
+
+    def _other_falloff(self) -> None:
+        """Who turns the wheel in a drag means the drags to come."""
+        if not (self._showing or self.reshaping()):
+            self._own_falloffs = None
+
+    def _untie(self) -> None:
+        """The range is the user's again, and so are the falloffs."""
+        own, self._own_falloffs = self._own_falloffs, None
+        self.is_tied = False
+        if own is not None:
+            self._timeline.set_falloffs(*own)
+
+    def _sync(self) -> None:
+        row = self.current
+        for name in MENU:
+            self._actions[name].setEnabled(row is not None)
+        self.strength.setEnabled(row is not None)
+        if self.strength.isSliderDown() or self._gesture.isActive():
+            return
+        percent = 100 if row is None else round(100 * self.model.edits[row].strength)
+        with QSignalBlocker(self.strength):
+            self.strength.setValue(percent)
+        self.percent.setText(f"{percent} %" if row is not None else "")
+
+    # --- changing it -------------------------------------------------------------------------
+
+    def _strengthen(self, percent: int) -> None:
+        rows = self.rows
+        if not rows:
+            return
+        self.percent.setText(f"{percent} %")
+        edits = list(self.model.edits)
+        for row in rows:
+            edits[row] = replace(edits[row], strength=percent / 100)
+        self._strengthening = True
+        self._document.preview_list(edits)
+        if not self.strength.isSliderDown():
+            self._gesture.start()
+
+    def settle(self) -> None:
+        """Bring a gesture on the slider to its end: one undo step."""
+        self._gesture.stop()
+        if self._strengthening:
+            self._strengthening = False
+            self._document.commit()
+
+    def reshape(self, start: float, end: float, fade_in: float, fade_out: float) -> None:
+        """The edges of the selected edit's range are being dragged."""
+        row = self.current
+        if row is None or not self.is_tied:
+            return
+        edit = self.model.edits[row].stretched(start, end)
+        self._document.preview_replace(row, replace(edit, falloff=fade_in, falloff_out=fade_out))
+
+    def delete(self) -> None:
+        """Take the selected edits out."""
+        rows = self.rows
+        if rows:
+            self._untie()
+            self._document.act(lambda session: session.remove(*rows))
+            left = len(self.model.edits)
+            if left:  # the next one is at hand, wherever in the take it is
+                self._select_quietly([min(rows[0], left - 1)])
+            else:
+                self.select(None)
+
+    def toggle(self) -> None:
+        """Switch the selected edits on or off."""
+        rows, edits = self.rows, list(self.model.edits)
+        if rows:
+            on = not edits[rows[0]].enabled
+            for row in rows:
+                edits[row] = replace(edits[row], enabled=on)
+            self._document.act(lambda session: session.put(edits))
+
+    def rename(self) -> None:
+        """Type another name."""
+        if self.current is not None:
+            self.list.setFocus()
+            self.list.edit(self.list.currentIndex())
+
+    def bring(self, by: int) -> None:
+        """Move the selected edit up or down the list."""
+        row = self.current
+        if row is not None and 0 <= row + by < len(self.model.edits):
+            self.model.bring(row, row + by)
+
+    def _bring(self, row: int) -> None:
+        self._brought = row
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """What can be done with the edit under the pointer."""
+        if self.current is not None:
+            menu = QMenu(self)
+            menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+            menu.addActions([self._actions[name] for name in MENU])
+            menu.popup(event.globalPos())

@@ -1,0 +1,177 @@
+"""The look of the window: Qt's Fusion style with our palette and one style sheet."""
+
+from __future__ import annotations
+
+from PySide6.QtGui import QColor, QFont, QPalette
+from PySide6.QtWidgets import QApplication
+
+from faceedit_app.ui.look.palette import (
+    ACCENT,
+    ACCENT_DEEP,
+    BACKGROUND,
+    BORDER,
+    FAINT,
+    HOVER,
+    MUTED,
+    ORANGE,
+    PANEL,
+    RAISED,
+    TEXT,
+)
+
+GAP = 8  # pixels between groups of controls; half of it inside a group
+MARGIN = 10  # pixels from a bar's edge to its content
+
+_STYLE = f"""
+QMainWindow, QDialog, QMessageBox {{ background: {BACKGROUND}; }}
+QDialogButtonBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
+QMessageBox QPushButton, QDialogButtonBox QPushButton {{ padding: 5px 16px; }}
+QMenuBar {{ background: {BACKGROUND}; padding: 2px 4px; }}
+QMenuBar::item {{ padding: 4px 9px; border-radius: 4px; background: transparent; }}
+QMenuBar::item:selected {{ background: {RAISED}; }}
+QMenu {{ background: {PANEL}; border: 1px solid {BORDER}; padding: 4px; }}
+QMenu::item {{ padding: 5px 26px 5px 26px; border-radius: 3px; }}
+QMenu::item:selected {{ background: {ACCENT_DEEP}; }}
+QMenu::item:disabled {{ color: {FAINT}; }}
+QMenu::separator {{ height: 1px; background: {BORDER}; margin: 4px 6px; }}
+QMenu::icon {{ padding-left: 6px; }}
+QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {BORDER}; padding: 4px 6px; }}
+
+QWidget#bar {{ background: {PANEL}; }}
+QWidget#tools {{ background: {PANEL}; border-top: 1px solid {BACKGROUND}; }}
+QWidget#transport {{ background: {PANEL}; border-top: 1px solid {BACKGROUND}; }}
+QStatusBar {{ background: {BACKGROUND}; color: {MUTED}; }}
+QStatusBar::item {{ border: none; }}
+QStatusBar QLabel {{ color: {MUTED}; padding: 0 2px; }}
+QStatusBar QLabel[attention="true"] {{ color: {ORANGE}; }}
+QLabel#caption {{ color: {MUTED}; }}
+QLabel#clock {{ font-weight: 600; }}
+QFrame#line {{ background: {BORDER}; border: none; }}
+
+QToolButton, QPushButton {{
+    background: {RAISED}; border: 1px solid transparent; border-radius: 5px; padding: 4px 10px;
+}}
+QToolButton:hover, QPushButton:hover {{ background: {HOVER}; }}
+QToolButton:pressed, QPushButton:pressed {{ background: {BORDER}; }}
+QToolButton:checked {{ background: {ACCENT_DEEP}; }}
+QToolButton:disabled, QPushButton:disabled {{ color: {FAINT}; background: {PANEL}; }}
+QToolButton:focus, QPushButton:focus {{ border-color: {ACCENT}; }}
+QToolButton#icon {{ background: transparent; padding: 5px; }}
+QToolButton#icon:hover {{ background: {HOVER}; }}
+QToolButton#icon:checked {{ background: {ACCENT_DEEP}; }}
+QToolButton#tool {{ background: transparent; padding: 4px 7px; }}
+QToolButton#tool:hover {{ background: {HOVER}; }}
+QToolButton#tool:checked {{ background: {ACCENT_DEEP}; }}
+QToolButton#tool:disabled, QToolButton#small:disabled {{ background: transparent; }}
+QToolButton#tool::menu-indicator {{ image: none; width: 0; }}
+QToolButton#small {{ background: transparent; padding: 2px; }}
+QToolButton#small:hover {{ background: {HOVER}; }}
+QToolButton#accept {{ background: {ACCENT_DEEP}; padding: 4px 10px; }}
+QToolButton#accept:hover {{ background: #2d6d94; }}
+QToolButton#play {{ padding: 5px 12px; }}
+QPushButton#primary {{ background: {ACCENT_DEEP}; padding: 8px 18px; }}
+QPushButton#primary:hover {{ background: #2d6d94; }}
+QPushButton#secondary {{ padding: 8px 18px; }}
+QPushButton#link {{
+    background: transparent; color: {ACCENT}; padding: 3px 0; text-align: left;
+}}
+QPushButton#link:hover {{ background: {PANEL}; }}
+QPushButton#primary:focus, QPushButton#secondary:focus, QPushButton#link:focus {{
+    border-color: {ACCENT};
+}}
+
+QFileDialog QToolButton {{ padding: 3px; }}
+
+QToolButton#segment_left {{ border-top-right-radius: 0; border-bottom-right-radius: 0; }}
+QToolButton#segment_middle {{ border-radius: 0; }}
+QToolButton#segment_right {{ border-top-left-radius: 0; border-bottom-left-radius: 0; }}
+
+QDoubleSpinBox, QComboBox {{
+    background: {BACKGROUND}; border: 1px solid {BORDER}; border-radius: 4px;
+    padding: 2px 6px; min-height: 20px; selection-background-color: {ACCENT_DEEP};
+}}
+QDoubleSpinBox#small {{ padding: 0 2px; min-height: 19px; }}
+QDoubleSpinBox:focus, QComboBox:focus {{ border-color: {ACCENT}; }}
+QDoubleSpinBox::up-button, QDoubleSpinBox::down-button {{ width: 0; border: none; }}
+QComboBox::drop-down {{ border: none; width: 16px; }}
+QComboBox QAbstractItemView {{
+    background: {PANEL}; border: 1px solid {BORDER}; selection-background-color: {ACCENT_DEEP};
+}}
+
+QSlider {{ border: 1px solid transparent; border-radius: 4px; }}
+QSlider:focus {{ border-color: {ACCENT}; }}
+QSlider::groove:horizontal {{ height: 4px; background: {BORDER}; border-radius: 2px; }}
+QSlider::sub-page:horizontal {{ background: {ACCENT}; border-radius: 2px; }}
+QSlider::sub-page:horizontal:disabled {{ background: {FAINT}; }}
+QSlider::handle:horizontal {{
+    width: 12px; height: 12px; margin: -5px 0; border-radius: 6px; background: {TEXT};
+}}
+QSlider::handle:horizontal:disabled {{ background: {FAINT}; }}
+
+QWidget#edits {{ background: {PANEL}; }}
+QLabel#heading {{ font-weight: 600; }}
+QListView {{ background: {BACKGROUND}; border: 1px solid transparent; outline: none; }}
+QListView:focus {{ border-color: {ACCENT}; }}
+QLineEdit {{
+    background: {BACKGROUND}; border: 1px solid {ACCENT}; border-radius: 3px; padding: 0 4px;
+    selection-background-color: {ACCENT_DEEP};
+}}
+QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
+
+QSplitter::handle {{ background: {BACKGROUND}; }}
+QSplitter::handle:hover {{ background: {ACCENT_DEEP}; }}
+QScrollBar:vertical {{ width: 10px; background: transparent; }}
+QScrollBar::handle:vertical {{ background: {BORDER}; border-radius: 4px; min-height: 30px; }}
+QScrollBar::add-line, QScrollBar::sub-line {{ height: 0; width: 0; }}
+
+QFrame#banner {{ background: #3a3323; border-bottom: 1px solid #5a4a22; }}
+QFrame#banner QLabel {{ color: {TEXT}; }}
+QFrame#proposal {{ background: #22384a; border-bottom: 1px solid {ACCENT_DEEP}; }}
+QFrame#hint {{ background: {PANEL}; border: 1px solid {ACCENT_DEEP}; border-radius: 10px; }}
+QLabel#hint_title {{ font-size: 13pt; font-weight: 600; }}
+QFrame#drop {{ border: 2px dashed {BORDER}; border-radius: 14px; background: transparent; }}
+QFrame#drop[active="true"] {{ border-color: {ACCENT}; background: {PANEL}; }}
+QLabel#title {{ font-size: 20pt; font-weight: 600; }}
+QLabel#lead {{ color: {MUTED}; font-size: 11pt; }}
+"""
+
+
+def apply_theme(app: QApplication) -> None:
+    """Dress the whole application."""
+    app.setStyle("fusion")
+    app.setPalette(_palette())
+    font = QFont(app.font())
+    font.setPointSizeF(max(font.pointSizeF(), 9.5) if font.pointSizeF() < 12 else 10.0)
+    app.setFont(font)
+    app.setStyleSheet(_STYLE)
+
+
+def _palette() -> QPalette:
+    role = QPalette.ColorRole
+    colors = {
+        role.Window: BACKGROUND,
+        role.WindowText: TEXT,
+        role.Base: BACKGROUND,
+        role.AlternateBase: PANEL,
+        role.Text: TEXT,
+        role.Button: RAISED,
+        role.ButtonText: TEXT,
+        role.BrightText: ORANGE,
+        role.ToolTipBase: RAISED,
+        role.ToolTipText: TEXT,
+        role.PlaceholderText: MUTED,
+        role.Highlight: ACCENT_DEEP,
+        role.HighlightedText: TEXT,
+        role.Link: ACCENT,
+        role.Light: HOVER,
+        role.Midlight: BORDER,
+        role.Mid: BORDER,
+        role.Dark: BACKGROUND,
+        role.Shadow: "#101215",
+    }
+    palette = QPalette()
+    for key, value in colors.items():
+        palette.setColor(key, QColor(value))
+    for key in (role.WindowText, role.Text, role.ButtonText):
+        palette.setColor(QPalette.ColorGroup.Disabled, key, QColor(FAINT))
+    return palette

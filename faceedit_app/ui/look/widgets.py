@@ -1,0 +1,140 @@
+"""Small widgets that several parts of the window share."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, QSize, Qt
+from PySide6.QtGui import QAction, QColor, QKeyEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import (
+    QComboBox,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QSizePolicy,
+    QToolButton,
+    QWidget,
+)
+
+from faceedit_app.ui.look.drawings import GRID
+from faceedit_app.ui.look.palette import FAINT, TEXT
+from faceedit_app.ui.look.theme import GAP, MARGIN
+
+
+class Segment(QToolButton):
+    """Half of a two-way choice. Enter presses it too, since Space always plays."""
+
+    def __init__(self, action: QAction, name: str, text: str) -> None:
+        super().__init__()
+        self.setObjectName(name)
+        action.setIconText(text)  # what a button shows of an action; the menu shows its text
+        self.setDefaultAction(action)
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Enter presses the button."""
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.click()
+        else:
+            super().keyPressEvent(event)
+
+
+class Choice(QComboBox):
+    """A drop-down list; the style sheet takes Fusion's arrow away, so here is ours."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        # The mouse leaves the focus where it is, so that the arrows go on moving the playhead.
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Add a chevron."""
+        super().paintEvent(event)
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(TEXT if self.isEnabled() else FAINT), 1.5))
+        x, y = self.width() - 12.0, self.height() / 2
+        painter.drawPolyline(
+            [QPointF(x - 3.5, y - 1.75), QPointF(x, y + 1.75), QPointF(x + 3.5, y - 1.75)]
+        )
+
+
+class Elided(QLabel):
+    """A line of text that ends in dots where there is no room for all of it.
+
+    It never widens the window; the tooltip has the whole line.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+
+    @property
+    def shown(self) -> str:
+        """What can be read of it."""
+        room = self.contentsRect().width()
+        return self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Write it, in the style sheet's colour."""
+        with QPainter(self) as painter:
+            align = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+            role, look = self.foregroundRole(), self.palette()
+            place, enabled = self.contentsRect(), self.isEnabled()
+            self.style().drawItemText(painter, place, align, look, enabled, self.shown, role)
+
+
+def segments(*choices: tuple[QAction, str]) -> QWidget:
+    """Joined buttons for a choice between checkable actions."""
+    box = QWidget()
+    row = QHBoxLayout(box)
+    row.setContentsMargins(0, 0, 0, 0)
+    row.setSpacing(1)
+    for i, (action, text) in enumerate(choices):
+        place = "left" if i == 0 else "right" if i == len(choices) - 1 else "middle"
+        row.addWidget(Segment(action, f"segment_{place}", text))
+    return box
+
+
+def icon_button(action: QAction, name: str = "icon", text: str = "") -> QToolButton:
+    """An action as an icon. It has a shortcut, so it stays out of the way of the focus."""
+    button = QToolButton()
+    if text:
+        action.setIconText(text)
+    button.setObjectName(name)
+    button.setDefaultAction(action)
+    button.setIconSize(QSize(GRID, GRID))
+    style = Qt.ToolButtonStyle
+    button.setToolButtonStyle(style.ToolButtonTextBesideIcon if text else style.ToolButtonIconOnly)
+    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    button.setAccessibleName(action.text().replace("&", ""))
+    return button
+
+
+def caption(text: str, buddy: QWidget | None = None) -> QLabel:
+    """The quiet name of a control."""
+    label = QLabel(text)
+    label.setObjectName("caption")
+    if buddy is not None:
+        label.setBuddy(buddy)
+        label.setToolTip(buddy.toolTip())
+        buddy.setAccessibleName(text)
+    return label
+
+
+def divider() -> QFrame:
+    """A thin upright line between groups."""
+    line = QFrame()
+    line.setObjectName("line")
+    line.setFixedSize(1, 18)
+    return line
+
+
+def bar_row(box: QWidget, name: str) -> QHBoxLayout:
+    """Make a widget a horizontal bar; returns the row to fill it with."""
+    box.setObjectName(name)
+    box.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+    row = QHBoxLayout(box)
+    row.setContentsMargins(MARGIN, GAP // 2 + 1, MARGIN, GAP // 2 + 1)
+    row.setSpacing(GAP // 2)
+    return row

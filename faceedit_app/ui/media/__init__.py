@@ -1,0 +1,1 @@
+"""The take's sound and film in the window."""

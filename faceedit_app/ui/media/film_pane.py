@@ -1,0 +1,191 @@
+"""The film beside the face: the picture that was on the camera when this frame was tracked."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QContextMenuEvent, QImage, QPainter, QPaintEvent
+from PySide6.QtWidgets import QHBoxLayout, QMenu, QSizePolicy, QVBoxLayout, QWidget
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.formats.timing import format_time
+from faceedit_app.ui.look.palette import MUTED, PANEL
+from faceedit_app.ui.look.theme import MARGIN
+from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
+from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.state.timeline import Timeline
+
+if TYPE_CHECKING:
+    from faceedit_app.media.film import Film, Picture, Projector
+
+
+class Screen(QWidget):
+    """Shows the picture under the playhead; until it is decoded, the last one.
+
+    Signals:
+        arrived(int): a wanted picture can be shown; sent from the decoding thread.
+        broken(object): the FaceEditError for which decoding ended; sent from that thread.
+    """
+
+    arrived = Signal(int)
+    broken = Signal(object)
+
+    def __init__(self, media: Media, timeline: Timeline, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._media, self._timeline = media, timeline
+        self._projector: Projector | None = None
+        self._film: Film | None = None
+        self._picture: Picture | None = None
+        self.index = -1  # of the picture on screen
+        self.wanted = -1
+        self._note = ""
+        self.setMinimumSize(QSize(140, 140))
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setAccessibleName("Film")
+        media.film_changed.connect(self._load)
+        media.placed.connect(self.follow)
+        media.turned.connect(self.update)
+        timeline.playhead_moved.connect(self.follow)
+        self.arrived.connect(self._show, Qt.ConnectionType.QueuedConnection)
+        self.broken.connect(self._stop, Qt.ConnectionType.QueuedConnection)
+
+    def _load(self) -> None:
+        """Another film, or none."""
+        from faceedit_app.media.film import Projector
+
+        self.close_film()
+        if self._media.film is not None:
+            self._film = self._media.film.item
+            self._projector = Projector(self._film, self._ready, self._failed)
+            self.follow()
+        self.update()
+
+    def _ready(self, index: int) -> None:
+        with contextlib.suppress(RuntimeError):  # the window went away this very moment
+            self.arrived.emit(index)
+
+    def _failed(self, error: FaceEditError) -> None:
+        with contextlib.suppress(RuntimeError):
+            self.broken.emit(error)
+
+    def follow(self) -> None:
+        """Show the picture of the playhead's time; outside of the film, none."""
+        placed, film = self._media.film, self._film
+        if placed is None or film is None or self._projector is None:
+            return
+        seconds = self._timeline.time - placed.offset
+        # Half a picture beyond the ends still counts: rates differ, clocks are rounded.
+        slack = 0.5 / film.rate
+        if seconds < -slack:
+            self._say(f"The film begins at {format_time(placed.offset)}")
+        elif seconds > film.duration + slack:
+            self._say(f"The film ended at {format_time(placed.offset + film.duration)}")
+        else:
+            self._note = ""
+            self.wanted = film.index_at(seconds)
+            self._show(self.wanted)
+            self._projector.want(self.wanted)
+
+    def _say(self, note: str) -> None:
+        self._note, self._picture, self.index, self.wanted = note, None, -1, -1
+        self.update()
+
+    def _show(self, index: int) -> None:
+        picture = self._film.cached(index) if self._film is not None else None
+        # Pictures that come too late while playing are still newer than the one on screen.
+        done = self.index in (index, self.wanted)
+        if picture is not None and self.wanted >= 0 and not done:
+            self._picture, self.index = picture, index
+            self.update()
+
+    def _stop(self, error: FaceEditError) -> None:
+        self.close_film()
+        self._say(str(error))
+
+    def close_film(self) -> None:
+        """Stop decoding."""
+        projector, self._projector = self._projector, None
+        self._film = self._picture = None
+        self.index = self.wanted = -1
+        if projector is not None:
+            projector.close()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """The picture as large as it fits, or why there is none."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(PANEL))
+        if self._picture is None:
+            painter.setPen(QColor(MUTED))
+            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            room = self.rect().adjusted(16, 16, -16, -16)
+            painter.drawText(room, flags, self._note or "Preparing the film…")
+            return
+        height, width = self._picture.shape[:2]
+        scale = min(self.width() / width, self.height() / height)
+        wide, high = width * scale, height * scale
+        left, top = 0.5 * (self.width() - wide), 0.5 * (self.height() - high)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        if self._media.mirrored:
+            painter.translate(self.width(), 0)
+            painter.scale(-1, 1)
+        pixels = self._picture
+        image = QImage(pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32)
+        painter.drawImage(QRectF(left, top, wide, high), image)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Place the film, or remove it."""
+        media, timeline = self._media, self._timeline
+        menu = QMenu(self)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        placing_actions(menu, media, media.move_film, timeline)
+        menu.addSeparator()
+        menu.addAction("Remove film").triggered.connect(media.remove_film)
+        menu.popup(event.globalPos())
+
+    def sizeHint(self) -> QSize:
+        """Nearly as wide as the face: films are portraits or not."""
+        return QSize(480, 560)
+
+
+class FilmPane(QWidget):
+    """The screen, and under it what is shown and where it begins. Hidden without a film."""
+
+    def __init__(self, media: Media, timeline: Timeline) -> None:
+        super().__init__()
+        self._media = media
+        self.screen_ = Screen(media, timeline)
+        self.name = Name()
+        self.offset = OffsetBox("film")
+        self.offset.setFixedWidth(86)
+        self.offset.valueChanged.connect(media.move_film)
+        self.offset.editingFinished.connect(media.acted)
+        remove = remove_button("film")
+        remove.clicked.connect(media.remove_film)
+        foot = QWidget()
+        foot.setObjectName("film_foot")
+        foot.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        row = QHBoxLayout(foot)
+        row.setContentsMargins(MARGIN, 3, 6, 3)
+        row.setSpacing(4)
+        row.addWidget(self.name, 1)
+        row.addWidget(self.offset)
+        row.addWidget(remove)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.screen_, 1)
+        column.addWidget(foot)
+        media.film_changed.connect(self._sync)
+        media.placed.connect(self._sync)
+        self._sync()
+
+    def _sync(self) -> None:
+        placed = self._media.film
+        self.setVisible(placed is not None)
+        if placed is not None:
+            self.name.show_name(placed.path.name, str(placed.path))
+            self.screen_.setToolTip(str(placed.path))
+            self.offset.show_offset(placed.offset)

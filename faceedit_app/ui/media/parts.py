@@ -1,0 +1,105 @@
+"""What the sound and the film have in common: their name, where they begin, taking them away."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QSignalBlocker, QSize, Qt
+from PySide6.QtGui import QPainter, QPaintEvent, QWheelEvent
+from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QMenu, QSizePolicy, QToolButton
+
+from faceedit_app.ui.look.drawings import GRID
+from faceedit_app.ui.look.icons import icon
+from faceedit_app.ui.look.palette import MUTED
+from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.state.timeline import Timeline
+
+_LEAST = 48  # pixels below which a name is not begun
+
+
+class OffsetBox(QDoubleSpinBox):
+    """Where a sound or a film begins, in seconds of the take."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(decimals=3, singleStep=0.01, suffix=" s")
+        self.setRange(-86_400.0, 86_400.0)
+        self.setKeyboardTracking(False)
+        self.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.setAccessibleName(f"Offset of the {what}")
+        self.setToolTip(
+            f"Second of the take at which the {what} begins; arrows move it by 10 ms.\n"
+            "A film and its own sound move together."
+        )
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.lineEdit().setAcceptDrops(False)  # files are the window's
+        # Enter hands the keys back to the curves.
+        self.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
+
+    def textFromValue(self, value: float) -> str:
+        """With its sign, which says which way."""
+        return f"{value + 0.0:+.3f}"
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Only where somebody means this number: nothing is moved in passing."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+    def show_offset(self, seconds: float) -> None:
+        """Show another value without asking for it."""
+        with QSignalBlocker(self):
+            self.setValue(seconds)
+
+
+class Name(QLabel):
+    """A file's name, cut in the middle where there is no room."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._name = ""
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+
+    def show_name(self, name: str, path: str) -> None:
+        """Show a name, and the whole path in its tooltip."""
+        self._name = name
+        self.setToolTip(path)
+        self.setText(name)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """As much of it as there is room for."""
+        if self.width() < _LEAST:
+            return  # three letters are no name; the tooltip has it
+        painter = QPainter(self)
+        mode = Qt.TextElideMode.ElideMiddle
+        text = self.fontMetrics().elidedText(self._name, mode, self.width())
+        flags = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+        painter.setPen(self.palette().windowText().color())
+        painter.drawText(self.rect(), flags, text)
+
+
+def placing_actions(
+    menu: QMenu, media: Media, move: Callable[[float], None], timeline: Timeline
+) -> None:
+    """The places that a sound or a film is put to by one click."""
+
+    def put(seconds: float) -> None:
+        move(seconds)
+        media.acted.emit()
+
+    menu.addAction("Begin at the playhead").triggered.connect(lambda: put(timeline.time))
+    menu.addAction("Begin with the take").triggered.connect(lambda: put(0.0))
+
+
+def remove_button(what: str) -> QToolButton:
+    """A small cross."""
+    button = QToolButton()
+    button.setObjectName("icon")
+    button.setIcon(icon("close", MUTED))
+    button.setToolTip(f"Remove {what}")
+    button.setAccessibleName(f"Remove {what}")
+    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    button.setIconSize(QSize(GRID, GRID))
+    button.setFixedSize(26, 26)
+    return button

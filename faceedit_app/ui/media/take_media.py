@@ -1,0 +1,381 @@
+"""The sound and the film beside the open take: which, where in the take, and how they are read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+
+from PySide6.QtCore import QObject, Signal
+
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.editing.edits.media import Media as Kept
+from faceedit_app.editing.edits.media import Placement
+from faceedit_app.formats.timecode import time_of_day
+from faceedit_app.media import beside
+from faceedit_app.ui.state.background import Background
+
+if TYPE_CHECKING:  # PyAV comes with these; it is loaded with the first file
+    from faceedit_app.media.film import Film
+    from faceedit_app.media.sound import Sound
+
+Item = TypeVar("Item")
+Kind = Literal["sound", "film"]
+KINDS: tuple[Kind, ...] = ("film", "sound")
+_NEAR = 60.0  # seconds after the take's beginning at which a film may be found by timecode
+_FAR = 24 * 3600.0  # seconds; an offset beyond is a slip of the hand
+
+
+@dataclass(frozen=True)
+class Placed(Generic[Item]):
+    """A sound or a film in the take.
+
+    Attributes:
+        item: what was read.
+        path: its file.
+        offset: seconds of the take at which the file's beginning lies.
+    """
+
+    item: Item
+    path: Path
+    offset: float
+
+    @property
+    def kept(self) -> Kept:
+        """What a project keeps of it."""
+        return Kept(self.path, self.offset)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What a file that the user named has in it; what could not be read is told by `errors`."""
+
+    film: Film | None
+    sound: Sound | None
+    errors: tuple[FaceEditError, ...]
+
+
+class Media(QObject):
+    """Holds at most one sound and one film, reads them in the background and places them.
+
+    A film brings its own sound, unless a sound file is there. Sound and picture of one film are
+    moved together.
+
+    Attributes:
+        base: what lies beside the take, as it lies there: what there is until the user acts.
+        is_held: sound or film is being dragged in time.
+        mirrored: the film is shown as in a mirror; some phones write selfies that way.
+
+    Signals:
+        sound_changed(), film_changed(): another one is there, or none.
+        placed(): an offset changed.
+        turned(): the film is mirrored, or no longer.
+        acted(): a gesture of the user's is over: something was added, removed or put elsewhere.
+        told(str): something went well, for the status bar.
+        failed(object): a FaceEditError about a file that the user named.
+        missed(object): a FaceEditError about a file that was found or remembered.
+    """
+
+    sound_changed = Signal()
+    film_changed = Signal()
+    placed = Signal()
+    turned = Signal()
+    acted = Signal()
+    told = Signal(str)
+    failed = Signal(object)
+    missed = Signal(object)
+
+    def __init__(self, background: Background, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._background = background
+        self.sound: Placed[Sound] | None = None
+        self.film: Placed[Film] | None = None
+        self.base = Placement()
+        self.is_held = self.mirrored = False
+        # What is wanted and is not there, or not yet: it must not be lost by saving.
+        self._kept: dict[Kind, Kept] = {}
+        self._began: float | None = None
+        self._found = ""  # what to say when all is read
+        self._job = 0  # what is read for an earlier take is not wanted any more
+        self.pending = 0
+
+    @property
+    def placement(self) -> Placement:
+        """Which sound and film there are, or are still being read, and where."""
+
+        def kept(kind: Kind, placed: Placed[Any] | None) -> Kept | None:
+            return self._kept.get(kind) if placed is None else placed.kept
+
+        return Placement(kept("sound", self.sound), kept("film", self.film))
+
+    # --- another take ------------------------------------------------------------------------
+
+    def follow(
+        self, take: Path, began: float | None = None, placement: Placement | None = None
+    ) -> None:
+        """Another take is open: let go of the last one's, and take what belongs to this one.
+
+        Args:
+            began: its first timecode as seconds since midnight. A film with timecode and a
+                Broadcast WAV are placed by it.
+            placement: what a project names; None = what lies beside the take.
+        """
+        self.clear()
+        self._began = began
+        sound, film = beside(take.absolute())
+        found = [path for path in (film, sound) if path is not None]
+        heard = sound or film
+        self.base = Placement(Kept(heard) if heard else None, Kept(film) if film else None)
+        self.show(self.base if placement is None else placement, placement is None)
+        if found and placement is None:
+            names = " and ".join(path.name for path in found)
+            self._found = f"Opened {names}, found beside the take"
+
+    def show(self, wanted: Placement, beside_take: bool = False) -> None:
+        """Have this sound and film there, in place of what is: undo, or a project.
+
+        A file that is gone is told by `missed`, and stays in `placement` until another one takes
+        its place.
+
+        Args:
+            beside_take: they were not chosen by anybody: each goes where its clock says,
+                and what cannot be read was not wanted.
+        """
+        new: dict[Kind, Placed[Any] | None] = {"sound": self.sound, "film": self.film}
+        unread: list[tuple[Kind, Kept]] = []
+        for kind in KINDS:
+            want, there = getattr(wanted, kind), new[kind]
+            if getattr(self.placement, kind) == want:
+                continue
+            self._kept.pop(kind, None)
+            new[kind] = None
+            if want is not None and there is not None and there.path == want.path:
+                new[kind] = replace(there, offset=want.offset)
+            elif want is not None:
+                self._kept[kind] = want
+                unread.append((kind, want))
+        self._put(new["sound"], new["film"])
+        for kind, want in unread:
+            self._read(kind, want, beside_take)
+
+    def clear(self) -> None:
+        """Without either, and without what is still being read."""
+        self._job += 1
+        self._found, self.base = "", Placement()
+        self._kept.clear()
+        self._put(None, None)
+        self.mirror(False)
+
+    # --- read --------------------------------------------------------------------------------
+
+    def _read(self, kind: Kind, entry: Kept, beside_take: bool) -> None:
+        """Bring a wanted file, unless it is wanted no more when it has been read."""
+        path, job = entry.path, self._job
+        if not path.is_file():
+            error = FileError(path, "is not there any more", "add it again where it is now")
+            self.missed.emit(error)
+            return
+
+        def done(item: Any) -> None:
+            if job != self._job or item is None or self._kept.get(kind) != entry:
+                return
+            del self._kept[kind]
+            at = self._by_clock(item) if beside_take else entry.offset
+            if kind == "film":
+                self._put(self.sound, Placed(item, path, at))
+            else:
+                if beside_take and self.film is not None and self.film.path == path:
+                    at = self.film.offset
+                self._put(Placed(item, path, at), self.film)
+            if beside_take:
+                self._place(at, path)  # its sound may have been there first
+                self._rebase(path, at)
+            self._tell()
+
+        def missed(error: object) -> None:
+            if beside_take and self._kept.get(kind) == entry:
+                del self._kept[kind]
+                self.base = replace(self.base, **{kind: None})
+            self.missed.emit(error)
+
+        self._run(self._reader(kind, path), done, missed)
+
+    def _reader(self, kind: Kind, path: Path) -> Callable[[], Any]:
+        job = self._job
+
+        def read() -> Film | Sound | None:
+            from faceedit_app.media.film import Film
+            from faceedit_app.media.sound import read_sound
+
+            reader: Callable[..., Film | Sound | None] = Film if kind == "film" else read_sound
+            return reader(path, lambda: job != self._job)
+
+        return read
+
+    def _rebase(self, path: Path, offset: float) -> None:
+        """It turned out where a file lies that was found beside the take."""
+        for kind in KINDS:
+            entry = getattr(self.base, kind)
+            if entry is not None and entry.path == path:
+                self.base = replace(self.base, **{kind: Kept(path, offset)})
+
+    def _by_clock(self, item: Film | Sound) -> float:
+        """Where film or sound begins in the take if both tell the time of day, else at 0."""
+        from faceedit_app.media.sound import Sound
+
+        if isinstance(item, Sound):
+            begins, lasts = item.began, item.end
+        else:
+            code = item.timecode
+            begins = None if code is None else time_of_day(code, round(item.rate))
+            lasts = item.duration
+        if self._began is None or begins is None:
+            return 0.0
+        offset = round(begins - self._began, 4)
+        # Clocks that were not set alike would only carry it out of sight.
+        return offset if -lasts < offset < _NEAR else 0.0
+
+    def _tell(self) -> None:
+        """What is there now, when the last file is read."""
+        if not self.pending and self._found:
+            self.told.emit(self._found)
+            self._found = ""
+
+    def _run(
+        self, work: Callable[[], Any], done: Callable[[Any], None], failed: Callable[[object], None]
+    ) -> None:
+        job = self._job
+        self.pending += 1
+
+        def arrived(result: Any) -> None:
+            self.pending -= 1
+            done(result)
+
+        def missed(error: Exception) -> None:
+            self.pending -= 1
+            if job != self._job:
+                return
+            if not isinstance(error, FaceEditError):
+                raise error
+            failed(error)
+
+        self._background.run(work, arrived, missed)
+
+    # --- what the user does ------------------------------------------------------------------
+
+    def add(self, path: Path) -> None:
+        """Read a file that the user named; what is in it takes the place of its like at once."""
+        path, job = path.absolute(), self._job
+        self.told.emit(f"Opening {path.name}…")
+
+        def read() -> _Found:
+            has_sound, has_film = _contents(path)
+            items: dict[str, Any] = {}
+            errors: list[FaceEditError] = []
+            for kind, has in zip(KINDS, (has_film, has_sound), strict=True):
+                try:
+                    items[kind] = self._reader(kind, path)() if has else None
+                except FaceEditError as error:
+                    errors.append(error)
+            return _Found(items.get("film"), items.get("sound"), tuple(errors))
+
+        def done(found: _Found) -> None:
+            if job != self._job:
+                return
+            for error in found.errors:
+                self.failed.emit(error)
+            if found.film is not None or found.sound is not None:
+                self._add(path, found)
+                self.told.emit(f"Added {path.name}")
+                self.acted.emit()
+
+        self._run(read, done, self.failed.emit)
+
+    def _add(self, path: Path, found: _Found) -> None:
+        sound, film = self.sound, self.film
+        at = 0.0 if found.sound is None else self._by_clock(found.sound)
+        if found.film is not None:
+            if sound is not None and self._is_films(sound.path):
+                sound = None  # it came with the film that was here
+            at = self._by_clock(found.film)
+            film = Placed(found.film, path, at)
+        # A sound file is there for a reason: the sound of a film yields to it.
+        if found.sound is not None and (found.film is None or sound is None):
+            sound = Placed(found.sound, path, at)
+        if sound is not None:
+            self._kept.pop("sound", None)
+        if film is not None:
+            self._kept.pop("film", None)
+        self._put(sound, film)
+
+    def _is_films(self, path: Path) -> bool:
+        return self.film is not None and self.film.path == path
+
+    def move_sound(self, offset: float) -> None:
+        """Put the beginning of the sound's file at a second of the take."""
+        if self.sound is not None:
+            self._place(offset, self.sound.path)
+
+    def move_film(self, offset: float) -> None:
+        """Put the first picture at a second of the take."""
+        if self.film is not None:
+            self._place(offset, self.film.path)
+
+    def _place(self, offset: float, path: Path) -> None:
+        """Sound and picture of one file keep together."""
+        offset = min(max(round(offset, 4), -_FAR), _FAR)
+        sound, film = self.sound, self.film
+        if sound is not None and sound.path == path:
+            sound = replace(sound, offset=offset)
+        if film is not None and film.path == path:
+            film = replace(film, offset=offset)
+        self._put(sound, film)
+
+    def mirror(self, mirrored: bool) -> None:
+        """Show the film as in a mirror, or as it is; that is a way to look, and no step."""
+        if mirrored != self.mirrored:
+            self.mirrored = mirrored
+            self.turned.emit()
+
+    def remove_sound(self) -> None:
+        """Without sound from now on."""
+        self._kept.pop("sound", None)
+        self._put(None, self.film)
+        self.acted.emit()
+
+    def remove_film(self) -> None:
+        """Without film from now on; the sound that it brought goes with it."""
+        self._kept.pop("film", None)
+        brought = self.sound is not None and self._is_films(self.sound.path)
+        self._put(None if brought else self.sound, None)
+        self.acted.emit()
+
+    def _put(self, sound: Placed[Sound] | None, film: Placed[Film] | None) -> None:
+        """Have these there, and tell what is different."""
+        old = self.sound, self.film
+        self.sound, self.film = sound, film
+        changed, moved = zip(*map(_differ, old, (sound, film)), strict=True)
+        for differs, signal in zip(changed, (self.sound_changed, self.film_changed), strict=True):
+            if differs:
+                signal.emit()
+        if any(moved):
+            self.placed.emit()
+
+
+def _differ(old: Placed[Any] | None, new: Placed[Any] | None) -> tuple[bool, bool]:
+    """Whether it is another one, and whether it is the same one elsewhere."""
+    if old is None or new is None or old.item is not new.item:
+        return old is not new, False
+    return False, old.offset != new.offset
+
+
+def _contents(path: Path) -> tuple[bool, bool]:
+    """Whether a file has sound, and film."""
+    from faceedit_app.media.container import find_film, opened
+
+    with opened(path) as container:
+        has = bool(container.streams.audio), find_film(container) is not None
+    if not any(has):
+        raise FileError(path, "has neither sound nor film in it", "choose another file")
+    return has

@@ -1,0 +1,51 @@
+"""How loud the take's sound is: a button to mute it and a slider. Hidden without a sound."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QHBoxLayout, QSlider, QWidget
+
+from faceedit_app.ui.look.icons import icon
+from faceedit_app.ui.look.palette import MUTED
+from faceedit_app.ui.look.theme import GAP
+from faceedit_app.ui.look.widgets import icon_button
+from faceedit_app.ui.media.sound_player import Sounding
+from faceedit_app.ui.media.take_media import Media
+
+
+class Volume(QWidget):
+    """Stands in the transport."""
+
+    def __init__(self, mute: QAction, media: Media, sounding: Sounding) -> None:
+        super().__init__()
+        self._media, self._sounding, self._mute = media, sounding, mute
+        self._tip = mute.toolTip()
+        self._icons = {False: icon("sound"), True: icon("muted", MUTED)}
+        self.button = icon_button(mute)
+        self.slider = QSlider(Qt.Orientation.Horizontal)
+        self.slider.setRange(0, 100)
+        self.slider.setPageStep(10)
+        self.slider.setFixedWidth(72)
+        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.slider.setAccessibleName("Volume")
+        self.slider.setToolTip("Volume of the take's sound")
+        self.slider.valueChanged.connect(lambda value: sounding.set_volume(value / 100))
+        row = QHBoxLayout(self)
+        row.setContentsMargins(GAP, 0, 0, 0)
+        row.setSpacing(2)
+        row.addWidget(self.button)
+        row.addWidget(self.slider)
+        media.sound_changed.connect(self._show)
+        sounding.changed.connect(self._show)
+        self._show()
+
+    def _show(self) -> None:
+        sounding = self._sounding
+        self.setVisible(self._media.sound is not None)
+        silent = sounding.muted or sounding.volume == 0 or bool(sounding.problem)
+        self._mute.setIcon(self._icons[silent])
+        self._mute.setToolTip(sounding.problem or self._tip)
+        self.slider.setEnabled(not sounding.problem)
+        with QSignalBlocker(self.slider):
+            self.slider.setValue(round(100 * sounding.volume))

@@ -1,0 +1,60 @@
+"""A line across the window for news that nobody has to answer."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton
+
+from faceedit_app.ui.look.icons import icon, picture
+from faceedit_app.ui.look.palette import ORANGE
+from faceedit_app.ui.look.theme import GAP, MARGIN
+
+
+class Banner(QFrame):
+    """Shows messages, a line each, until they are dismissed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._said: dict[str, str] = {}  # details, by message
+        self.setObjectName("banner")
+        sign = QLabel()
+        sign.setPixmap(picture("warning", ORANGE, 16, self.devicePixelRatioF()))
+        self.text = QLabel()
+        self.text.setTextFormat(Qt.TextFormat.PlainText)
+        # A long path must not widen the window.
+        self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        close = QToolButton()
+        close.setObjectName("icon")
+        close.setIcon(icon("close"))
+        close.setToolTip("Dismiss")
+        close.setAccessibleName("Dismiss")
+        close.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        close.clicked.connect(self.dismiss)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(MARGIN, 3, MARGIN, 3)
+        row.setSpacing(GAP)
+        row.addWidget(sign)
+        row.addWidget(self.text, 1)
+        row.addWidget(close)
+        self.hide()
+
+    def say(self, text: str, detail: str = "") -> None:
+        """Show a message below those that are there, with more in its tooltip."""
+        self._said.pop(text, None)
+        self._said[text] = detail
+        self._show()
+
+    def unsay(self, text: str) -> None:
+        """A message is true no more."""
+        self._said.pop(text, None)
+        self._show()
+
+    def dismiss(self) -> None:
+        """All has been read."""
+        self._said.clear()
+        self._show()
+
+    def _show(self) -> None:
+        self.text.setText("\n".join(self._said))
+        self.text.setToolTip("\n".join(filter(None, self._said.values())))
+        self.setVisible(bool(self._said))

@@ -1,0 +1,213 @@
+"""The page with an open take: strip, curves and face side by side, transport."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import (
+    QAbstractSlider,
+    QGridLayout,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
+
+from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.edits.panel import EditsPanel
+from faceedit_app.ui.face.pane import FacePane
+from faceedit_app.ui.media.film_pane import FilmPane
+from faceedit_app.ui.media.sound_player import Sounding
+from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.volume import Volume
+from faceedit_app.ui.media.waveform import SoundStrip
+from faceedit_app.ui.page.first_steps import HintLayer, Step
+from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
+from faceedit_app.ui.page.proposal_bar import ProposalBar
+from faceedit_app.ui.page.settings_bar import SettingsStrip
+from faceedit_app.ui.page.toolbar import ToolBar
+from faceedit_app.ui.page.transport import Transport
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.background_solving import Solving
+from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.playback import Playback
+from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.ui.state.tools import Tooling
+
+_SHARES = (760, 520)  # of the window's width at first: curves, face
+_SIDE = (560, 170)  # of the height beside the curves: face, edits
+
+
+class Editor(QWidget):
+    """Puts the parts together and lets each hear of the others' changes."""
+
+    def __init__(
+        self,
+        actions: Actions,
+        document: Document,
+        timeline: Timeline,
+        playback: Playback,
+        tooling: Tooling,
+        media: Media,
+        sounding: Sounding,
+    ) -> None:
+        super().__init__()
+        self._document, self._timeline, self._playback = document, timeline, playback
+        self.strip = SettingsStrip(actions, document)
+        self.tools = ToolBar(actions, tooling)
+        self.curves = CurvesPanel(timeline, tooling)
+        self.face = FacePane(
+            document,
+            timeline,
+            actions["show_edited"],
+            actions["show_tracked"],
+            actions["show_both"],
+            actions["show_difference"],
+            actions["reset_camera"],
+        )
+        self.transport = Transport(actions, timeline, playback)
+        self.transport.extras.addWidget(Volume(actions["mute"], media, sounding))
+        self.panes = QSplitter(Qt.Orientation.Horizontal)
+        self.panes.setChildrenCollapsible(False)
+        self.panes.setHandleWidth(6)
+        self.sound = SoundStrip(media, timeline)
+        self.panes.addWidget(_stacked(self.curves, self.sound))
+        self.problems = ProblemsBar(document, timeline)
+        self.proposal = ProposalBar(actions, document)
+        self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
+        self.edits = EditsPanel(actions, document, timeline)
+        self.side = QSplitter(Qt.Orientation.Vertical)
+        self.side.setChildrenCollapsible(False)
+        self.side.setHandleWidth(6)
+        self.film = FilmPane(media, timeline)
+        self.stage = QSplitter(Qt.Orientation.Horizontal)
+        self.stage.setChildrenCollapsible(False)
+        self.stage.setHandleWidth(6)
+        self.stage.addWidget(self.film)
+        self.stage.addWidget(self.face)
+        self.side.addWidget(self.stage)
+        self.side.addWidget(self.edits)
+        self.side.setSizes(_SIDE)
+        self.side.setStretchFactor(0, 1)
+        self.panes.addWidget(self.side)
+        self.panes.setSizes(_SHARES)
+        self.panes.setStretchFactor(0, 3)
+        self.panes.setStretchFactor(1, 2)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.strip)
+        # A proposal lies over the tools: below them it would push curves and face about.
+        row = QGridLayout()
+        row.addWidget(self.tools, 0, 0)
+        row.addWidget(self.proposal, 0, 0)
+        column.addLayout(row)
+        column.addWidget(self.panes, 1)
+        column.addWidget(self.transport)
+        self.hints = HintLayer(self, self._first_steps())
+        self.solving = Solving(document, timeline, self)
+        self.solving.advanced.connect(self._previewed)
+        self.solving.finished.connect(self._solved)
+        self.curves.edited.connect(self._dragged)
+        self.curves.committed.connect(document.changed)
+        document.changed.connect(self.curves.refresh)
+        self.edits.reshaping = lambda: self.curves.is_reshaping
+        document.previewed.connect(self._previewed)
+        self.curves.reshaped.connect(self._reshape)
+        self.curves.reshape_ended.connect(self._end_reshape)
+
+    def _first_steps(self) -> tuple[Step, ...]:
+        return (
+            Step(
+                "1  Drag a curve",
+                "Each curve is one movement of the face, over time. Drag one up or down: the face"
+                " follows, and the rest of the take stays as recorded. Esc drops a drag, Ctrl+Z"
+                " takes it back.",
+                (self.curves,),
+            ),
+            Step(
+                "2  Or let FaceEdit do it",
+                "Close lips, Blink and Smile are one click. Marks under the curves show lips that"
+                " stay open, half blinks and shaking: press ↓ to go to the next one and P to see"
+                " the fix before you accept it.",
+                (self.tools,),
+            ),
+            Step(
+                "3  Change your mind, then export",
+                "Everything you do is listed here. Choose an edit to make it weaker or stronger,"
+                " switch it off or delete it. Ctrl+S saves your work as a project, Ctrl+E writes"
+                " the edited take.",
+                (self.edits,),
+            ),
+        )
+
+    def open(self) -> None:
+        """Show the document's take from its beginning."""
+        session = self._document.session
+        assert session is not None
+        clip = session.take.clip
+        self._timeline.open(clip)
+        self.curves.set_session(session)
+        self.transport.set_clip(clip)
+        self.problems.restart()
+        self.solving.watch()
+        self.strip.sync()
+        self.edits.refresh()
+        self.proposal.gave_way()
+        self.face.refresh()
+
+    def drop(self) -> bool:
+        """Esc: no more hints, or nothing proposed any more; False if there was neither."""
+        return self.hints.finish() or self.proposal.discard()
+
+    def let_go(self) -> None:
+        """The mouse is lost to another window: what was dragged until then is kept."""
+        for part in (self.curves, self.sound.waveform, self.face.viewport):
+            part.let_go()
+        for slider in self.findChildren(QAbstractSlider):
+            slider.setSliderDown(False)
+
+    def settle(self) -> None:
+        """Bring gestures on the sliders to their end."""
+        self.strip.settle()
+        self.edits.settle()
+
+    def _previewed(self) -> None:
+        self.curves.refresh()
+        self.face.refresh()
+
+    def _solved(self) -> None:
+        """All of a wide edit is computed."""
+        session = self._document.session
+        if session is not None and session.is_floating:
+            self._previewed()
+        else:
+            self._document.changed.emit()
+
+    def _reshape(self) -> None:
+        """The edges of the selected edit are its range's."""
+        line = self._timeline
+        if line.selection is not None:
+            self.edits.reshape(*line.selection, line.falloff, line.falloff_out)
+
+    def _end_reshape(self) -> None:
+        session = self._document.session
+        if session is not None and session.is_floating:
+            self._document.commit()
+
+    def _dragged(self) -> None:
+        self.proposal.gave_way()
+        # The face stays on the frame that is being changed.
+        self._playback.pause()
+        self.face.refresh()
+        self.face.viewport.hurry()
+        self.solving.begin()
+
+
+def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
+    """One above the other."""
+    box = QWidget()
+    column = QVBoxLayout(box)
+    column.setContentsMargins(0, 0, 0, 0)
+    column.setSpacing(0)
+    column.addWidget(stretched, 1)
+    column.addWidget(fixed)
+    return box

@@ -1,0 +1,171 @@
+"""The first steps, shown over the window once: where things are and what they are for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPainterPath, QPaintEvent, QPen
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from faceedit_app.ui.look.palette import ACCENT
+from faceedit_app.ui.look.theme import GAP
+
+_SHADE = 150  # of 255: how dark the rest of the window becomes
+_WIDTH = 380
+_APART = 14  # pixels between the card and what it is about
+
+
+@dataclass(frozen=True)
+class Step:
+    """One card.
+
+    Attributes:
+        title, text: what it says.
+        targets: what it is about.
+    """
+
+    title: str
+    text: str
+    targets: tuple[QWidget, ...]
+
+
+class HintLayer(QWidget):
+    """Darkens all but what a step is about, and says what to do there.
+
+    Signals:
+        closed(): the last step was read, or all were skipped.
+    """
+
+    closed = Signal()
+
+    def __init__(self, parent: QWidget, steps: Sequence[Step]) -> None:
+        super().__init__(parent)
+        self._steps, self.step = tuple(steps), 0
+        self.setObjectName("hints")
+        self.setAccessibleName("First steps")
+        self.card = QFrame(self)
+        self.card.setObjectName("hint")
+        self.card.setFixedWidth(_WIDTH)
+        self.title, self.text, self._count = QLabel(), QLabel(), QLabel()
+        self.title.setObjectName("hint_title")
+        self.text.setWordWrap(True)
+        self._count.setObjectName("caption")
+        self.next_button, self.skip_button = QPushButton("Next"), QPushButton("Skip")
+        self.next_button.setObjectName("primary")
+        self.skip_button.setObjectName("secondary")
+        self.next_button.clicked.connect(self.forward)
+        self.skip_button.clicked.connect(self.finish)
+        for button in (self.next_button, self.skip_button):
+            button.setAutoDefault(True)  # Enter presses it; Space belongs to the transport
+        row = QHBoxLayout()
+        row.addWidget(self._count)
+        row.addStretch()
+        row.addWidget(self.skip_button)
+        row.addWidget(self.next_button)
+        column = QVBoxLayout(self.card)
+        column.setContentsMargins(18, 16, 18, 14)
+        column.setSpacing(GAP)
+        column.addWidget(self.title)
+        column.addWidget(self.text)
+        column.addSpacing(GAP // 2)
+        column.addLayout(row)
+        parent.installEventFilter(self)
+        self.hide()
+
+    def begin(self) -> None:
+        """Show the first step."""
+        self.step = 0
+        self.setGeometry(self._parent.rect())
+        self.show()
+        self.raise_()
+        self._show_step()
+        self.next_button.setFocus()
+
+    @property
+    def _parent(self) -> QWidget:
+        parent = self.parentWidget()
+        assert parent is not None
+        return parent
+
+    def forward(self) -> None:
+        """The next step, or the end."""
+        if self.step + 1 < len(self._steps):
+            self.step += 1
+            self._show_step()
+        else:
+            self.finish()
+
+    def finish(self) -> bool:
+        """No more of it; False if it was not there."""
+        if self.isHidden():
+            return False
+        self.hide()
+        self.closed.emit()
+        return True
+
+    def _show_step(self) -> None:
+        step = self._steps[self.step]
+        self.title.setText(step.title)
+        self.text.setText(step.text)
+        self.setAccessibleDescription(f"{step.title}. {step.text}")
+        self._count.setText(f"{self.step + 1} of {len(self._steps)}")
+        is_last = self.step + 1 == len(self._steps)
+        self.next_button.setText("Start editing" if is_last else "Next")
+        self.skip_button.setVisible(not is_last)
+        self.card.adjustSize()
+        self.card.move(self._place(self._hole()))
+        self.update()
+
+    def _hole(self) -> QRect:
+        """The part of the window that the step is about."""
+        hole = QRect()
+        for target in self._steps[self.step].targets:
+            hole = hole.united(QRect(target.mapTo(self._parent, QPoint(0, 0)), target.size()))
+        return hole.intersected(self.rect())
+
+    def _place(self, hole: QRect) -> QPoint:
+        """Beside the hole where there is room, else below or above it, else inside."""
+        card, room = self.card.size(), self.rect().adjusted(8, 8, -8, -8)
+        middle = hole.center().y() - card.height() // 2
+        across = min(max(hole.left(), room.left()), room.right() - card.width())
+        for place in (
+            QPoint(hole.right() + _APART, middle),
+            QPoint(hole.left() - _APART - card.width(), middle),
+            QPoint(across, hole.bottom() + _APART),
+            QPoint(across, hole.top() - _APART - card.height()),
+        ):
+            if room.contains(QRect(place, card)):
+                return place
+        return hole.center() - QPoint(card.width() // 2, card.height() // 2)
+
+    # --- events ------------------------------------------------------------------------------
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Stay as large as the window."""
+        if event.type() == QEvent.Type.Resize and self.isVisible():
+            self.setGeometry(self._parent.rect())
+            self._show_step()
+        return False
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """A click anywhere goes on."""
+        self.forward()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc skips."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.finish()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Darken all but the hole."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        hole = QRectF(self._hole()).adjusted(-3, -3, 3, 3)
+        shade, inner = QPainterPath(), QPainterPath()
+        shade.addRect(QRectF(self.rect()))
+        inner.addRoundedRect(hole, 6, 6)
+        painter.fillPath(shade.subtracted(inner), QColor(0, 0, 0, _SHADE))
+        painter.setPen(QPen(QColor(ACCENT), 2))
+        painter.drawPath(inner)

@@ -1,0 +1,112 @@
+"""Keys that mean the same wherever the focus is."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QLineEdit,
+    QWidget,
+)
+
+from faceedit_app.ui.page.time_entry import TimeEntry
+
+GLANCE = Qt.Key.Key_B
+_ADJUSTING = {
+    Qt.Key.Key_Left,
+    Qt.Key.Key_Right,
+    Qt.Key.Key_Up,
+    Qt.Key.Key_Down,
+    Qt.Key.Key_Home,
+    Qt.Key.Key_End,
+}
+_STEPPING = {Qt.Key.Key_Up, Qt.Key.Key_Down}
+
+
+class KeyArbiter(QObject):
+    """Decides between a shortcut and the widget that has the focus.
+
+    Space always plays, even from a number field (but not while words are typed); the arrows move
+    a slider, a choice or a list that has the focus, and the playhead otherwise; holding B shows
+    the tracked face.
+
+    Signals:
+        glancing(bool): B went down or up.
+    """
+
+    glancing = Signal(bool)
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self._window = window
+        self._held = False
+        window.installEventFilter(self)
+        app = QApplication.instance()
+        assert isinstance(app, QApplication)
+        app.focusChanged.connect(self._watch)
+
+    def _watch(self, _old: QWidget | None, now: QWidget | None) -> None:
+        """See the keys of the widget that has the focus; seeing all events would cost time."""
+        if now is not None and now.window() is self._window:
+            now.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """See the class."""
+        kind = event.type()
+        if kind == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            return self._override(event)
+        if kind in (QEvent.Type.KeyPress, QEvent.Type.KeyRelease) and isinstance(event, QKeyEvent):
+            return self._glance(event, kind == QEvent.Type.KeyPress)
+        if kind == QEvent.Type.WindowDeactivate and watched is self._window:
+            self._hold(False)
+        return False
+
+    def _override(self, event: QKeyEvent) -> bool:
+        focus = self._focus()
+        if focus is None or _takes_words(focus):
+            return False
+        plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
+        if plain and event.key() == Qt.Key.Key_Space:
+            event.ignore()  # swallowed unaccepted, so that it goes on to the shortcut
+            return True
+        adjusts = isinstance(focus, QAbstractSlider | QComboBox | QAbstractItemView)
+        steps = isinstance(focus, QAbstractSpinBox) and event.key() in _STEPPING
+        if plain and (steps or (adjusts and event.key() in _ADJUSTING)):
+            event.accept()  # the widget's own, not a shortcut
+            return True
+        return False
+
+    def _glance(self, event: QKeyEvent, down: bool) -> bool:
+        if event.key() != GLANCE or event.isAutoRepeat():
+            return event.key() == GLANCE and self._held
+        focus = self._focus()
+        if down and (focus is None or _takes_words(focus) or event.modifiers()):
+            return False
+        if down == self._held:
+            return down
+        self._hold(down)
+        return True
+
+    def _hold(self, down: bool) -> None:
+        if down != self._held:
+            self._held = down
+            self.glancing.emit(down)
+
+    def _focus(self) -> QWidget | None:
+        """The widget in our window that keys go to; None while a menu or dialog has them."""
+        if QApplication.activePopupWidget() or QApplication.activeModalWidget():
+            return None
+        focus = QApplication.focusWidget() or self._window
+        return focus if focus.window() is self._window else None
+
+
+def _takes_words(widget: QWidget) -> bool:
+    """Whether it is a field for words; one for a time, or inside a number field, is not."""
+    return isinstance(widget, QLineEdit) and not (
+        isinstance(widget, TimeEntry) or isinstance(widget.parent(), QAbstractSpinBox)
+    )

@@ -1,0 +1,291 @@
+"""What is probably wrong with the take, marked under the time axis."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
+from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolTip, QWidget
+
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.axes import Scale
+from faceedit_app.ui.look.widgets import icon_button
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.background import Background
+from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.help.problems import Problem
+    from faceedit_app.editing.session import EditSession
+
+HEIGHT = 24
+_WAIT_MS = 250  # after the last change
+_LONG = 20_000  # frames: looking through more would stop the window, so it is done beside it
+_NEAR = 7.0  # pixels
+# Okabe and Ito's, told apart by colour-blind people; the shapes differ too.
+COLORS = {"lips": "#d55e00", "blink": "#e69f00", "jitter": "#cc79a7", "dropped": "#9aa0aa"}
+NAMES = {
+    "lips": "lips that stay open",
+    "blink": "half blinks",
+    "jitter": "shaking",
+    "dropped": "lost frames",
+}
+
+
+class ProblemsBar(QWidget):
+    """A mark for each problem; a click goes there.
+
+    Signals:
+        found(): the list is another one.
+        picked(int): a mark was clicked.
+    """
+
+    found = Signal()
+    picked = Signal(int)
+
+    def __init__(self, document: Document, timeline: Timeline) -> None:
+        super().__init__()
+        self._document, self._timeline = document, timeline
+        self.problems: tuple[Problem, ...] = ()
+        self.current: int | None = None
+        self.is_searched = False  # before, nobody knows whether there are any
+        self._playhead = 0.0  # seconds, as painted
+        self._timer = QTimer(self, singleShot=True, interval=_WAIT_MS)
+        self._timer.timeout.connect(self._search_soon)
+        self._background = Background(self)
+        self._newest = 0  # search in the background
+        self.setFixedHeight(HEIGHT)
+        self.setObjectName("problems")
+        self.setAccessibleName("Problems of the take")
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+        document.opened.connect(self.restart)
+        document.changed.connect(self._timer.start)
+        timeline.view_changed.connect(self.update)
+        timeline.playhead_moved.connect(self._moved)
+
+    def restart(self) -> None:
+        """Another take is open."""
+        self.problems, self.current = (), None
+        self._timer.start()
+        self._tell()
+
+    def _search_soon(self) -> None:
+        """Look at the take once it has come to rest."""
+        session = self._document.session
+        if session is None:
+            return
+        if session.is_floating or not session.live.is_complete:
+            self._timer.start()
+        elif len(session.take.clip) < _LONG:
+            self.search()
+        else:
+            self._search_beside(session)
+
+    def _search_beside(self, session: EditSession) -> None:
+        from faceedit_app.editing.help.problems import problems_of
+
+        self._newest += 1
+        number, clip = self._newest, session.take.clip
+        weights, controls = session.weights.copy(), session.achieved.copy()
+
+        def done(problems: list[Problem]) -> None:
+            if number == self._newest and self._document.session is session:
+                self.problems = tuple(problems)
+                self._moved()
+                self._tell(True)
+
+        def failed(_: Exception) -> None:
+            """There are no marks then."""
+
+        self._background.run(lambda: problems_of(clip, weights, controls), done, failed)
+
+    def search(self) -> None:
+        """Look at the take as it is edited now."""
+        self._timer.stop()
+        session = self._document.session
+        if session is None:
+            return
+        if session.is_floating:
+            self._timer.start()
+            return
+        from faceedit_app.editing.help.problems import find_problems
+
+        began = time.perf_counter()
+        self.problems = tuple(find_problems(session))
+        # Long takes are searched less often.
+        cost = 1000 * (time.perf_counter() - began)
+        self._timer.setInterval(round(min(max(_WAIT_MS, 4 * cost), 3000)))
+        self._moved()
+        self._tell(True)
+
+    def _tell(self, is_searched: bool = False) -> None:
+        self.is_searched = is_searched
+        count = len(self.problems)
+        self.setAccessibleDescription(f"{count} found" if count else "none found")
+        self.found.emit()
+        self.update()
+
+    @property
+    def summary(self) -> str:
+        """How many of which kind."""
+        counts = dict.fromkeys(NAMES, 0)
+        for problem in self.problems:
+            counts[problem.kind] += 1
+        return "\n".join(f"{n} × {NAMES[kind]}" for kind, n in counts.items() if n)
+
+    def step(self, by: int) -> int | None:
+        """The problem after or before the playhead; past the last comes the first."""
+        if not self.problems:
+            return None
+        if self.current is not None:
+            return (self.current + by) % len(self.problems)
+        now = self._timeline.time
+        after = [i for i, problem in enumerate(self.problems) if _middle(problem) > now + 1e-6]
+        following = after[0] if after else 0
+        return following if by > 0 else (following - 1) % len(self.problems)
+
+    def go_to(self, index: int) -> None:
+        """Put the playhead on a problem."""
+        problem = self.problems[index]
+        line, middle = self._timeline, _middle(self.problems[index])
+        first, last = line.view
+        if not first <= problem.start <= problem.end <= last:
+            width = last - first
+            line.show_range(middle - width / 2, middle + width / 2)
+        line.go_to_time(middle)
+        self.current = index
+        self.update()
+        self.found.emit()
+
+    def _moved(self) -> None:
+        """The playhead is on a problem, or on none."""
+        now = self._timeline.time
+        scale, before, self._playhead = self._scale, self._playhead, now
+        for seconds in (before, now):
+            self.update(round(scale.x_of(seconds)) - 2, 0, 5, self.height())
+        slack = 0.02
+        here = [
+            (abs(_middle(problem) - now), i)
+            for i, problem in enumerate(self.problems)
+            if problem.start - slack <= now <= problem.end + slack
+        ]
+        current = min(here)[1] if here else None
+        if current != self.current:
+            self.current = current
+            self.found.emit()
+            self.update()
+
+    # --- mouse and painting ------------------------------------------------------------------
+
+    @property
+    def _scale(self) -> Scale:
+        return Scale(self.width(), self.height(), self._timeline.view, (0.0, 1.0))
+
+    def place_of(self, index: int) -> QPointF:
+        """Where a problem's mark is, in pixels."""
+        return QPointF(self._scale.x_of(_middle(self.problems[index])), 0.5 * self.height())
+
+    def _at(self, x: float) -> int | None:
+        near = [(abs(self.place_of(i).x() - x), i) for i in range(len(self.problems))]
+        nearest = min(near, default=(_NEAR + 1, 0))
+        return nearest[1] if nearest[0] <= _NEAR else None
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Go to the problem under the pointer."""
+        index = self._at(event.position().x())
+        if index is not None:
+            self.picked.emit(index)
+
+    def event(self, event: QEvent) -> bool:
+        """Say what is wrong."""
+        if isinstance(event, QHelpEvent):
+            index = self._at(event.pos().x())
+            text = self.problems[index].message if index is not None else self.summary
+            QToolTip.showText(event.globalPos(), text or "No problems found", self)
+            return True
+        return super().event(event)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Spans and marks."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), style.color(style.PLOT))
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if not self.problems:
+            painter.setFont(style.scaled_font(self, 0.82))
+            painter.setPen(style.color(style.FAINT))
+            words = "no problems found" if self.is_searched else "looking for problems …"
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, words)
+            return
+        scale = self._scale
+        for problem in self.problems:
+            left, right = scale.x_of(problem.start), scale.x_of(problem.end)
+            if right < -9 or left > self.width() + 9:
+                continue
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(style.color(COLORS[problem.kind], 70))
+            painter.drawRoundedRect(QRectF(left, 4, max(right - left, 2), HEIGHT - 8), 2, 2)
+        for i, problem in enumerate(self.problems):
+            self._paint_mark(painter, self.place_of(i), problem.kind, i == self.current)
+        x = round(scale.x_of(self._timeline.time))
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        painter.setPen(QPen(style.color(style.PLAYHEAD, 150), 0))
+        painter.drawLine(QPointF(x, 0), QPointF(x, self.height()))
+
+    @staticmethod
+    def _paint_mark(painter: QPainter, at: QPointF, kind: str, lit: bool) -> None:
+        """A circle for lips, a diamond for blinks, a triangle for shaking, a square for gaps."""
+        size = 5.5 if lit else 4.2
+        painter.setPen(QPen(style.color(style.TEXT if lit else style.BACKGROUND), 1.4))
+        painter.setBrush(style.color(COLORS[kind]))
+        if kind == "lips":
+            painter.drawEllipse(at, size, size)
+            return
+        shapes = {
+            "blink": [(-1.2, 0), (0, -1.2), (1.2, 0), (0, 1.2)],
+            "jitter": [(-1.1, 0.9), (0, -1.1), (1.1, 0.9)],
+            "dropped": [(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+        }
+        corners = [QPointF(at.x() + size * x, at.y() + size * y) for x, y in shapes[kind]]
+        painter.drawPolygon(QPolygonF(corners))
+
+
+class ProblemsHead(QWidget):
+    """Left of the bar: how many, and the way from one to the next."""
+
+    def __init__(self, actions: Actions, bar: ProblemsBar) -> None:
+        super().__init__()
+        self._actions, self._bar = actions, bar
+        self.count = QLabel()
+        self.count.setObjectName("caption")
+        self.count.setFont(style.scaled_font(self, 0.88))
+        self.setFixedWidth(style.HEADER_WIDTH)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(9, 0, 2, 0)
+        row.setSpacing(0)
+        row.addWidget(self.count, 1)
+        for name in ("previous_problem", "next_problem"):
+            row.addWidget(icon_button(actions[name], "small"))
+        row.addWidget(icon_button(actions["fix_problem"], "small", "Fix"))
+        bar.found.connect(self.sync)
+        self.sync()
+
+    def sync(self) -> None:
+        """Show what was found."""
+        problems, current = self._bar.problems, self._bar.current
+        count = len(problems)
+        words = "problem" if count == 1 else "problems"
+        none = "No problems" if self._bar.is_searched else "Looking …"
+        self.count.setText(f"{count} {words}" if count else none)
+        self.count.setToolTip(self._bar.summary)
+        for name in ("previous_problem", "next_problem"):
+            self._actions[name].setEnabled(bool(problems))
+        fixable = current is not None and current < count and bool(problems[current].fix)
+        self._actions["fix_problem"].setEnabled(fixable)
+        self._actions["fix_all"].setEnabled(any(problem.fix for problem in problems))
+
+
+def _middle(problem: Problem) -> float:
+    return 0.5 * (problem.start + problem.end)

@@ -1,0 +1,87 @@
+"""The bar that shows a proposed fix before it is accepted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QFrame, QHBoxLayout
+
+from faceedit_app.ui.look.theme import GAP, MARGIN
+from faceedit_app.ui.look.widgets import Elided, icon_button
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.document import Document
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.edits.edit import Edit
+
+
+class ProposalBar(QFrame):
+    """Curves and face show what is proposed; any other gesture drops it."""
+
+    def __init__(self, actions: Actions, document: Document) -> None:
+        super().__init__()
+        self._actions, self._document = actions, document
+        self._showing = False  # what is previewed now is ours
+        self.setObjectName("proposal")
+        self.text = Elided()
+        row = QHBoxLayout(self)
+        row.setContentsMargins(MARGIN, 4, MARGIN, 4)
+        row.setSpacing(GAP // 2)
+        row.addWidget(self.text, 1)
+        row.addWidget(icon_button(actions["accept_fix"], "accept", "Accept"))
+        row.addWidget(icon_button(actions["discard_fix"], "tool", "Discard"))
+        document.previewed.connect(self._other)
+        document.changed.connect(self._changed)
+        document.opened.connect(self._close)
+        self._close()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether something is proposed."""
+        return not self.isHidden()
+
+    def offer(self, text: str, edits: Sequence[Edit]) -> None:
+        """Show edits as if they were made."""
+        self.discard()
+        self.text.setText(text)
+        self.text.setToolTip(text)
+        self._enable(True)
+        self._showing = True
+        self._document.preview(*edits)
+        self._showing = False
+
+    def accept(self) -> None:
+        """Make them: one undo step."""
+        if self.is_open:
+            self._close()
+            self._document.commit()
+
+    def discard(self) -> bool:
+        """Drop them; False if nothing was proposed."""
+        if not self.is_open:
+            return False
+        self._close()
+        self._document.cancel()
+        return True
+
+    def gave_way(self) -> None:
+        """Another gesture shows something else now."""
+        self._close()
+
+    def _other(self) -> None:
+        if self.is_open and not self._showing:
+            self._close()
+
+    def _changed(self) -> None:
+        """What lies below it is another: a proposal must not stay without its bar."""
+        if self.is_open:
+            self.discard()
+
+    def _close(self) -> None:
+        self._enable(False)
+
+    def _enable(self, is_open: bool) -> None:
+        self.setVisible(is_open)
+        for name in ("accept_fix", "discard_fix"):
+            self._actions[name].setEnabled(is_open)

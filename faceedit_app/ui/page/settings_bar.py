@@ -1,0 +1,107 @@
+"""The strip above the curves: undo, reset, and how edits are answered."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QWidget
+
+from faceedit_app.formats.timing import counted
+from faceedit_app.ui.look.theme import GAP
+from faceedit_app.ui.look.widgets import Elided, bar_row, caption, divider, icon_button, segments
+from faceedit_app.ui.page.setting_slider import SettingSlider
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.document import Document
+
+PRESERVE_TIP = (
+    "Preserve the take: only what your edits reach changes,\n"
+    "every other frame stays exactly as recorded."
+)
+RESYNTHESIZE_TIP = (
+    "Resynthesize: the networks make the edited regions of the face anew\n"
+    "from the eight curves, over the whole take; every frame changes a little."
+)
+NATURAL_TIP = (
+    "How believable the answer to an edit must be.\n"
+    "0 %: obey the curve to the letter. 100 %: stay within what real faces do."
+)
+REACH_TIP = (
+    "How far the face goes towards what you asked for.\n"
+    "0 %: as far as the networks take it. 100 %: all the way, as far as a face can."
+)
+
+
+class SettingsStrip(QWidget):
+    """Undo, redo, reset; mode, naturalness and reach; how much was edited."""
+
+    def __init__(self, actions: Actions, document: Document) -> None:
+        super().__init__()
+        self._document, self._actions = document, actions
+        actions["preserve"].setToolTip(PRESERVE_TIP)
+        actions["resynthesize"].setToolTip(RESYNTHESIZE_TIP)
+        self.sliders = (
+            SettingSlider(document, "naturalness", NATURAL_TIP),
+            SettingSlider(document, "reach", REACH_TIP),
+        )
+        self.natural, self.reach = (slider.slider for slider in self.sliders)
+        self.percent = self.sliders[0].percent
+        self.edits = Elided()
+        self.edits.setObjectName("caption")
+        self._lay_out()
+        document.opened.connect(self.sync)
+        document.changed.connect(self.sync)
+        self.sync()
+
+    def _lay_out(self) -> None:
+        row = bar_row(self, "bar")
+        row.addWidget(icon_button(self._actions["open"]))
+        row.addWidget(icon_button(self._actions["save"]))
+        row.addWidget(icon_button(self._actions["export"], text="Export"))
+        row.addWidget(divider())
+        row.addWidget(icon_button(self._actions["undo"]))
+        row.addWidget(icon_button(self._actions["redo"]))
+        row.addWidget(icon_button(self._actions["reset_range"], text="Reset range"))
+        row.addWidget(divider())
+        row.addSpacing(GAP // 2)
+        row.addWidget(self.edits, 1)
+        row.addWidget(
+            segments(
+                (self._actions["preserve"], "Preserve"),
+                (self._actions["resynthesize"], "Resynthesize"),
+            )
+        )
+        for words, slider in zip(("Natural", "Reach"), self.sliders, strict=True):
+            row.addSpacing(GAP)
+            row.addWidget(caption(words, slider.slider))
+            row.addWidget(slider.slider)
+            row.addWidget(slider.percent)
+
+    def settle(self) -> None:
+        """Bring a gesture on a slider to its end now."""
+        for slider in self.sliders:
+            slider.settle()
+
+    # --- what it shows -----------------------------------------------------------------------
+
+    def sync(self) -> None:
+        """Show what the open take is answered by."""
+        session = self._document.session
+        self._actions["undo"].setEnabled(session is not None and session.can_undo)
+        self._actions["redo"].setEnabled(session is not None and session.can_redo)
+        has_edits = session is not None and bool(session.edits)
+        for name in ("reset_range", "reset_curve"):
+            self._actions[name].setEnabled(has_edits)
+        resynthesizes = session is not None and session.settings.mode == "resynthesize"
+        self._actions["preserve"].setChecked(not resynthesizes)
+        self._actions["resynthesize"].setChecked(resynthesizes)
+        for slider in self.sliders:
+            slider.sync()
+        self._count()
+
+    def _count(self) -> None:
+        session, text = self._document.session, ""
+        if session is not None and not session.edits:
+            text = "No edits"
+        elif session is not None:
+            frames = counted(session.changed_frames(), "frame")
+            text = f"{counted(len(session.edits), 'edit')} · {frames} changed"
+        self.edits.setText(text)
+        self.edits.setToolTip(text)

@@ -1,0 +1,143 @@
+"""The bar at the bottom: playing, and where the playhead is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QMouseEvent
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.ui.look.icons import icon
+from faceedit_app.ui.look.theme import GAP
+from faceedit_app.ui.look.widgets import Choice, bar_row, caption, icon_button
+from faceedit_app.ui.page.time_entry import TimeEntry
+from faceedit_app.ui.page.typed_time import typed_frame
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.clock import Unit, times
+from faceedit_app.ui.state.playback import SPEEDS, Playback
+from faceedit_app.ui.state.timeline import Timeline
+
+_UNITS = (Unit.TIMECODE, Unit.SECONDS, Unit.FRAMES)
+
+
+class Transport(QWidget):
+    """Transport buttons, speed, and the time in three units."""
+
+    def __init__(self, actions: Actions, timeline: Timeline, playback: Playback) -> None:
+        super().__init__()
+        self._timeline, self._playback = timeline, playback
+        self._clip: Clip | None = None
+        self._play = actions["play"]
+        self._icons = {False: icon("play"), True: icon("pause")}
+        self.speed = self._speed_box()
+        self.extras = QHBoxLayout()  # what the window adds to it
+        self.clock, self.seconds, self.frame = (
+            TimeLabel(actions[f"unit_{unit}"], self.type_time) for unit in _UNITS
+        )
+        self._labels = (self.clock, self.seconds, self.frame)
+        self.entry = TimeEntry(self)
+        self.entry.ended.connect(lambda: self.window().setFocus())  # the keys are the window's
+        self._lay_out(actions)
+        timeline.playhead_moved.connect(self._show_time)
+        timeline.clock.changed.connect(self._show_unit)
+        playback.playing_changed.connect(lambda playing: self._play.setIcon(self._icons[playing]))
+        playback.loop_changed.connect(actions["loop"].setChecked)
+        self.set_clip(None)
+
+    def _lay_out(self, actions: Actions) -> None:
+        row = bar_row(self, "transport")
+        for name in ("start", "back", "play", "forward", "end", "loop"):
+            row.addWidget(icon_button(actions[name], "play" if name == "play" else "icon"))
+        row.addSpacing(GAP)
+        row.addWidget(caption("Speed", self.speed))
+        row.addWidget(self.speed)
+        row.addLayout(self.extras)
+        row.addStretch()
+        for label in self._labels:
+            label.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            row.addWidget(label)
+            row.addSpacing(GAP)
+        row.addStretch()
+        row.addWidget(icon_button(actions["zoom_out"]))
+        row.addWidget(icon_button(actions["zoom_in"]))
+        row.addWidget(icon_button(actions["fit"]))
+
+    def _speed_box(self) -> Choice:
+        box = Choice()
+        box.setToolTip("How fast the take is played; slower sound is lower, as on tape")
+        for speed in SPEEDS:
+            box.addItem(f"{speed:g}×", speed)
+        box.setCurrentIndex(len(SPEEDS) - 1)
+        box.currentIndexChanged.connect(lambda i: self._playback.set_speed(SPEEDS[i]))
+        return box
+
+    def set_clip(self, clip: Clip | None) -> None:
+        """Tell the time of another take, or of none."""
+        self._clip = clip
+        self.speed.setEnabled(clip is not None)
+        if clip is not None:
+            # Wide enough for the last frame, so that nothing jumps while playing.
+            for label, text in zip(self._labels, times(clip, len(clip) - 1), strict=True):
+                label.ensurePolished()
+                label.setMinimumWidth(label.fontMetrics().horizontalAdvance(text) + GAP)
+        self._show_time()
+        self._show_unit()
+
+    def _show_time(self) -> None:
+        clip = self._clip
+        frame = min(max(self._timeline.frame, 0), len(clip) - 1) if clip is not None else 0
+        texts = times(clip, frame) if clip is not None else ("", "", "")
+        for label, text in zip(self._labels, texts, strict=True):
+            label.setText(text)
+
+    def type_time(self) -> None:
+        """Let the user type where to go, in the unit that times are shown in."""
+        clip, unit = self._clip, self._timeline.clock.unit
+        if clip is None:
+            return
+
+        def go(text: str) -> None:
+            self._timeline.go_to_frame(typed_frame(clip, text, unit, self._timeline.frame))
+
+        label = self._labels[_UNITS.index(unit)]
+        text = label.text().partition("/")[0].removeprefix("frame").strip()
+        self.entry.begin(label, text, f"Go to a time, in {unit}", go)
+
+    def _show_unit(self) -> None:
+        """The time that the ruler shows stands out."""
+        for label, unit in zip(self._labels, _UNITS, strict=True):
+            label.show_chosen(unit is self._timeline.clock.unit)
+
+
+class TimeLabel(QLabel):
+    """A time; a click makes it the one that the ruler shows, another one is for typing.
+
+    Args:
+        action: makes it the one that the ruler shows.
+        type_time: lets the user type into it.
+    """
+
+    def __init__(self, action: QAction, type_time: Callable[[], None]) -> None:
+        super().__init__()
+        self._action, self._type_time = action, type_time
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+        self.setToolTip(
+            f"{action.statusTip()}. Click: the ruler too.\n"
+            "Click again, or press G, to type where to go."
+        )
+        self.show_chosen(False)
+
+    def show_chosen(self, chosen: bool) -> None:
+        """Stand out, or not."""
+        self.setObjectName("clock" if chosen else "caption")
+        self.style().unpolish(self)
+        self.style().polish(self)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Choose this one, else type into it."""
+        if self._action.isChecked():
+            self._type_time()
+        else:
+            self._action.trigger()

@@ -1,0 +1,80 @@
+"""A time that somebody typed: which frame is meant."""
+
+from __future__ import annotations
+
+import re
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
+from faceedit_app.formats.timing import format_time
+from faceedit_app.ui.state.clock import Unit
+
+_DAY = 24 * 3600.0
+_SECONDS = re.compile(r"(?:(?:(\d+):)?(\d+):)?(\d+(?:[.,]\d*)?|[.,]\d+)\s*s?", re.ASCII)
+_FRAME = re.compile(r"(?:frame\s*)?(\d+)", re.ASCII | re.IGNORECASE)
+
+
+def typed_frame(clip: Clip, text: str, unit: Unit, now: int) -> int:
+    """The frame that a text means in the unit that times are shown in.
+
+    Args:
+        clip: the open take.
+        text: what was typed; what is shown after the time, such as its length, may be there too.
+        unit: how to read it. A take without timecode tells seconds in its place.
+        now: the frame of the playhead; a timecode may leave out its hours and minutes.
+
+    Raises:
+        ValueError: what is wrong with it, as one line for the user.
+    """
+    text = text.partition("/")[0].strip()
+    if unit is Unit.FRAMES:
+        return _by_number(clip, text)
+    if unit is Unit.TIMECODE and clip.timecodes:
+        return _by_timecode(clip, clip.timecodes, text, clip.timecodes[now])
+    return _by_seconds(clip, text)
+
+
+def _by_number(clip: Clip, text: str) -> int:
+    match = _FRAME.fullmatch(text)
+    if match is None:
+        raise ValueError(f"Type the number of a frame, 1 to {len(clip)}")
+    number = int(match[1])
+    if not 1 <= number <= len(clip):
+        raise ValueError(f"The take has frames 1 to {len(clip)}")
+    return number - 1
+
+
+def _by_seconds(clip: Clip, text: str) -> int:
+    match = _SECONDS.fullmatch(text)
+    if match is None:
+        raise ValueError("Type seconds, such as 4.5, or minutes and seconds, such as 1:04.5")
+    hours, minutes = int(match[1] or 0), int(match[2] or 0)
+    seconds = 3600 * hours + 60 * minutes + float(match[3].replace(",", "."))
+    return _at(clip, seconds, f"The take ends at {format_time(clip.duration)}")
+
+
+def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: str) -> int:
+    base = derive_base(parse_timecodes(timecodes))[0]
+    typed, there = re.split("[:;]", text), re.split("[:;]", now)
+    drop = ";" if ";" in now else ":"
+    # "12:05" is the second and the frame: the rest is as at the playhead.
+    whole = there[: max(4 - len(typed), 0)] + typed if 2 <= len(typed) <= 4 else []
+    begins = time_of_day(timecodes[0], base)
+    meant = time_of_day(":".join(whole[:3]) + drop + whole[3], base) if whole else None
+    if meant is None or begins is None:
+        raise ValueError(f"Type a timecode, such as {now.partition('.')[0]}")
+    if text in timecodes:
+        return timecodes.index(text)
+    seconds = meant - begins
+    if seconds < -_DAY / 2:  # past midnight
+        seconds += _DAY
+    ends = f"{timecodes[0].partition('.')[0]} to {timecodes[-1].partition('.')[0]}"
+    return _at(clip, seconds, f"The take has timecodes {ends}")
+
+
+def _at(clip: Clip, seconds: float, otherwise: str) -> int:
+    # A timecode without its thousandths may lie before the first frame that bears it.
+    slack = 1.0 / clip.rate
+    if not -slack <= seconds <= clip.duration + slack:
+        raise ValueError(otherwise)
+    return clip.frame_at(seconds)

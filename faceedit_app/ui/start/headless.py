@@ -1,0 +1,120 @@
+"""The window's job where there is no display: the same widgets, drawn into pictures."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from faceedit_app.core.errors import FileError, Unavailable
+from faceedit_app.core.regions import CONTROL_INDEX
+
+if TYPE_CHECKING:
+    from PySide6.QtWidgets import QApplication
+
+    from faceedit_app.editing.edits.edit import Edit
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.ui.start.window import MainWindow
+
+SIZE = (1440, 900)
+FACE_SIZE = (800, 900)
+_SHOWN = 2.0  # seconds on either side of the sample edit
+_IDLE = 0.4  # seconds until the face is drawn smoothly
+
+
+def run_headless(output: Path) -> list[Path]:
+    """Open the demo take, edit it, and write the result and pictures before and after.
+
+    Args:
+        output: the folder to write to; it is made if it is missing.
+
+    Returns:
+        The files: the edited take, its edits, the window and the face before and after. The
+        face is left out where it cannot be drawn.
+
+    Raises:
+        FileError: something cannot be read or written.
+    """
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FileError(output, f"cannot be made ({reason})", "choose another folder") from error
+    from faceedit_app.ui.start.app import application
+
+    app = application()
+    with tempfile.TemporaryDirectory() as folder:
+        window = _open_window(Path(folder) / "settings.ini")
+        try:
+            return _work(app, window, output)
+        finally:
+            window.leave()
+
+
+def _open_window(settings: Path) -> MainWindow:
+    from PySide6.QtCore import QSettings
+
+    from faceedit_app.ui.start.window import MainWindow
+    from faceedit_app.ui.state.preferences import Store
+
+    window = MainWindow(Store(QSettings(str(settings), QSettings.Format.IniFormat)))
+    window.resize(*SIZE)
+    window.show()
+    window.open_demo_now()
+    return window
+
+
+def _work(app: QApplication, window: MainWindow, output: Path) -> list[Path]:
+    session = window.document.session
+    assert session is not None
+    edit = sample_edit(session)
+    middle = (edit.start + edit.end) / 2
+    window.timeline.go_to_time(middle)
+    window.timeline.show_range(middle - _SHOWN, middle + _SHOWN)
+    written = [_grab(app, window, output / "window_before.png")]
+    written += _face(session, window.timeline.frame, output / "face_before.png")
+    session.add(edit)
+    window.document.changed.emit()
+    written.append(_grab(app, window, output / "window_after.png"))
+    written += _face(session, window.timeline.frame, output / "face_after.png")
+    take, edits = output / "demo_take_edited.csv", output / "demo_take_edits.json"
+    window.document.export(take)
+    window.document.save_edits(edits)
+    return [take, edits, *written]
+
+
+def sample_edit(session: EditSession) -> Edit:
+    """Opens the mouth wider at an ordinary moment in the middle of the take."""
+    from faceedit_app.editing.edits.edit import Edit, Op
+
+    times = session.take.clip.times
+    opening = session.tracked[:, CONTROL_INDEX["mouth_opening"]]
+    inner = slice(len(times) // 4, max(3 * len(times) // 4, len(times) // 4 + 1))
+    ordinary = int(np.argmin(np.abs(opening[inner] - np.median(opening))))
+    moment = float(times[inner][ordinary])
+    return Edit(("mouth_opening",), Op.OFFSET, moment - 0.15, moment + 0.15, 0.25, 10.0)
+
+
+def _grab(app: QApplication, window: MainWindow, path: Path) -> Path:
+    until = time.monotonic() + _IDLE
+    while time.monotonic() < until:
+        app.processEvents()
+        time.sleep(0.01)
+    if not window.grab().save(str(path)):
+        raise FileError(path, "cannot be written", "choose another folder or free some space")
+    return path
+
+
+def _face(session: EditSession, frame: int, path: Path) -> list[Path]:
+    from faceedit_app.render.snapshot import snapshot, write_png
+
+    try:
+        write_png(path, snapshot(session.rig, session.rig_weights(frame), *FACE_SIZE))
+    except Unavailable:
+        return []
+    return [path]

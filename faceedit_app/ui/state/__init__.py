@@ -1,0 +1,1 @@
+"""What all views share: the open take, the time axis, tools, preferences, background work."""

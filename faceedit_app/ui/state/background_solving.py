@@ -1,0 +1,88 @@
+"""Computes what a wide edit left to be done, in slices while the window has nothing else to do."""
+
+from __future__ import annotations
+
+import time
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
+
+PATIENCE = 0.008  # seconds that one change may compute before the rest waits
+SLICE = 0.006  # seconds of work between two looks at what the user does
+REDRAW = 0.1  # seconds between two pictures of what is done
+QUIET = 0.3  # seconds of work that are not worth mentioning
+
+
+class Solving(QObject):
+    """Watches the open take: what is on screen is computed first, the rest in the background.
+
+    Signals:
+        advanced(int, int): chunks done and in all; curves and face may differ.
+        finished(): nothing is left to do, or the user went back on it.
+    """
+
+    advanced = Signal(int, int)
+    finished = Signal()
+
+    def __init__(self, document: Document, timeline: Timeline, parent: QObject) -> None:
+        super().__init__(parent)
+        self._document, self._timeline = document, timeline
+        self._timer = QTimer(self, interval=0)
+        self._timer.timeout.connect(self._work)
+        self._began = self._told = 0.0
+        document.opened.connect(self.watch)
+        document.changed.connect(self.begin)
+        document.previewed.connect(self.begin)
+        timeline.playhead_moved.connect(self._look)
+        timeline.view_changed.connect(self._look)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something is left to be computed."""
+        return self._timer.isActive()
+
+    def begin(self) -> None:
+        """Go on with what the last change left."""
+        session = self._document.session
+        if session is None or session.live.is_complete:
+            self._stop()
+        elif not self.is_busy:
+            self._began = self._told = time.monotonic()
+            self._timer.start()
+
+    def cancel(self) -> None:
+        """Take back the change that is being computed."""
+        if self.is_busy and not self._document.cancel():
+            self._document.undo()
+
+    def watch(self) -> None:
+        """Another take is open: what is on screen is computed first."""
+        session = self._document.session
+        if session is not None:
+            session.live.patience = PATIENCE
+            self._look()
+
+    def _look(self) -> None:
+        session = self._document.session
+        if session is not None:
+            clip = session.take.clip
+            frame = min(max(self._timeline.frame, 0), len(clip) - 1)
+            session.live.look(frame, *(clip.frame_at(t) for t in self._timeline.view))
+
+    def _work(self) -> None:
+        session = self._document.session
+        if session is None or not session.live.work(SLICE):
+            self._stop()
+            return
+        now = time.monotonic()
+        if now - self._told >= REDRAW:
+            self._told = now
+            if now - self._began >= QUIET:
+                self.advanced.emit(*session.live.progress)
+
+    def _stop(self) -> None:
+        if self.is_busy:
+            self._timer.stop()
+            self.finished.emit()

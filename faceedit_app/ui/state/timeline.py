@@ -1,0 +1,128 @@
+"""What all views of the time axis share: playhead, visible range, selection, falloff."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Signal
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.ui.state.clock import Clock
+
+SHORTEST_VIEW = 0.1
+DEFAULT_FALLOFF = 0.2
+FALLOFF_RANGE = (0.0, 5.0)
+
+
+class Timeline(QObject):
+    """The time axis of the open take. Times are seconds from the first frame.
+
+    Signals:
+        playhead_moved(int): the frame on screen.
+        view_changed(): the visible range `view`.
+        selection_changed(): the time selection `selection`, or None.
+        falloff_changed(float): seconds over which an edit fades in (`falloff`) or out
+            (`falloff_out`).
+    """
+
+    playhead_moved = Signal(int)
+    view_changed = Signal()
+    selection_changed = Signal()
+    falloff_changed = Signal(float)
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._clip: Clip | None = None
+        self.frame = 0
+        self.view = (0.0, 1.0)
+        self.selection: tuple[float, float] | None = None
+        self.falloff = self.falloff_out = DEFAULT_FALLOFF
+        self.clock = Clock(self)
+
+    @property
+    def duration(self) -> float:
+        """Seconds of the open take."""
+        return self._clip.duration if self._clip is not None else 1.0
+
+    @property
+    def frames(self) -> int:
+        """Number of frames of the open take."""
+        return len(self._clip) if self._clip is not None else 0
+
+    @property
+    def time(self) -> float:
+        """Seconds of the frame on screen."""
+        return float(self._clip.times[self.frame]) if self._clip is not None else 0.0
+
+    def open(self, clip: Clip) -> None:
+        """Start at the beginning of another clip, all of it visible, nothing selected."""
+        self._clip, self.frame = clip, 0
+        self.select(None)
+        self.show_range(0.0, self.duration)
+        self.frame = -1
+        self.go_to_frame(0)
+
+    def go_to_frame(self, frame: int) -> None:
+        """Put the playhead on a frame; the view follows if it would leave the screen."""
+        if self._clip is None:
+            return
+        frame = min(max(frame, 0), self.frames - 1)
+        if frame == self.frame:
+            return
+        self.frame = frame
+        self._keep_in_view(self.time)
+        self.playhead_moved.emit(frame)
+
+    def go_to_time(self, seconds: float) -> None:
+        """Put the playhead on the frame nearest to a time."""
+        if self._clip is not None:
+            self.go_to_frame(self._clip.frame_at(seconds))
+
+    def snap(self, seconds: float) -> float:
+        """The time of the frame nearest to `seconds`."""
+        if self._clip is None:
+            return seconds
+        return float(self._clip.times[self._clip.frame_at(seconds)])
+
+    def _keep_in_view(self, seconds: float) -> None:
+        first, last = self.view
+        if not first <= seconds <= last:
+            width = last - first
+            # A page is turned rather than the curves dragged along: they stay readable.
+            start = seconds - (0.05 if seconds > last else 0.95) * width
+            self.show_range(start, start + width)
+
+    def show_range(self, first: float, last: float) -> None:
+        """Make a range of seconds visible, kept within the take."""
+        width = min(max(last - first, SHORTEST_VIEW), max(self.duration, SHORTEST_VIEW))
+        first = min(max(first, 0.0), max(self.duration - width, 0.0))
+        if (first, first + width) != self.view:
+            self.view = (first, first + width)
+            self.view_changed.emit()
+
+    def zoom(self, factor: float, around: float) -> None:
+        """Scale the visible range; `around` (seconds) stays where it is on screen."""
+        first, last = self.view
+        self.show_range(around - (around - first) * factor, around + (last - around) * factor)
+
+    def pan(self, seconds: float) -> None:
+        """Move the visible range."""
+        self.show_range(self.view[0] + seconds, self.view[1] + seconds)
+
+    def select(self, selection: tuple[float, float] | None) -> None:
+        """Select a range of seconds (in either order), or nothing."""
+        if selection is not None:
+            selection = (min(selection), max(selection))
+        if selection != self.selection:
+            self.selection = selection
+            self.selection_changed.emit()
+
+    def set_falloff(self, seconds: float) -> None:
+        """Choose how softly edits fade in and out alike."""
+        self.set_falloffs(seconds, seconds)
+
+    def set_falloffs(self, fade_in: float, fade_out: float) -> None:
+        """Choose how softly edits fade in, and how softly out."""
+        low, high = FALLOFF_RANGE
+        fades = min(max(fade_in, low), high), min(max(fade_out, low), high)
+        if fades != (self.falloff, self.falloff_out):
+            self.falloff, self.falloff_out = fades
+            self.falloff_changed.emit(self.falloff)

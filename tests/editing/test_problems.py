@@ -1,0 +1,166 @@
+"""What goes wrong in tracked faces is found, and the proposal mends it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.faces import shipped_rig, talking_clip
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.clip import Clip, Gap
+from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.resources import shipped
+from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import open_take
+from faceedit_app.formats.take import Take
+
+
+@lru_cache(maxsize=1)
+def demo() -> Take:
+    return open_take(shipped("assets/demo_take.csv"))
+
+
+def still_clip(seconds: float = 6.0, rate: float = 60.0) -> Clip:
+    """A face at rest."""
+    times = np.arange(round(seconds * rate)) / rate
+    weights = np.zeros((len(times), 52), np.float32)
+    weights[:, ARKIT_INDEX["jawOpen"]] = 0.05
+    return Clip(weights, ARKIT_CHANNELS, times, rate)
+
+
+def find(clip: Clip) -> list[Problem]:
+    weights = clip.arkit_weights()
+    return problems_of(clip, weights, shipped_rig().controls(shipped_rig().from_arkit(weights)))
+
+
+def with_blink(clip: Clip, at: float, left: float, right: float, width: float = 0.06) -> Clip:
+    """One more dip of the lids, of weights `left` and `right`."""
+    weights = clip.weights.copy()
+    shape = np.exp(-(((clip.times - at) / width) ** 2))
+    for side, depth in (("Left", left), ("Right", right)):
+        weights[:, ARKIT_INDEX[f"eyeBlink{side}"]] += (depth * shape).astype(np.float32)
+    return clip.with_weights(weights)
+
+
+def test_demo_take_has_the_two_faults_that_were_built_in_and_no_other() -> None:
+    session = EditSession(demo(), shipped_rig())
+    blink, lips = find_problems(session)
+    assert (blink.kind, lips.kind) == (Kind.BLINK, Kind.LIPS)
+    assert blink.start == pytest.approx(4.62, abs=0.05)
+    assert lips.start < 7.5 < lips.end
+    assert blink.controls == ("left_eyelid", "right_eyelid")
+    assert "63 %" in blink.message
+
+
+@pytest.mark.parametrize("step", [1, 2])
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+def test_the_same_is_found_at_30_frames_a_second_and_in_a_noisier_recording(
+    step: int, noise: float
+) -> None:
+    clip = demo().clip
+    weights = clip.arkit_weights()[::step]
+    weights = weights + np.random.default_rng(0).normal(0, noise, weights.shape)
+    weights = np.maximum(weights, 0).astype(np.float32)
+    found = find(Clip(weights, ARKIT_CHANNELS, clip.times[::step], clip.rate / step))
+    assert [problem.kind for problem in found] == [Kind.BLINK, Kind.LIPS]
+
+
+def test_proposals_mend_the_demo_take_and_leave_the_rest_alone() -> None:
+    session = EditSession(demo(), shipped_rig())
+    problems = find_problems(session)
+    session.preview(*(edit for problem in problems for edit in problem.fix))
+    assert find_problems(session) == []
+    lids = session.achieved[:, [CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["right_eyelid"]]]
+    near = (session.take.clip.times > 4.6) & (session.take.clip.times < 5.0)
+    assert lids[near].min(axis=0).max() < 0.5
+    session.cancel()
+    assert len(find_problems(session)) == 2
+
+
+def test_face_at_rest_has_no_problem() -> None:
+    assert find(still_clip()) == []
+    assert find(still_clip(0.05)) == []  # three frames
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "open_lids"),
+    [
+        (1.0, 1.0, None),
+        (0.5, 0.5, ("left_eyelid", "right_eyelid")),
+        (1.0, 0.5, ("left_eyelid", "right_eyelid")),
+        (0.1, 0.1, None),  # a flutter
+        (0.95, 0.0, None),  # a wink
+    ],
+)
+def test_blinks(left: float, right: float, open_lids: tuple[str, ...] | None) -> None:
+    found = find(with_blink(still_clip(), 3.0, left, right))
+    if open_lids is None:
+        assert found == []
+    else:
+        (problem,) = found
+        assert problem.start < 3.0 < problem.end
+        assert problem.controls == open_lids
+        (edit,) = problem.fix
+        assert (edit.op, edit.value, edit.controls) == (Op.SET, 0.0, open_lids)
+        assert edit.start == pytest.approx(3.0, abs=0.02)
+
+
+def test_slow_look_down_is_no_blink() -> None:
+    assert find(with_blink(still_clip(), 3.0, 0.5, 0.5, width=0.5)) == []
+
+
+def test_blink_at_the_edge_of_the_take_is_seen() -> None:
+    for at in (0.02, 5.95):
+        assert [p.kind for p in find(with_blink(still_clip(), at, 0.5, 0.5))] == [Kind.BLINK]
+
+
+def test_shaking_curve_is_found_and_steadied() -> None:
+    clip = still_clip()
+    weights = clip.weights.copy()
+    noisy = (clip.times > 2) & (clip.times < 4)
+    noise = np.random.default_rng(0).normal(0, 0.03, int(noisy.sum()))
+    weights[noisy, ARKIT_INDEX["jawOpen"]] += (0.1 + noise).astype(np.float32)
+    (problem,) = [p for p in find(clip.with_weights(weights)) if p.kind is Kind.JITTER]
+    assert "mouth_opening" in problem.controls
+    assert problem.start == pytest.approx(2.0, abs=0.3)
+    assert problem.end == pytest.approx(4.0, abs=0.3)
+    (edit,) = problem.fix
+    assert edit.op is Op.SMOOTH
+
+
+def test_lost_frames_are_told_and_those_close_together_as_one() -> None:
+    clip = replace(still_clip(), gaps=(Gap(100, 1), Gap(104, 2), Gap(200, 1)))
+    first, second = find(clip)
+    assert (first.kind, first.message, first.fix) == (Kind.DROPPED, "3 frames are missing", ())
+    assert second.message == "1 frame is missing"
+    assert first.start == pytest.approx(100 / 60, abs=1e-3)
+
+
+def test_jump_over_lost_frames_is_softened() -> None:
+    clip = still_clip()
+    weights = clip.weights.copy()
+    weights[101:, ARKIT_INDEX["jawOpen"]] = 0.5
+    (problem,) = find(replace(clip.with_weights(weights), gaps=(Gap(100, 3),)))
+    assert "Mouth opening" in problem.message
+    assert "mouth_opening" in problem.controls
+    assert problem.fix[0].op is Op.SMOOTH
+
+
+def test_gap_at_the_very_end_is_told() -> None:
+    clip = still_clip()
+    assert len(find(replace(clip, gaps=(Gap(len(clip) - 1, 5),)))) == 1
+
+
+def test_ten_minutes_are_searched_in_no_time() -> None:
+    clip = talking_clip(36_000)
+    session = EditSession(Take(Path("take.csv"), "test", clip, (), (), None), shipped_rig())  # type: ignore[arg-type]
+    began = time.perf_counter()
+    find_problems(session)
+    assert time.perf_counter() - began < 1.0

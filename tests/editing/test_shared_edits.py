@@ -1,0 +1,125 @@
+"""Edits of real recordings with the shipped networks; skipped where there are none at hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.places import SHARED
+
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.arkit import ARKIT_INDEX, canonical_channel
+from faceedit_app.core.regions import CONTROL_INDEX, MODELLED_CHANNELS
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.solving.request import SPILL
+from faceedit_app.formats.opening import open_take
+from faceedit_app.networks.engine import Engine
+
+LIVELINK = sorted((SHARED / "data" / "livelink").glob("*.csv"))
+START, END, FALLOFF = 20.0, 20.4, 0.2
+
+pytestmark = pytest.mark.skipif(
+    not LIVELINK, reason="no real takes here; FACEEDIT_SHARED may name their folder"
+)
+every_take = pytest.mark.parametrize("path", LIVELINK, ids=lambda path: path.stem)
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return read_rig(shipped("assets/character.glb"))
+
+
+@pytest.fixture(scope="module")
+def engine() -> Engine:
+    return Engine.load(shipped("models"))
+
+
+def edited(path: Path, rig: Rig, engine: Engine, *edits: Edit) -> EditSession:
+    session = EditSession(open_take(path), rig, engine)
+    session.add(*edits)
+    return session
+
+
+@every_take
+@pytest.mark.parametrize(
+    ("control", "millimetres"),
+    [("mouth_opening", 8.0), ("mouth_width", -4.0), ("left_corner", 4.0), ("right_eyelid", -6.0)],
+)
+def test_one_edit_of_a_real_take(
+    path: Path, control: str, millimetres: float, rig: Rig, engine: Engine, tmp_path: Path
+) -> None:
+    session = edited(
+        path, rig, engine, Edit((control,), Op.OFFSET, START, END, FALLOFF, millimetres)
+    )
+    out = tmp_path / "out.csv"
+    session.export(out)
+    again = open_take(out)
+    times, tracked = session.take.clip.times, session.take.clip
+    inside = (times >= START) & (times <= END)
+    reach = FALLOFF + SPILL
+    outside = (times < START - reach) | (times > END + reach)
+
+    np.testing.assert_array_equal(again.clip.weights[outside], tracked.weights[outside])
+    source, result = path.read_bytes().splitlines(True), out.read_bytes().splitlines(True)
+    assert len(source) == len(result)
+    changed = sum(a != b for a, b in zip(source, result, strict=True))
+    assert 0 < changed <= np.count_nonzero(~outside)
+
+    column = CONTROL_INDEX[control]
+    measured = rig.controls(rig.from_arkit(again.clip.arkit_weights()))[inside, column]
+    moved = measured - session.tracked[inside, column]
+    asked = session.asked[inside, column] - session.tracked[inside, column]
+    open_to_move = np.abs(asked) > 0.5  # an eye that is closed already cannot close
+    assert np.all(moved[open_to_move] * np.sign(millimetres) > 0)
+    assert np.median(moved[open_to_move] / asked[open_to_move]) > 0.8
+
+    modelled = [ARKIT_INDEX[c] for c in MODELLED_CHANNELS]
+    written = again.clip.arkit_weights()
+    assert np.isfinite(written).all()
+    touched = (written != tracked.arkit_weights())[:, modelled]
+    values, before = written[:, modelled], tracked.arkit_weights()[:, modelled]
+    assert values[touched].min() >= 0
+    # A tracked value above 1 is let go of as the edit fades in, never raised.
+    assert np.all(values[touched] <= np.maximum(before, 1)[touched])
+    carried = [i for i in range(52) if i not in modelled]
+    np.testing.assert_array_equal(written[:, carried], tracked.arkit_weights()[:, carried])
+
+
+@every_take
+def test_no_edit_exports_the_source(path: Path, rig: Rig, engine: Engine, tmp_path: Path) -> None:
+    edited(path, rig, engine).export(tmp_path / "out.csv")
+    assert (tmp_path / "out.csv").read_bytes() == path.read_bytes()
+
+
+@every_take
+def test_wild_edits_of_a_real_take_stay_within_what_a_face_can_do(
+    path: Path, rig: Rig, engine: Engine
+) -> None:
+    frame = 1 / 30
+    session = edited(
+        path,
+        rig,
+        engine,
+        Edit(("mouth_opening",), Op.OFFSET, START, START + frame, 0.0, 80.0),
+        Edit(("left_eyelid", "right_eyelid"), Op.OFFSET, 0.0, 1e4, 0.0, -20.0),
+    )
+    modelled = [ARKIT_INDEX[c] for c in MODELLED_CHANNELS]
+    tracked = session.take.clip.arkit_weights()
+    changed = session.weights != tracked
+    assert np.isfinite(session.weights).all()
+    assert session.weights[changed].min() >= 0
+    assert session.weights[changed].max() <= 1
+    assert not changed[:, [i for i in range(52) if i not in modelled]].any()
+    eyes = session.achieved[:, [CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["right_eyelid"]]]
+    assert np.percentile(eyes, 95) < 1.5  # mm: closed
+    assert session.achieved[:, CONTROL_INDEX["mouth_opening"]].max() < 60
+
+
+def test_channel_names_of_real_takes_are_known() -> None:
+    for path in LIVELINK:
+        header = path.read_text().splitlines()[0].split(",")
+        assert sum(canonical_channel(name) is not None for name in header) == 52

@@ -1,0 +1,173 @@
+"""Timecodes say more than they seem to, and less: what is derived, and what is admitted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.takes import timecode
+
+from faceedit_app.formats.timecode import BadTimecode, Timing, derive_timing, parse_timecodes
+from faceedit_app.formats.timing import find_gaps, format_rate, format_time
+
+
+def codes(frames: list[float], base: int = 60, start: float = 3_000_000) -> list[str]:
+    return [timecode(start + frame, base) for frame in frames]
+
+
+def every(step: float, rows: int) -> list[float]:
+    return [i * step for i in range(rows)]
+
+
+def gaps_of(timing: Timing) -> list[tuple[int, int]]:
+    return [(gap.frame, gap.missing) for gap in find_gaps(timing.times, timing.rate)]
+
+
+def test_thousandths_are_of_a_frame_and_not_of_a_second() -> None:
+    stamps = parse_timecodes(["01:02:03:35.273"])
+    assert stamps.clock[0] == 3723
+    assert stamps.frames[0] == 35.273
+
+
+@pytest.mark.parametrize("text", ["00:00:01:12", "00:00:01;12", "00;00;01;12", "00:00:01:12.0"])
+def test_common_spellings_mean_the_same(text: str) -> None:
+    stamps = parse_timecodes([text])
+    assert (stamps.clock[0], stamps.frames[0]) == (1, 12.0)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "abc", "1.5", "00:00:01", "24:00:00:00", "00:60:00:00", "00:00:60:00", "٠١:02:03:04"],
+)
+def test_a_text_that_is_no_timecode_is_refused_with_its_row(text: str) -> None:
+    with pytest.raises(BadTimecode) as caught:
+        derive_timing(["00:00:00:00", text])
+    assert caught.value.row == 1
+
+
+@pytest.mark.parametrize("base", [24, 25, 30, 48, 50, 60, 100, 120])
+def test_the_base_shows_where_the_second_rolls_over(base: int) -> None:
+    timing = derive_timing(codes(every(1, base * 3), base))
+    assert timing.base == base
+    assert timing.rate == base
+    assert timing.notes == ()
+
+
+def test_thirty_fps_on_a_sixty_fps_timecode_is_seen_and_said() -> None:
+    timing = derive_timing(codes(every(1.9997, 300)))
+    assert timing.rate == 30
+    assert timing.notes == ("30 fps on a 60 fps timecode",)
+    assert timing.times[-1] == pytest.approx(299 * 1.9997 / 60, abs=1e-4)
+
+
+def test_a_camera_that_drifts_keeps_its_own_times() -> None:
+    timing = derive_timing(codes(every(1.0016, 600)))
+    assert timing.rate == 60
+    assert timing.times[-1] == pytest.approx(599 * 1.0016 / 60, abs=1e-4)
+
+
+def test_a_broadcast_rate_is_believed_only_on_evidence() -> None:
+    assert derive_timing(codes(every(1.001, 600))).rate == pytest.approx(59.94006)
+    assert derive_timing(codes(every(1, 600))).rate == 60
+    assert derive_timing(codes(every(1, 600), 24)).rate == 24
+
+
+def test_drop_frame_numbers_are_not_gaps() -> None:
+    before = [f"00:00:59;{frame:02d}" for frame in range(30)]
+    after = [f"00:01:00;{frame:02d}" for frame in range(2, 30)]
+    timing = derive_timing(before + after)
+    assert timing.rate == pytest.approx(29.97003)
+    assert gaps_of(timing) == []
+
+
+def test_lost_frames_are_gaps_with_their_length() -> None:
+    rows = [frame for frame in every(1.9997, 300) if not 99 < frame < 109 and not 200 < frame < 203]
+    timing = derive_timing(codes(rows))
+    assert [missing for _, missing in gaps_of(timing)] == [5, 1]
+    assert timing.rate == 30
+
+
+def test_midnight_does_not_turn_time_back() -> None:
+    timing = derive_timing(codes(every(1, 120), start=24 * 3600 * 60 - 60))
+    assert timing.times[-1] == pytest.approx(119 / 60)
+    assert gaps_of(timing) == []
+
+
+def test_a_timecode_from_a_jittering_clock_is_replaced_by_even_rows() -> None:
+    steps = np.random.default_rng(1).choice([0, 1, 2], size=609, p=[0.21, 0.6, 0.19])
+    timing = derive_timing(codes([0, *np.cumsum(steps).tolist()]))
+    assert timing.rate == 60
+    assert np.allclose(np.diff(timing.times), 1 / 60)
+    assert "uniform at 60 fps" in timing.notes[-1]
+
+
+def test_twenty_five_fps_on_whole_frames_of_sixty_becomes_even() -> None:
+    timing = derive_timing(codes([float(int(i * 2.4)) for i in range(250)]))
+    assert timing.rate == 25
+    assert gaps_of(timing) == []
+
+
+def test_a_timecode_that_stands_still_gives_even_rows() -> None:
+    timing = derive_timing(["10:00:00:00"] * 5)
+    assert np.allclose(timing.times, np.arange(5) / 60)
+    assert any("stands still" in note for note in timing.notes)
+
+
+def test_one_repeated_timecode_moves_no_other_row() -> None:
+    frames = every(1, 300)
+    frames[100] = frames[99]
+    timing = derive_timing(codes(frames))
+    assert timing.times[101] == pytest.approx(101 / 60)
+    assert 99 / 60 < timing.times[100] < 101 / 60
+    assert any("repeat" in note for note in timing.notes)
+
+
+def test_two_recordings_in_one_file_follow_one_another() -> None:
+    timing = derive_timing(codes(every(1, 200)) + codes(every(1, 200), start=1_000_000))
+    assert timing.times[-1] == pytest.approx(399 / 60)
+    assert any("jumps back" in note for note in timing.notes)
+
+
+def test_a_single_row_is_allowed() -> None:
+    timing = derive_timing(["10:00:00:12.5"])
+    assert timing.times.tolist() == [0.0]
+    assert timing.rate == 60
+    assert "single frame" in timing.notes[0]
+
+
+def test_an_assumed_base_is_admitted() -> None:
+    timing = derive_timing(codes(every(1, 10)))
+    assert timing.base == 60
+    assert "assumed" in timing.notes[0]
+
+
+@settings(deadline=None, derandomize=True)
+@given(st.lists(st.integers(0, 24 * 3600 * 60 - 1), min_size=1, max_size=60))
+def test_times_always_increase_whatever_the_timecodes(frames: list[int]) -> None:
+    timing = derive_timing([timecode(frame) for frame in frames])
+    assert timing.times[0] == 0
+    assert np.all(np.diff(timing.times) > 0)
+    assert np.isfinite(timing.rate)
+    assert timing.rate > 0
+
+
+@settings(deadline=None, derandomize=True)
+@given(
+    base=st.sampled_from([24, 25, 30, 50, 60]),
+    start=st.integers(0, 24 * 3600 * 24),
+    lost=st.sets(st.integers(10, 180), max_size=12),
+)
+def test_any_drop_in_a_steady_recording_is_found(base: int, start: int, lost: set[int]) -> None:
+    rows = [float(i) for i in range(200) if i not in lost]
+    timing = derive_timing(codes(rows, base, start))
+    assert timing.rate == base
+    assert sum(missing for _, missing in gaps_of(timing)) == len(lost)
+
+
+def test_times_and_rates_read_as_people_write_them() -> None:
+    assert format_time(4.5333) == "0:04.533"
+    assert format_time(59.9999) == "1:00.000"
+    assert format_time(3725.5) == "1:02:05.500"
+    assert format_rate(30000 / 1001) == "29.97 fps"
+    assert format_rate(60.0) == "60 fps"

@@ -1,0 +1,228 @@
+"""`faceedit bench` in its quick mode: all is measured that should be; nothing is judged."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.lab.bench import references
+from faceedit_app.lab.bench.clocks import Stages, Times, repeat
+from faceedit_app.lab.bench.desk import long_take
+from faceedit_app.lab.bench.report import machine, text
+from faceedit_app.networks.engine import Engine
+
+Install = Callable[[str, str], None]
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return read_rig(shipped("assets/character.glb"))
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, Any]:
+    """One quick run of the command, as a user starts it."""
+    run = subprocess.run(
+        [sys.executable, "-m", "faceedit_app", "bench", "--json", "--quick"],
+        capture_output=True,
+        encoding="utf-8",
+        env=os.environ | {"QT_QPA_PLATFORM": "offscreen"},
+        timeout=110,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    result: dict[str, Any] = json.loads(run.stdout)
+    return result
+
+
+def numbers(tree: Any) -> Iterator[float]:
+    if isinstance(tree, dict):
+        for value in tree.values():
+            yield from numbers(value)
+    elif isinstance(tree, float):
+        yield tree
+
+
+@pytest.mark.timeout(120)
+def test_the_report_has_all_that_was_asked_for(found: dict[str, Any]) -> None:
+    assert {"median", "p95"} <= set(found["drag"])
+    assert "median" in found["networks_202"]
+    assert {"controls", "networks", "curves", "plots", "deform", "draw"} <= set(found["stages"])
+    assert set(found["start_s"]) == {"window", "face", "edit"}
+    assert set(found["ratio"]) == {"naive", "holden", "gl_limit", "cpu_limit", "blender"}
+    assert "640" in found["playback_fps"]
+    assert (found["busy"]["frames"], found["busy"]["edits"]) == (1_000, 20)
+    assert {"toggle", "delete", "undo", "strength", "smile"} <= set(found["busy"]["answers"])
+    assert "202" in found["peak_mb"]
+    assert found["local_edit_ratio_200k"] > 0
+    assert {"processor", "cores", "python", "packages"} <= set(found["machine"])
+
+
+@pytest.mark.timeout(120)
+def test_its_numbers_make_sense(found: dict[str, Any]) -> None:
+    assert all(np.isfinite(number) and number >= 0 for number in numbers(found))
+    drag = found["drag"]
+    assert 0 < drag["best"] <= drag["median"] <= drag["p95"]
+    assert all(found["stages"][stage] > 0 for stage in ("controls", "networks", "curves", "plots"))
+    start = found["start_s"]
+    assert 0 < start["window"] < start["face"] <= start["edit"]
+    assert found["peak_mb"]["202"] > 50
+    for row in found["busy"]["answers"].values():
+        assert 0 < row["answer"] <= row["longest_answer"]
+        assert row["complete"] > 0
+    for row in found["lengths"].values():
+        assert row["whole"]["complete"] >= row["whole"]["visible"] > 0
+
+
+@pytest.mark.timeout(120)
+def test_people_can_read_it(found: dict[str, Any]) -> None:
+    words = text(found)
+    for part in (
+        "drag, 202 frames",
+        "networks",
+        "playback",
+        "start",
+        "peak memory",
+        "blender",
+        "20 edits",
+    ):
+        assert part in words
+
+
+def test_stages_count_what_they_call_in_others_there_alone() -> None:
+    class Part:
+        def inner(self) -> None:
+            sum(range(20_000))
+
+        def outer(self) -> None:
+            self.inner()
+
+    stages = Stages()
+    with stages.watching(("a", Part, "outer"), ("b", Part, "inner")):
+        repeat(Part().outer, 20, 0)
+    assert set(stages.seconds) == {"a", "b"}
+    assert stages.seconds["b"] > stages.seconds["a"]
+    assert "measured" not in Part.outer.__qualname__
+
+
+def test_times_are_summed_up() -> None:
+    times = Times([1.0, 2.0, 3.0, 4.0, 100.0])
+    assert (times.median, times.best) == (3.0, 1.0)
+    assert 4.0 < times.p95 <= 100.0
+
+
+def test_long_takes_repeat_the_demo() -> None:
+    clip = long_take(1500).clip
+    assert len(clip) == 1500
+    assert (np.diff(clip.times) > 0).all()
+    np.testing.assert_array_equal(clip.weights[0], clip.weights[600])
+
+
+def test_references_that_are_absent_are_none(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
+    monkeypatch.setattr(references.importlib.util, "find_spec", lambda _name: None)
+    monkeypatch.setattr(shutil, "which", lambda _name: None)
+    assert references.holden(1) is None
+    assert references.gl_limit(rig, 1) is None
+    assert references.blender(rig, 1) is None
+
+
+@pytest.fixture
+def programs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Install:
+    """Puts programs, as shell scripts, in the place of all that are installed."""
+    if os.name != "posix":
+        pytest.skip("the stand-ins for Blender are shell scripts")
+    installed: dict[str, str] = {}
+    monkeypatch.setattr(shutil, "which", installed.get)
+    monkeypatch.setenv("DISPLAY", ":0")
+
+    def install(name: str, script: str) -> None:
+        path = tmp_path / name
+        path.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+        path.chmod(0o755)
+        installed[name] = str(path)
+
+    return install
+
+
+def test_blender_gets_our_take_and_its_last_answer_counts(
+    programs: Install, rig: Rig, tmp_path: Path
+) -> None:
+    programs(
+        "blender",
+        f"""for job; do :; done  # the last argument
+cp "$job" '{tmp_path}/job.json'
+echo 'FACEEDIT {{"median": 80.0, "eevee": null}}'
+echo 'glTF import finished'
+echo 'FACEEDIT {{"median": 80.0, "eevee": {{"median": 250.0}}}}'""",
+    )
+    assert references.blender(rig, 7) == {"median": 80.0, "eevee": {"median": 250.0}}
+    job = json.loads((tmp_path / "job.json").read_text(encoding="utf-8"))
+    assert (job["size"], job["times"]) == (references.SIZE, 7)
+    assert set(job["weights"]) == set(rig.channels)
+    assert job["changed"] in job["weights"]
+    assert {len(weights) for weights in job["weights"].values()} == {references.FRAMES}
+    assert any(weights[job["frame"]] for weights in job["weights"].values())
+
+
+def test_an_eevee_that_dies_leaves_workbench_its_answer(programs: Install, rig: Rig) -> None:
+    programs("blender", """echo 'FACEEDIT {"median": 80.0, "eevee": null}'; kill -SEGV $$""")
+    assert references.blender(rig, 1) == {"median": 80.0, "eevee": None}
+
+
+def test_a_blender_that_cannot_draw_is_none_and_says_why(programs: Install, rig: Rig) -> None:
+    programs("blender", "echo 'no OpenGL' >&2; exit 3")
+    told: list[str] = []
+    assert references.blender(rig, 1, told.append) is None
+    assert told == ["blender: no OpenGL"]
+
+
+def test_a_blender_that_hangs_is_stopped_with_its_display(
+    programs: Install, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("DISPLAY")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setattr(references, "_BLENDER_SECONDS", 0.5)
+    programs("blender", "sleep 60")
+    programs("xvfb-run", 'shift 3; "$@"; true')  # waits for Blender, as the real one does
+    told: list[str] = []
+    began = time.monotonic()
+    assert references.blender(rig, 1, told.append) is None
+    assert time.monotonic() - began < 30.0
+    assert told == ["blender: not done after 0.5 seconds"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="others always have a display")
+def test_blender_needs_a_display(
+    programs: Install, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("DISPLAY")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    programs("blender", "echo 'FACEEDIT {}'")
+    told: list[str] = []
+    assert references.blender(rig, 1, told.append) is None
+    assert told == ["blender: needs a display, or xvfb-run"]
+
+
+def test_the_limit_of_the_processor_is_counted_from_the_networks() -> None:
+    engine = Engine.load(shipped("models"))
+    products = sum(engine.models[region.id].products for region in REGIONS)
+    assert 100_000 < products < 10_000_000
+    assert references.cpu_limit(engine, 2).best > 0
+
+
+def test_the_machine_is_named() -> None:
+    assert {"numpy", "PySide6_Essentials"} <= set(machine()["packages"])

@@ -1,0 +1,257 @@
+"""Evaluate, experiment and train by the command line, on tiny data and networks."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from support.faces import random_engine, shipped_rig
+from support.performances import DISTANCES, folder_of_takes, performance, tiny
+
+from faceedit_app.cli import main
+from faceedit_app.core.regions import REGIONS
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import open_take
+from faceedit_app.lab.evaluation.benchmark import run_benchmark, trials
+from faceedit_app.lab.evaluation.evaluate import CLOSING, measure_systems
+from faceedit_app.lab.evaluation.goals import goals, goals_part
+from faceedit_app.lab.evaluation.systems import Systems
+from faceedit_app.lab.training import settings as recipes
+from faceedit_app.lab.training.card import FIGURES_END, FIGURES_START, with_figures
+from faceedit_app.lab.training.charts import Line, chart
+from faceedit_app.lab.training.fit import fit_region
+
+
+@pytest.fixture(scope="module")
+def takes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return folder_of_takes(tmp_path_factory.mktemp("data") / "someone", seconds=14.0)
+
+
+@pytest.fixture(scope="module")
+def models(takes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("models")
+    with pytest.MonkeyPatch.context() as patch:
+        small = {name: tiny(name) for name in recipes.RECIPES}
+        patch.setattr("faceedit_app.lab.training.run.RECIPES", small)
+        assert main(["train", "--data", str(takes), "-o", str(folder), "--epochs", "1"]) == 0
+    return folder
+
+
+def test_training_writes_models_card_losses_and_no_checkpoint(models: Path) -> None:
+    names = {p.relative_to(models).as_posix() for p in models.rglob("*") if p.is_file()}
+    regions = [region.id for region in REGIONS]
+    assert names == {
+        *(f"{r}.safetensors" for r in regions),
+        *(f"holden/{r}.safetensors" for r in regions),
+        "README.md",
+        "losses.svg",
+    }
+    card = (models / "README.md").read_text()
+    assert "`someone`" in card
+    assert FIGURES_START in card
+    ElementTree.fromstring((models / "losses.svg").read_text())
+
+
+def test_evaluate_writes_the_json_of_the_promise(
+    takes: Path, models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, report = tmp_path / "e.json", tmp_path / "report"
+    given = ["evaluate", str(takes), "--models", str(models), "--json", str(file)]
+    assert main([*given, "--report", str(report)]) == 0
+    assert "regressor" in capsys.readouterr().out
+    found = json.loads(file.read_text())
+    assert set(found) == {"regions", "closures", "edits", "takes"}
+    assert set(found["regions"]) == {"lower", "upper", "eyelids"}
+    for scores in found["regions"].values():
+        assert set(scores) == {"regressor", "system", "holden"}
+        for score in scores.values():
+            assert set(score) == {"mse", "vertex_mm", "hf_kept", "jerk_ratio"}
+            assert all(isinstance(v, float) for v in score.values())
+    assert set(found["closures"]) == set(CLOSING)
+    for closing in found["closures"].values():
+        count = len(closing["threshold_mm"])
+        for system in ("regressor", "system", "holden"):
+            assert len(closing[system]["tpr"]) == len(closing[system]["fpr"]) == count
+    assert set(found["edits"]) == {"preserve", "resynthesize"}
+    for figures in found["edits"].values():
+        assert set(figures) == {
+            "reached_mm_p95", "changed_outside", "boundary_jump", "clipped_share",
+        }  # fmt: skip
+    assert found["edits"]["preserve"]["changed_outside"] == 0.0
+    assert [t["name"] for t in found["takes"]] == ["take_0.csv", "take_1.csv"]
+    text = (report / "evaluation.md").read_text()
+    for picture in report.glob("*.svg"):
+        assert picture.name in text
+        ElementTree.fromstring(picture.read_text())
+
+
+def test_models_without_the_baseline_are_measured_without_it(takes: Path, tmp_path: Path) -> None:
+    from support.faces import random_model
+
+    from faceedit_app.lab.training.model_files import save_model
+
+    for region in REGIONS:
+        save_model(tmp_path / f"{region.id}.safetensors", random_model(region))
+    file = tmp_path / "e.json"
+    assert main(["evaluate", str(takes), "--models", str(tmp_path), "--json", str(file)]) == 0
+    found = json.loads(file.read_text())
+    assert found["regions"]["lower"]["holden"]["mse"] is None
+    assert set(found["closures"]["mouth"]["holden"]["tpr"]) == {None}
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        ["train"],
+        ["train", "--data", "nowhere"],
+        ["train", "--data", "TAKES", "--recipe", "soup"],
+        ["train", "--data", "TAKES", "--models", "x"],
+        ["train", "--data", "TAKES", "--finetune", "--models", "nowhere"],
+        ["train", "--data", "TAKES", "--epochs", "0"],
+        ["train", "--data", "TAKES", "--seed", "-1"],
+        ["train", "--data", "TAKES", "--exclude", "*"],
+        ["evaluate"],
+        ["evaluate", "nowhere"],
+        ["evaluate", "TAKES", "--models", "nowhere"],
+        ["evaluate", "SHORT"],
+        ["experiment", "soup"],
+        ["experiment", "table2"],
+        ["experiment", "table1"],
+        ["statistics", "nowhere"],
+    ],
+)
+def test_wrong_usage_is_one_line_and_code_2(
+    given: list[str], takes: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    folder_of_takes(tmp_path / "short", count=1, seconds=0.5)
+    names = {"TAKES": str(takes), "SHORT": str(tmp_path / "short")}
+    assert main([names.get(word, word) for word in given]) == 2
+    said = capfd.readouterr().err.strip().splitlines()
+    assert len([line for line in said if line.startswith("faceedit: ")]) == 1, said
+    assert "Traceback" not in "\n".join(said)
+
+
+def test_ctrl_c_keeps_what_there_is_and_says_so(
+    takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    small = {name: tiny(name, epochs_regressor=9) for name in recipes.RECIPES}
+    monkeypatch.setattr("faceedit_app.lab.training.run.RECIPES", small)
+    from faceedit_app.lab.training import loop
+
+    calls = []
+    real = loop._epoch
+
+    def epoch(*given: object) -> float:
+        calls.append(given)
+        if len(calls) == 6:
+            raise KeyboardInterrupt
+        return real(*given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(loop, "_epoch", epoch)
+    out = tmp_path / "m"
+    given = ["train", "--data", str(takes), "-o", str(out)]
+    assert main(given) == 130
+    assert "Stopped" in capsys.readouterr().out
+    assert (out / "lower.safetensors").exists()
+    assert (out / "checkpoint" / "lower.regressor.safetensors").exists()
+    monkeypatch.setattr(loop, "_epoch", real)
+    assert main(given) == 0
+    assert not (out / "checkpoint").exists()
+
+
+def test_finetuning_starts_from_models(
+    takes: Path, models: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = ["train", "--data", str(takes), "-o", str(tmp_path / "m"), "--finetune"]
+    assert main([*given, "--models", str(models), "--epochs", "1", "--no-baseline"]) == 0
+    assert (tmp_path / "m" / "lower.safetensors").exists()
+    assert not (tmp_path / "m" / "holden").exists()
+
+
+def test_statistics_tell_sources_apart(takes: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["statistics", str(takes)]) == 0
+    assert "someone" in capsys.readouterr().out
+
+
+def test_systems_that_give_the_truth_back_have_no_error() -> None:
+    """A stand-in that knows the take: every metric must say that it is right."""
+    take = performance(8.0)
+    fitted = [fit_region(r, [performance(25.0)], DISTANCES, tiny()).model for r in REGIONS]
+    systems = Systems.of(*fitted)
+    from faceedit_app.core.arkit import ARKIT_INDEX
+
+    def truth(system: str, region: str, curves: np.ndarray) -> np.ndarray:
+        channels = next(r for r in REGIONS if r.id == region).channels
+        return take.weights[:, [ARKIT_INDEX[c] for c in channels]].astype(np.float64)
+
+    object.__setattr__(systems, "answer", truth)
+    figures = measure_systems([take], systems, shipped_rig())
+    for scores in figures.regions.values():
+        assert scores["system"].mse == pytest.approx(0.0, abs=1e-12)
+        assert scores["system"].vertex_mm == pytest.approx(0.0, abs=1e-4)
+        assert scores["system"].hf_kept == pytest.approx(1.0)
+        assert scores["system"].jerk_ratio == pytest.approx(1.0)
+    for found in figures.closures.values():
+        for tpr, fpr in zip(found["system"].tpr, found["system"].fpr, strict=True):
+            assert (math.isnan(tpr) and math.isnan(fpr)) or (tpr == 1.0 and fpr == 0.0)
+
+
+def test_benchmark_is_the_same_every_time_and_leaves_the_take_alone(takes: Path) -> None:
+    take = open_take(takes / "take_0.csv")
+    engine = random_engine()
+    session = EditSession(take, shipped_rig(), engine)
+    controls = session.tracked.astype(np.float64)
+    assert trials(take, controls) == trials(take, controls)
+    kinds = {trial.kind for trial in trials(take, controls)}
+    assert {"spike", "smile", "conflict", "wild"} <= kinds
+    other = replace(take, path=takes / "take_1.csv")
+    assert trials(other, controls) != trials(take, controls)
+    outcomes = run_benchmark([take], shipped_rig(), engine)
+    assert len(outcomes) == 6 * len(trials(take, controls))
+    assert {(o.mode, o.naturalness) for o in outcomes} == {
+        (mode, n) for mode in ("preserve", "resynthesize") for n in (0.0, 0.5, 1.0)
+    }
+    assert all(o.changed_outside == 0.0 for o in outcomes if o.mode == "preserve")
+    assert (
+        trials(replace(take, clip=replace(take.clip, times=take.clip.times / 20)), controls) == []
+    )
+
+
+def test_goals_tell_reached_from_missed(takes: Path, models: Path) -> None:
+    from faceedit_app.lab.evaluation.evaluate import evaluate_takes
+    from faceedit_app.lab.training.data import load_performances
+
+    figures = evaluate_takes(load_performances([takes]), models)
+    found = goals(figures)
+    assert len(found) > 15
+    text = goals_part(figures)
+    assert text.count("| yes |") == sum(goal.reached for goal in found)
+    assert text.count("**no**") == sum(not goal.reached for goal in found)
+
+
+def test_figures_in_a_card_are_replaced_and_nothing_else() -> None:
+    card = f"before\n{FIGURES_START}\nold\n{FIGURES_END}\nafter\n"
+    changed = with_figures(card, "new")
+    assert changed == f"before\n{FIGURES_START}\nnew\n{FIGURES_END}\nafter\n"
+    assert with_figures(changed, "new") == changed
+    assert with_figures("a card of another hand", "new") == "a card of another hand"
+
+
+@pytest.mark.parametrize(
+    "ys", [[], [1.0], [2.0, 2.0], [0.0, math.nan, 5.0], [-3.0, 1e6, 0.2], [1e-9, 2e-9]]
+)
+@pytest.mark.parametrize("log", [False, True])
+def test_chart_of_any_numbers_is_an_image(ys: list[float], log: bool) -> None:
+    line = Line("a <b> & c", range(len(ys)), ys)
+    text = chart("t & u", "x", "y", [line], log_y=log)
+    root = ElementTree.fromstring(text)
+    assert root.tag.endswith("svg")
+    assert "nan" not in text
+    assert text == chart("t & u", "x", "y", [line], log_y=log)

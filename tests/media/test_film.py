@@ -1,0 +1,151 @@
+"""Any picture of a film by its number: pictures that carry their number say whether it is so."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.films import SIZE, make_film, number_of
+
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.media.container import Abandoned
+from faceedit_app.media.film import Film, Projector
+
+
+@pytest.fixture
+def film(tmp_path: Path) -> Film:
+    return Film(make_film(tmp_path / "a.mp4"))
+
+
+def test_every_picture_is_the_right_one_in_any_order(film: Film) -> None:
+    assert len(film) == 60
+    assert film.rate == pytest.approx(30.0)
+    assert film.duration == pytest.approx(2.0)
+    order = np.random.default_rng(0).permutation(60).tolist()
+    for index in [*order, *range(60), *range(59, -1, -1)]:
+        film._cache.clear()
+        assert number_of(film.picture(index)) == index
+
+
+@pytest.mark.parametrize(
+    ("name", "codec", "b_frames"), [("a.mov", "libx264", 3), ("a.mpg", "mpeg2video", 2)]
+)
+@pytest.mark.parametrize("gop", [1, 7, 250])
+def test_whatever_the_file_is_like(
+    tmp_path: Path, name: str, codec: str, b_frames: int, gop: int
+) -> None:
+    film = Film(make_film(tmp_path / name, 50, 25, gop=gop, b_frames=b_frames, codec=codec))
+    for index in (40, 41, 3, 49, 0, 20, 19):
+        film._cache.clear()
+        assert number_of(film.picture(index)) == index
+    film.close()
+    assert number_of(film.picture(7)) == 7
+
+
+def test_files_that_do_not_tell_when_pictures_are_shown(tmp_path: Path) -> None:
+    film = Film(make_film(tmp_path / "a.avi", 30, 30, b_frames=0, codec="mpeg4"))
+    for index in (20, 4, 29):
+        assert number_of(film.picture(index)) == index
+
+
+def test_a_picture_is_shown_until_the_next_begins(film: Film) -> None:
+    assert film.index_at(-1.0) == 0
+    assert film.index_at(0.0333) == 1
+    assert film.index_at(0.0666) == 2
+    assert film.index_at(0.065) == 1
+    assert film.index_at(99.0) == 59
+    assert number_of(film.frame_at(1.017)) == 30
+
+
+def test_phones_record_with_a_varying_rate(tmp_path: Path) -> None:
+    stamps = np.cumsum([0, *np.random.default_rng(1).integers(8, 40, 39)]).tolist()
+    film = Film(make_film(tmp_path / "a.mov", stamps=stamps))
+    np.testing.assert_allclose(film.times, np.array(stamps) / 600, atol=1e-6)
+    for index, stamp in enumerate(stamps):
+        assert number_of(film.frame_at(stamp / 600 + 0.002)) == index
+
+
+@pytest.mark.parametrize("turn", [90, 180, 270])
+def test_phones_say_how_to_turn_the_picture(tmp_path: Path, turn: int) -> None:
+    picture = Film(make_film(tmp_path / "a.mov", rotation=turn)).picture(5)
+    upright = np.rot90(picture, -turn // 90)
+    assert upright.shape == (SIZE[1], SIZE[0], 4)
+    assert number_of(upright) == 5
+    assert picture.flags.c_contiguous
+
+
+def test_a_damaged_stretch_shows_what_is_there(tmp_path: Path) -> None:
+    path = make_film(tmp_path / "a.mov", frames=120, gop=10)
+    data = bytearray(path.read_bytes())
+    data[len(data) // 3 : len(data) // 3 + 400] = bytes(400)
+    path.write_bytes(data)
+    film = Film(path)
+    assert number_of(film.picture(2)) == 2
+    for index in range(0, 120, 3):
+        film.picture(index)
+
+
+def test_what_is_wrong_is_said_in_a_line(tmp_path: Path, film: Film) -> None:
+    (tmp_path / "b.mov").write_bytes(b"no film" * 50)
+    for path in (tmp_path / "b.mov", tmp_path / "gone.mov"):
+        with pytest.raises(FileError) as caught:
+            Film(path)
+        assert "\n" not in str(caught.value)
+    film.path.unlink()
+    with pytest.raises(FileError, match="is not there"):
+        film.picture(0)
+    with pytest.raises(FileError):
+        Film(film.path, lambda: True)
+
+
+def test_indexing_can_be_given_up(tmp_path: Path) -> None:
+    with pytest.raises(Abandoned):
+        Film(make_film(tmp_path / "a.mp4", frames=5), lambda: True)
+
+
+def test_memory_is_bounded(film: Film, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = film.picture(0).nbytes
+    monkeypatch.setattr("faceedit_app.media.film._MEMORY", 10 * one)
+    for index in range(40):
+        film.picture(index)
+    assert film.cached(39) is not None
+    assert film.cached(0) is None
+    assert film._bytes <= 10 * one
+
+
+def test_the_projector_shows_the_last_wish_and_reads_ahead(film: Film) -> None:
+    shown: list[int] = []
+    arrived = threading.Condition()
+    errors: list[FaceEditError] = []
+
+    def ready(index: int) -> None:
+        with arrived:
+            shown.append(index)
+            arrived.notify()
+
+    projector = Projector(film, ready, errors.append)
+    for wish in (3, 50, 20):
+        projector.want(wish)
+    with arrived:
+        assert arrived.wait_for(lambda: 20 in shown, timeout=10)
+    until = threading.Event()
+    for _ in range(500):
+        if film.cached(30) is not None:
+            break
+        until.wait(0.01)
+    picture = film.cached(30)
+    assert picture is not None
+    assert number_of(picture) == 30
+    projector.close()
+    assert not errors
+
+
+def test_the_projector_tells_that_the_film_is_gone(film: Film) -> None:
+    film.path.unlink()
+    failed = threading.Event()
+    projector = Projector(film, lambda _: None, lambda _: failed.set())
+    projector.want(3)
+    assert failed.wait(10)
+    projector.close()

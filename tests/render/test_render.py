@@ -1,0 +1,379 @@
+"""The face view, drawn offscreen."""
+
+from __future__ import annotations
+
+import dataclasses
+import gc
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Material, Rig
+from faceedit_app.render import Camera, FaceRenderer, contexts, default_camera, open_renderer
+from faceedit_app.render.camera import DISTANCE_LIMITS, PITCH_LIMIT, projection
+from faceedit_app.render.snapshot import snapshot, write_png
+from faceedit_app.render.surface import NormalSolver, Shading, by_shading, look_of, vertex_looks
+
+SIZE = 96
+
+
+def ball(rows: int = 24, columns: int = 32) -> Rig:
+    """A ball of 8 cm with a mouth: `jawOpen` lowers its front below the middle."""
+    latitude = np.linspace(0.0, np.pi, rows)
+    longitude = np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False)
+    lat, lon = (g.ravel() for g in np.meshgrid(latitude, longitude, indexing="ij"))
+    points = np.stack((np.sin(lat) * np.sin(lon), np.cos(lat), np.sin(lat) * np.cos(lon)), axis=1)
+    faces = []
+    for r in range(rows - 1):
+        for c in range(columns):
+            a, b = r * columns + c, r * columns + (c + 1) % columns
+            faces += [(a, a + columns, b), (b, a + columns, b + columns)]
+    vertices = (0.08 * points).astype(np.float32)
+    jaw = np.zeros_like(vertices)
+    front = (points[:, 2] > 0.5) & (np.abs(points[:, 1] + 0.35) < 0.3)
+    jaw[front] = 0.0, -0.02, -0.015
+    return Rig(
+        neutral=vertices,
+        faces=np.array(faces, np.int32),
+        channels=("jawOpen",),
+        deltas=jaw[None],
+        colors=np.tile(np.float32([0.5, 0.3, 0.2, 1.0]), (len(vertices), 1)),
+        materials=(Material("skin", 0, len(faces)),),
+        control_pairs=np.tile(np.int32([0, 1]), (8, 1)),
+    )
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return ball()
+
+
+@pytest.fixture(scope="module")
+def renderer(rig: Rig) -> Iterator[FaceRenderer]:
+    try:
+        opened = open_renderer(rig, SIZE, SIZE)
+    except Unavailable as error:
+        pytest.skip(str(error))
+    yield opened
+    opened.close()
+
+
+def test_orbit_turns_around_the_target_and_stops_short_of_the_pole() -> None:
+    camera = Camera().orbit(0.4, 10.0)
+    assert camera.pitch == PITCH_LIMIT
+    position = camera.pose()[:3, 3]
+    assert np.linalg.norm(position - camera.target) == pytest.approx(camera.distance)
+    assert Camera().orbit(math.tau + 0.1, 0.0).yaw == pytest.approx(0.1)
+
+
+def test_positive_yaw_sees_the_characters_left() -> None:
+    assert Camera().orbit(0.5, 0.0).pose()[0, 3] > 0.0
+    assert Camera().orbit(0.0, 0.5).pose()[1, 3] > Camera().pose()[1, 3]
+
+
+def test_zoom_is_limited() -> None:
+    assert Camera().zoom(1e-6).distance == DISTANCE_LIMITS[0]
+    assert Camera().zoom(1e6).distance == DISTANCE_LIMITS[1]
+
+
+def test_pan_moves_in_the_view_plane() -> None:
+    camera = Camera(yaw=math.pi / 2)  # from the character's left: rightwards is -Z
+    moved = np.subtract(camera.pan(0.02, 0.01).target, camera.target)
+    np.testing.assert_allclose(moved, [0.0, 0.01, -0.02], atol=1e-9)
+
+
+def test_view_is_the_inverse_of_the_pose() -> None:
+    camera = Camera(0.3, -0.2, 0.6, (0.01, 0.02, 0.03))
+    np.testing.assert_allclose(camera.view() @ camera.pose(), np.eye(4), atol=1e-12)
+    rotation = camera.pose()[:3, :3]
+    np.testing.assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-12)
+    assert np.linalg.det(rotation) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("aspect", [0.4, 0.8, 1.0, 1.8])
+def test_default_camera_sees_the_whole_head(rig: Rig, aspect: float) -> None:
+    camera = default_camera(rig, aspect)
+    points = np.hstack((rig.neutral, np.ones((len(rig.neutral), 1))))
+    clip = points @ (projection(aspect) @ camera.view()).T
+    face = rig.neutral[:, 1] >= rig.neutral[np.abs(rig.deltas).max((0, 2)) > 0, 1].min()
+    assert np.abs(clip[face, :2] / clip[face, 3:]).max() < 1.0
+
+
+def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:
+    vertices = rig.vertices(np.float32([0.7]))
+    slow = np.zeros((len(vertices), 3))
+    for a, b, c in rig.faces:
+        slow[[a, b, c]] += np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
+    slow /= np.linalg.norm(slow, axis=1, keepdims=True)
+    fast = NormalSolver(rig.faces, len(vertices))(vertices)
+    np.testing.assert_allclose(fast, slow, atol=1e-4)
+
+
+def test_vertices_without_faces_have_no_normal() -> None:
+    normals = NormalSolver(np.int32([[0, 1, 2]]), 4)(np.float32(np.eye(4, 3)))
+    assert np.isfinite(normals).all()
+    assert not normals[3].any()
+
+
+def test_looks_are_mixed_where_materials_meet() -> None:
+    base = ball(4, 6)
+    half = len(base.faces) // 2
+    materials = (
+        Material("skin", 0, half, 0.6),
+        Material("teeth", half, len(base.faces), 0.2),
+    )
+    rig = dataclasses.replace(base, materials=materials)
+    looks = vertex_looks(rig, np.ones(len(rig.neutral), np.float32))
+    assert looks[:, 0].min() == pytest.approx(0.2)
+    assert looks[:, 0].max() == pytest.approx(0.6)
+    assert ((looks[:, 0] > 0.21) & (looks[:, 0] < 0.59)).any()
+    groups = by_shading(rig)
+    assert [group.shading for group in groups] == [Shading.FLESH, Shading.WET]
+    assert sum(len(group.still) + len(group.moving) for group in groups) == len(rig.faces)
+
+
+@pytest.mark.parametrize(
+    ("name", "shading"),
+    [
+        ("skin", Shading.FLESH),
+        ("Eyelashes", Shading.THIN),
+        ("Teeth.001", Shading.WET),
+        ("Hat", Shading.PLAIN),
+    ],
+)
+def test_a_material_is_known_by_its_name(name: str, shading: Shading) -> None:
+    assert look_of(Material(name, 0, 1)).shading is shading
+
+
+def test_draws_a_lit_shape_on_a_dark_wall(renderer: FaceRenderer, rig: Rig) -> None:
+    image = renderer.draw(rig.neutral, default_camera(rig))
+    assert image.shape == (SIZE, SIZE, 4)
+    assert image.dtype == np.uint8
+    assert image.flags.c_contiguous
+    middle, corner = image[SIZE // 2, SIZE // 2, :3], image[2, 2, :3]
+    assert middle[2] > middle[0]  # BGRA: skin is red
+    assert int(middle.max()) > int(corner.max()) + 60
+    assert (image[..., 3] == 255).all()
+
+
+def test_top_row_comes_first_and_left_stays_left(renderer: FaceRenderer, rig: Rig) -> None:
+    camera = default_camera(rig)
+    straight = renderer.draw(rig.neutral, camera).copy()
+    shape = _inside(straight)
+    assert (shape == shape[:, ::-1]).mean() > 0.97  # a symmetric ball looks symmetric
+    raised = _inside(renderer.draw(rig.neutral + np.float32([0, 0.03, 0]), camera))
+    assert _middle(raised)[0] < _middle(shape)[0]
+    moved = _inside(renderer.draw(rig.neutral + np.float32([0.03, 0, 0]), camera))
+    assert _middle(moved)[1] > _middle(shape)[1]  # the character's left is on the right
+
+
+def test_opening_the_jaw_changes_the_mouth_and_little_else(
+    renderer: FaceRenderer, rig: Rig
+) -> None:
+    camera = default_camera(rig)
+    closed = renderer.draw(rig.neutral, camera).astype(int)
+    opened = renderer.draw(rig.vertices(np.float32([1.0])), camera).astype(int)
+    changed = np.abs(opened - closed).max(axis=2) > 8
+    rows = np.flatnonzero(changed.any(axis=1))
+    assert changed.sum() > 50
+    assert rows.min() > SIZE * 0.3
+
+
+def test_smooth_and_fast_agree_but_for_the_edges(renderer: FaceRenderer, rig: Rig) -> None:
+    camera = default_camera(rig)
+    smooth = renderer.draw(rig.neutral, camera, smooth=True).astype(int)
+    fast = renderer.draw(rig.neutral, camera, smooth=False).astype(int)
+    difference = np.abs(smooth - fast).max(axis=2)
+    assert np.median(difference) <= 1
+    assert (difference > 12).mean() < 0.08
+    assert difference.max() > 12  # edges do differ
+
+
+def test_the_image_is_reused_until_a_resize(renderer: FaceRenderer, rig: Rig) -> None:
+    camera = default_camera(rig)
+    first = renderer.draw(rig.neutral, camera)
+    assert renderer.draw(rig.neutral, camera) is first
+    kept = first.copy()
+    renderer.resize(50, 70)
+    second = renderer.draw(rig.neutral, camera, smooth=False)
+    assert second.shape == (70, 50, 4)
+    np.testing.assert_array_equal(first, kept)
+    renderer.resize(SIZE, SIZE)
+
+
+def test_closing_one_renderer_leaves_the_other(renderer: FaceRenderer, rig: Rig) -> None:
+    camera = default_camera(rig)
+    before = renderer.draw(rig.neutral, camera).copy()
+    other = open_renderer(rig, 40, 40)
+    other.draw(rig.neutral, camera)
+    np.testing.assert_array_equal(renderer.draw(rig.neutral, camera), before)
+    other.close()
+    other.close()
+    np.testing.assert_array_equal(renderer.draw(rig.neutral, camera), before)
+    with pytest.raises(Unavailable):
+        other.draw(rig.neutral, camera)
+
+
+def test_a_forgotten_renderer_does_no_harm(renderer: FaceRenderer, rig: Rig) -> None:
+    camera = default_camera(rig)
+    before = renderer.draw(rig.neutral, camera).copy()
+    forgotten = open_renderer(rig, 40, 40)
+    forgotten.draw(rig.neutral, camera)
+    renderer.draw(rig.neutral, camera)
+    del forgotten
+    gc.collect()
+    np.testing.assert_array_equal(renderer.draw(rig.neutral, camera), before)
+
+
+def test_without_opengl_the_user_reads_one_line(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
+    monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
+    monkeypatch.setattr(contexts.sys, "platform", "linux")
+    monkeypatch.setattr(contexts, "egl_devices", lambda: 0)
+    monkeypatch.setattr(contexts, "_load", lambda *names: None)
+    with pytest.raises(Unavailable, match=r"no OpenGL was found.*libegl1") as caught:
+        open_renderer(rig, 32, 32)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_failing_driver_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
+    def fail(*_: object) -> None:
+        raise RuntimeError("eglInitialize\nfailed")
+
+    monkeypatch.setenv("PYOPENGL_PLATFORM", "egl")
+    monkeypatch.setattr(contexts, "open_context", fail)
+    with pytest.raises(Unavailable, match="eglInitialize failed; ") as caught:
+        open_renderer(rig, 32, 32)
+    assert isinstance(caught.value, FaceEditError)
+    assert "\n" not in str(caught.value)
+
+
+def test_osmesa_stands_in_for_egl(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
+    monkeypatch.setattr(contexts.sys, "platform", "linux")
+    monkeypatch.setattr(contexts, "egl_devices", lambda: 0)
+    monkeypatch.setattr(contexts, "_load", lambda *names: object())
+    assert contexts.choose_backend() == "osmesa"
+
+
+def test_snapshot_is_rgb_and_takes_arkit_weights(renderer: FaceRenderer, rig: Rig) -> None:
+    neutral = snapshot(rig, np.zeros(1, np.float32), 64, 48)
+    assert neutral.shape == (48, 64, 3)
+    assert neutral[24, 32, 0] > neutral[24, 32, 2]
+    np.testing.assert_array_equal(neutral, snapshot(rig, np.zeros(52, np.float32), 64, 48))
+
+
+def test_png_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    from PIL import Image
+
+    image = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+    write_png(tmp_path / "face.png", image)
+    np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "face.png")), image)
+    with pytest.raises(FileError):
+        write_png(tmp_path / "missing" / "face.png", image)
+
+
+@pytest.mark.parametrize("prepared", [True, False])
+def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
+    prepared: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from faceedit_app.characters.glb import read_rig
+    from faceedit_app.render import studio
+
+    character = read_rig(shipped("assets/character.glb"))
+    # Where everything may move, everything is drawn.
+    restless = dataclasses.replace(
+        character,
+        channels=(*character.channels, "all"),
+        deltas=np.concatenate([character.deltas, np.ones_like(character.deltas[:1])]),
+    )
+    try:
+        kept, anew = (open_renderer(rig, 150, 200) for rig in (character, restless))
+    except Unavailable as error:
+        pytest.skip(str(error))
+    indices, draw = [0], studio.GL.glDrawElements
+    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (indices.append(a[1]), draw(*a)))
+    random = np.random.default_rng(5)
+    here = default_camera(character)
+    there = here.orbit(0.4, 0.2).zoom(0.7)
+    tint = random.random(len(character.neutral)).astype(np.float32)
+    steps = [(here, True), (here, False), (here, False), (here, False), (there, False)]
+    steps += [(there, False), (there, False), (there, True), (there, False), (here, False)]
+    drawn = []
+    for i, (camera, smooth) in enumerate(steps * 2):
+        if i == len(steps):
+            kept.resize(90, 110)
+            anew.resize(90, 110)
+        face = character.vertices(random.random(len(character.channels)).astype(np.float32))
+        if i in (3, 13):
+            kept.draw(face, camera, smooth, tint)
+        before = sum(indices)
+        picture = kept.draw(face, camera, smooth)
+        drawn.append(sum(indices) - before)
+        if prepared:
+            kept.prepare()
+        np.testing.assert_array_equal(picture, anew.draw(face, camera, smooth), str(i))
+    assert min(drawn) < 0.8 * max(drawn), "the still part was drawn again and again"
+    kept.close()
+    anew.close()
+
+
+def test_while_the_camera_turns_nothing_is_prepared(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from faceedit_app.render import studio
+
+    try:
+        turned = open_renderer(rig, SIZE, SIZE)
+    except Unavailable as error:
+        pytest.skip(str(error))
+    calls, draw, blit = [], studio.GL.glDrawElements, studio.GL.glBlitFramebuffer
+    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (calls.append(a), draw(*a)))
+    monkeypatch.setattr(studio.GL, "glBlitFramebuffer", lambda *a: (calls.append(a), blit(*a)))
+    camera = default_camera(rig)
+
+    def prepared(smooth: bool) -> int:
+        turned.draw(rig.neutral, camera, smooth)
+        calls.clear()
+        turned.prepare()
+        return len(calls)
+
+    for _ in range(3):
+        camera = camera.orbit(0.1, 0.0)
+        assert prepared(smooth=False) == 0
+    assert prepared(smooth=True) == 2, "at rest: what is still, and its copy"
+    assert prepared(smooth=False) == 1, "the copy alone"
+    turned.close()
+
+
+def test_the_shipped_character_blinks(renderer: FaceRenderer) -> None:
+    from faceedit_app.characters.glb import read_rig
+
+    try:
+        character = read_rig(shipped("assets/character.glb"))
+    except FileError as error:
+        pytest.skip(str(error))
+    weights = np.zeros(len(character.channels), np.float32)
+    camera = default_camera(character)
+    awake = snapshot(character, weights, 120, 120, camera).astype(int)
+    for side in ("eyeBlinkLeft", "eyeBlinkRight"):
+        weights[character.channel_index[side]] = 1.0
+    asleep = snapshot(character, weights, 120, 120, camera).astype(int)
+    left, right = awake[:, :60], awake[:, :59:-1]
+    assert (np.abs(left - right).max(axis=2) < 90).mean() > 0.9
+    changed = np.abs(asleep - awake).max(axis=2) > 15
+    rows = np.flatnonzero(changed.any(axis=1))
+    assert changed.sum() > 40
+    assert rows.max() - rows.min() < 40  # a band across the eyes
+
+
+def _inside(image: np.ndarray) -> np.ndarray:
+    return image[..., 2] > 80
+
+
+def _middle(shape: np.ndarray) -> np.ndarray:
+    return np.argwhere(shape).mean(axis=0)

@@ -1,0 +1,1 @@
+"""What tests share: small characters, takes, films, and a window with its slow parts replaced."""

@@ -1,0 +1,44 @@
+"""Small performances and settings for the tests of training and evaluation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.lab.training.data import Performance
+from faceedit_app.lab.training.settings import RECIPES, FitSettings
+from faceedit_app.lab.training.synthesis import write_livelink
+from support.faces import shipped_rig
+
+DISTANCES = shipped_rig().arkit_distances
+
+
+def performance(seconds: float = 20.0, seed: int = 0, source: str = "someone") -> Performance:
+    """Smooth random weights of all channels, with mouthClose below jawOpen, at 25 fps."""
+    random = np.random.default_rng(seed)
+    time = np.arange(round(seconds * 25))[:, None] / 25.0
+    channels = len(ARKIT_CHANNELS)
+    speed, phase = random.uniform(0.2, 2.0, channels), random.uniform(0, 6, channels)
+    weights = 0.25 + 0.25 * np.sin(2 * np.pi * time * speed + phase)
+    close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
+    weights[:, close] = np.minimum(weights[:, close], weights[:, jaw])
+    captured = np.ones(channels, bool)
+    return Performance(f"{source}_{seed}.csv", source, weights.astype(np.float32), captured)
+
+
+def tiny(recipe: str = "faceedit", **changes: object) -> FitSettings:
+    """A recipe that trains in a blink."""
+    small = {"widths": (4, 6), "epochs_regressor": 3, "epochs_autoencoder": 2, "batch": 16}
+    return replace(RECIPES[recipe], **(small | changes))  # type: ignore[arg-type]
+
+
+def folder_of_takes(folder: Path, count: int = 2, seconds: float = 12.0) -> Path:
+    """Takes as Live Link Face files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for i in range(count):
+        take = performance(seconds, seed=i)
+        write_livelink(folder / f"take_{i}.csv", take.weights, rate=30.0)
+    return folder

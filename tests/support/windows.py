@@ -1,0 +1,212 @@
+"""A real window for tests: quick to open, with the slow parts replaced and dialogs answered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, QSettings, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent, QMouseEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QWidget
+from pytestqt.qtbot import QtBot
+
+from faceedit_app import render
+from faceedit_app.core.errors import FileError, Unavailable
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.files import journal
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.look.theme import apply_theme
+from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state import background as loading
+from faceedit_app.ui.state.preferences import Store
+from support.faces import shipped_rig
+from support.takes import make_livelink_csv
+
+
+class FakeRenderer:
+    """Paints the jaw's height as grey: enough to see that another face was drawn."""
+
+    def __init__(self, _rig: object, width: int, height: int) -> None:
+        self.size = (width, height)
+        self.calls: list[tuple[tuple[int, int], render.Camera, bool]] = []
+        self.tints: list[Any] = []  # one a call, None where nothing is tinted
+        self.open = True
+        self.picture: Any = None
+        self.prepared = 0
+
+    def resize(self, width: int, height: int) -> None:
+        self.size = (width, height)
+
+    def draw(
+        self, vertices: Any, camera: render.Camera, smooth: bool = True, tint: Any = None
+    ) -> Any:
+        self.begin(vertices, camera, smooth, tint)
+        return self.finish()
+
+    def begin(
+        self, vertices: Any, camera: render.Camera, smooth: bool = True, tint: Any = None
+    ) -> None:
+        self.calls.append((self.size, camera, smooth))
+        self.tints.append(tint)
+        width, height = self.size
+        shade = int(abs(float(vertices[:, 1].sum()))) % 256
+        self.picture = np.full((height, width, 4), shade, np.uint8)
+
+    def finish(self) -> Any:
+        finished, self.picture = self.picture, None
+        return finished
+
+    def prepare(self) -> None:
+        assert self.picture is None, "the picture that was begun would be lost"
+        self.prepared += 1
+
+    def close(self) -> None:
+        self.open = False
+
+
+class Bench:
+    """Opens windows, and knows how the user answers and what the user is told.
+
+    Attributes:
+        errors: what `show_error` said.
+        answers: what the user answers to each `dialogs.ask_…`; none is asked unexpectedly.
+    """
+
+    def __init__(self, qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+        self.qtbot, self.folder = qtbot, folder
+        self.errors: list[str] = []
+        self.answers: dict[str, Any] = {}
+        self.renderers: list[FakeRenderer] = []
+        self.take = make_livelink_csv(folder / "take.csv", seconds=3.0)
+        monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
+        self.store().set_hints_seen()
+        monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
+        for name in ("open", "export", "save_edits", "load_edits", "save_project", "unsaved"):
+            monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
+        monkeypatch.setattr(loading, "load_character", shipped_rig)
+        monkeypatch.setattr(loading, "prepare_renderer", lambda: None)
+        monkeypatch.setattr(loading, "load_engine", self._no_engine)
+        monkeypatch.setattr(render, "open_renderer", self._renderer)
+
+    def _answer(self, name: str) -> Callable[[QWidget, object], Any]:
+        def answer(_parent: QWidget, _suggestion: object) -> Any:
+            assert name in self.answers, f"asked for {name} unexpectedly"
+            return self.answers.pop(name)
+
+        return answer
+
+    @staticmethod
+    def _no_engine() -> Any:
+        raise FileError("models/lower.safetensors", "is missing", "train the networks")
+
+    def _renderer(self, rig: object, width: int, height: int) -> FakeRenderer:
+        self.renderers.append(FakeRenderer(rig, width, height))
+        return self.renderers[-1]
+
+    @staticmethod
+    def no_gl(*_: object) -> Any:
+        """In place of `open_renderer` on a machine without OpenGL."""
+        raise Unavailable("The face cannot be drawn: no OpenGL; install it")
+
+    def store(self) -> Store:
+        """Settings that no other test and no user sees."""
+        return Store(QSettings(str(self.folder / "settings.ini"), QSettings.Format.IniFormat))
+
+    def window(self, take: Path | None = None, start: bool = True) -> MainWindow:
+        """A window on the screen; with a take, one in which it is open and all is settled."""
+        window = MainWindow(self.store())
+        self.qtbot.addWidget(window, before_close_func=_forget)
+        window.resize(1280, 720)
+        with self.qtbot.waitExposed(window):
+            window.show()
+        if start:
+            with self.qtbot.waitSignal(window.settled, timeout=15_000):
+                window.start(take)
+            if take is not None:
+                self.qtbot.waitUntil(lambda: window.document.session is not None)
+        return window
+
+    def editing(self) -> MainWindow:
+        """A window with the usual take open."""
+        return self.window(self.take)
+
+
+def _forget(window: MainWindow) -> None:
+    """Close without being asked about edits."""
+    window.document.session = None
+
+
+@pytest.fixture
+def bench(
+    qtbot: QtBot, qapp: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> Bench:  # the fixture that test modules import
+    apply_theme(qapp)
+    return Bench(qtbot, monkeypatch, tmp_path)
+
+
+def drag_curve(window: MainWindow, row: int, seconds: float, pixels: int) -> None:
+    """Drag the curve in a row up by `pixels` at a time, with a real mouse."""
+    assert window.editor is not None
+    plot = window.editor.curves.plots[row]
+    x = round(plot.current_scale.x_of(seconds))
+    start = QPoint(x, plot.height() // 2)
+    QTest.mouseMove(plot, start)
+    QTest.mousePress(plot, Qt.MouseButton.LeftButton, pos=start)
+    for step in range(1, 6):
+        _move(plot, start - QPoint(0, pixels * step // 5))
+    QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, pos=start - QPoint(0, pixels))
+
+
+def _move(widget: QWidget, to: QPoint, button: Qt.MouseButton = Qt.MouseButton.LeftButton) -> None:
+    """QTest.mouseMove forgets the button that is held."""
+    event = QMouseEvent(
+        QEvent.Type.MouseMove,
+        QPointF(to),
+        QPointF(widget.mapToGlobal(to)),
+        Qt.MouseButton.NoButton,
+        button,
+        Qt.KeyboardModifier.NoModifier,
+    )
+    QApplication.sendEvent(widget, event)
+
+
+def drag(widget: QWidget, by: QPoint, button: Qt.MouseButton) -> None:
+    """Press in the middle of a widget, move, release."""
+    start = widget.rect().center()
+    QTest.mousePress(widget, button, pos=start)
+    _move(widget, start + by, button)
+    QTest.mouseRelease(widget, button, pos=start + by)
+
+
+def add_edit(window: MainWindow, value: float = 6.0) -> None:
+    """An edit as a drag would leave it."""
+    assert window.document.session is not None
+    window.document.session.add(Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, value))
+    window.document.changed.emit()
+
+
+def trigger(window: MainWindow, command: str) -> None:
+    """Choose a command from the menus."""
+    window.actions_[command].trigger()
+
+
+def drop(target: QWidget, *paths: Path) -> None:
+    """Drop files on a widget; what it does not want goes to the widgets around it."""
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+    buttons, keys = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+    enter = QDragEnterEvent(QPoint(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
+    QApplication.sendEvent(target, enter)
+    assert enter.isAccepted()
+    event = QDropEvent(QPointF(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
+    QApplication.sendEvent(target, event)
+
+
+def open_path(window: MainWindow) -> Path:
+    """The take that is open."""
+    assert window.document.path is not None
+    return window.document.path

@@ -1,0 +1,110 @@
+"""The questions themselves, answered as a user would."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, QWidget
+from pytestqt.qtbot import QtBot
+
+from faceedit_app.editing.files.journal import Pending
+from faceedit_app.editing.session import EditState
+from faceedit_app.ui.commands import dialogs
+
+
+@pytest.fixture
+def parent(qtbot: QtBot) -> QWidget:
+    widget = QWidget()
+    qtbot.addWidget(widget)
+    return widget
+
+
+def when_asked(act: Callable[[QDialog], None]) -> None:
+    """Do something with the dialog that opens next."""
+
+    def look() -> None:
+        dialog = QApplication.activeModalWidget()
+        if isinstance(dialog, QDialog):
+            act(dialog)
+        else:
+            QTimer.singleShot(10, look)
+
+    QTimer.singleShot(0, look)
+
+
+@pytest.mark.parametrize(
+    ("label", "answer"),
+    [
+        ("Export…", dialogs.Unsaved.EXPORT),
+        ("Save project…", dialogs.Unsaved.SAVE),
+        ("Discard", dialogs.Unsaved.DISCARD),
+        ("Cancel", dialogs.Unsaved.CANCEL),
+    ],
+)
+def test_each_answer_about_unsaved_edits(
+    parent: QWidget, label: str, answer: dialogs.Unsaved
+) -> None:
+    def press(dialog: QDialog) -> None:
+        assert isinstance(dialog, QMessageBox)
+        assert "take.csv" in dialog.text()
+        buttons = {button.text().replace("&", ""): button for button in dialog.buttons()}
+        buttons[label].click()
+
+    when_asked(press)
+    assert dialogs.ask_unsaved(parent, "take.csv") is answer
+
+
+def test_escape_is_cancel(parent: QWidget) -> None:
+    when_asked(lambda dialog: dialog.reject())
+    assert dialogs.ask_unsaved(parent, "take.csv") is dialogs.Unsaved.CANCEL
+
+
+def test_an_error_is_shown_as_it_is(parent: QWidget) -> None:
+    seen: list[str] = []
+
+    def read(dialog: QDialog) -> None:
+        assert isinstance(dialog, QMessageBox)
+        seen.append(dialog.text())
+        dialog.accept()
+
+    when_asked(read)
+    dialogs.show_error(parent, "<b>.csv: is empty; choose another")
+    assert seen == ["<b>.csv: is empty; choose another"]
+
+
+def test_the_suggested_name_is_taken_and_its_ending_added(parent: QWidget, tmp_path: Path) -> None:
+    def accept(dialog: QDialog) -> None:
+        assert isinstance(dialog, QFileDialog)
+        assert dialog.selectedFiles() == [str(tmp_path / "take_edited.csv")]
+        dialog.selectFile(str(tmp_path / "mine"))
+        dialog.accept()
+
+    when_asked(accept)
+    assert dialogs.ask_export(parent, tmp_path / "take_edited.csv") == tmp_path / "mine.csv"
+    when_asked(lambda dialog: dialog.reject())
+    assert dialogs.ask_save_edits(parent, tmp_path / "take_edits.json") is None
+
+
+@pytest.mark.parametrize(
+    ("gestures", "words"),
+    [(1, "1 step that was not saved"), (3, "3 steps that were not saved")],
+)
+def test_recovery_counts_in_whole_sentences(
+    parent: QWidget, tmp_path: Path, gestures: int, words: str
+) -> None:
+    said: list[str] = []
+
+    def read(dialog: QDialog) -> None:
+        assert isinstance(dialog, QMessageBox)
+        said.append(dialog.informativeText())
+        dialog.reject()
+
+    take, state = tmp_path / "take.csv", EditState()
+    when_asked(read)
+    pending = Pending(tmp_path / "journal", take, None, None, state, gestures, 0.0)
+    assert dialogs.ask_recover(parent, pending) is dialogs.Recover.LATER
+    assert said[0].startswith(words)
+    assert ("at once" in said[0]) == (gestures > 1)

@@ -1,0 +1,299 @@
+"""The list of edits: chosen, weakened, switched, renamed, moved, deleted; one step a gesture."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QImage, QPainter
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLineEdit, QStyle, QStyleOptionViewItem
+from support.windows import Bench, drag_curve
+from test_curves_panel import drag, turn
+
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.edits.delegate import cells
+from faceedit_app.ui.edits.model import columns
+from faceedit_app.ui.edits.panel import EditsPanel
+from faceedit_app.ui.look.palette import ACCENT_DEEP, BACKGROUND
+from faceedit_app.ui.start.window import MainWindow
+
+LEFT = Qt.MouseButton.LeftButton
+NAMES = ("first", "second", "third")
+
+
+@pytest.fixture
+def window(bench: Bench) -> MainWindow:
+    window = bench.editing()
+    session = session_of(window)
+    for number, name in enumerate(NAMES):
+        start = 0.5 + 0.5 * number
+        session.add(
+            Edit(("mouth_opening",), Op.OFFSET, start, start + 0.3, 0.1, 4.0, 0.2, name=name)
+        )
+    window.document.changed.emit()
+    return window
+
+
+def session_of(window: MainWindow) -> EditSession:
+    assert window.document.session is not None
+    return window.document.session
+
+
+def panel_of(window: MainWindow) -> EditsPanel:
+    assert window.editor is not None
+    return window.editor.edits
+
+
+def click(panel: EditsPanel, row: int, x: int = 60) -> None:
+    rect = panel.list.visualRect(panel.model.index(row))
+    QTest.mouseClick(panel.list.viewport(), LEFT, pos=QPoint(x, rect.center().y()))
+
+
+def names(window: MainWindow) -> list[str]:
+    return [edit.name for edit in session_of(window).edits]
+
+
+def test_without_edits_it_says_what_belongs_here(bench: Bench) -> None:
+    window = bench.editing()
+    assert not panel_of(window).list.isVisible()
+    assert not window.actions_["delete_edit"].isEnabled()
+    drag_curve(window, 0, 1.0, 20)
+    assert panel_of(window).list.isVisible()
+    assert panel_of(window).title.text() == "Edits  1"
+
+
+def test_choosing_an_edit_shows_its_range(window: MainWindow) -> None:
+    panel = panel_of(window)
+    click(panel, 1)
+    assert panel.current == 1
+    assert window.timeline.selection == pytest.approx((1.0, 1.3))
+    assert (window.timeline.falloff, window.timeline.falloff_out) == (0.1, 0.2)
+    window.actions_["select_all"].trigger()
+    assert panel.current is None
+
+
+def test_the_switch_of_a_row(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    click(panel, 0, x=16)
+    assert not session.edits[0].enabled
+    window.actions_["undo"].trigger()
+    assert session.edits[0].enabled
+    click(panel, 2)
+    window.actions_["toggle_edit"].trigger()
+    assert not session.edits[2].enabled
+
+
+def test_strength_is_live_and_one_step(bench: Bench, window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    click(panel, 0)
+    frame = session.take.clip.frame_at(0.65)
+    full = float(session.asked[frame, 0])
+    slider = panel.strength
+    slider.setSliderDown(True)
+    for value in (80, 60, 50):
+        slider.setSliderPosition(value)
+    assert float(session.asked[frame, 0]) == pytest.approx(full - 2.0, abs=0.01)
+    assert session.edits[0].strength == 1.0
+    slider.setSliderDown(False)
+    assert session.edits[0].strength == 0.5
+    assert panel.percent.text() == "50 %"
+    window.actions_["undo"].trigger()
+    assert session.edits[0].strength == 1.0
+    assert slider.value() == 100
+    slider.setFocus()
+    QTest.keyClick(slider, Qt.Key.Key_Right)
+    QTest.keyClick(slider, Qt.Key.Key_Right)
+    bench.qtbot.waitUntil(lambda: session.edits[0].strength == 1.02, timeout=3000)
+    window.actions_["undo"].trigger()
+    assert session.edits[0].strength == 1.0
+
+
+def test_rename(bench: Bench, window: MainWindow) -> None:
+    panel = panel_of(window)
+    click(panel, 1)
+    window.actions_["rename_edit"].trigger()
+    editor = panel.list.findChild(QLineEdit)
+    assert editor is not None
+    editor.selectAll()
+    QTest.keyClicks(editor, "open wide")
+    QTest.keyClick(editor, Qt.Key.Key_Return)
+    bench.qtbot.waitUntil(lambda: names(window) == ["first", "open wide", "third"])
+
+
+def test_after_renaming_the_list_has_the_keyboard_again(bench: Bench, window: MainWindow) -> None:
+    """It went on to the speed of playback, where arrows then changed something else."""
+    panel = panel_of(window)
+    window.activateWindow()
+    click(panel, 1)
+    QTest.keyClick(window, Qt.Key.Key_F2)
+    field = panel.list.findChild(QLineEdit)
+    assert field is not None
+    QTest.keyClicks(field, "open wide")
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    bench.qtbot.waitUntil(lambda: names(window)[1] == "open wide")
+    bench.qtbot.waitUntil(lambda: QApplication.focusWidget() is panel.list)
+    QTest.keyClick(panel.list, Qt.Key.Key_Down)
+    assert panel.current == 2
+
+
+def test_the_falloff_of_a_chosen_edit_is_not_that_of_the_next_drag(window: MainWindow) -> None:
+    panel, line, session = panel_of(window), window.timeline, session_of(window)
+    line.set_falloffs(0.35, 0.4)
+    click(panel, 0)
+    click(panel, 1)
+    assert (line.falloff, line.falloff_out) == (0.1, 0.2)
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    assert panel.current is None
+    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+    # An edit of the whole take shows no band, and takes nothing over.
+    session.add(Edit(("mouth_width",), Op.OFFSET, 0.0, line.duration, 0.0, 1.0, name="all"))
+    window.document.changed.emit()
+    click(panel, 3)
+    assert panel.current == 3
+    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+    click(panel, 0)
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+
+
+def test_new_edits_are_scrolled_to(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    for number in range(20):
+        session.add(Edit(("mouth_width",), Op.OFFSET, 0.5, 0.6, 0.1, 1.0, name=str(number)))
+    window.document.changed.emit()
+    panel.select_new(2)
+    shown = panel.list.viewport().rect()
+    assert shown.contains(panel.list.visualRect(panel.model.index(21)))
+    assert shown.contains(panel.list.visualRect(panel.model.index(22)))
+
+
+def test_a_name_that_says_its_curve_has_room_to_say_how_much(window: MainWindow) -> None:
+    panel, row = panel_of(window), QRectF(0, 0, 516, 25)
+    drag_curve(window, 0, 1.0, 20)
+    edit = session_of(window).edits[-1]
+    name = panel.model.data(panel.model.index(3))
+    assert name.startswith("Mouth opening +")
+    (_, room), *others = cells(row, name, *columns(edit))
+    assert panel.list.fontMetrics().horizontalAdvance(name) < room.width()
+    assert columns(edit)[0].count("–") == 0  # one frame is not a range
+    (_, named), *more = cells(row, "mine", *columns(edit))
+    assert len(more) == len(others) + 1
+    assert named.right() < min(place.left() for _, place in more)
+
+
+def test_a_row_between_two_pixels_leaves_no_line_behind(window: MainWindow) -> None:
+    """At 150 % every other row begins in the middle of a pixel."""
+    panel = panel_of(window)
+    picture = QImage(300, 120, QImage.Format.Format_RGB32)
+    picture.setDevicePixelRatio(1.5)
+    picture.fill(QColor(BACKGROUND))
+    option = QStyleOptionViewItem()
+    option.rect = QRect(0, 25, 200, 25)
+    option.state |= QStyle.StateFlag.State_Selected
+    with QPainter(picture) as painter:
+        panel.list.itemDelegate().paint(painter, option, panel.model.index(0))
+    colors = {picture.pixelColor(4, y).name() for y in range(picture.height())}
+    assert colors == {BACKGROUND, ACCENT_DEEP}
+
+
+def test_no_edit_is_said_to_begin_before_the_take() -> None:
+    edit = Edit(("mouth_opening",), Op.OFFSET, -0.03, 0.03, 0.1, 4.0)
+    assert columns(edit)[0] == "0.00 – 0.03 s"
+
+
+def test_order_by_keys_and_by_dropping(window: MainWindow) -> None:
+    panel, model = panel_of(window), panel_of(window).model
+    click(panel, 0)
+    window.actions_["edit_down"].trigger()
+    assert names(window) == ["second", "first", "third"]
+    assert panel.current == 1
+    window.actions_["edit_up"].trigger()
+    assert names(window) == list(NAMES)
+    data = model.mimeData([model.index(0)])
+    model.dropMimeData(data, Qt.DropAction.MoveAction, 3, 0, model.index(-1))
+    assert names(window) == ["second", "third", "first"]
+    assert panel.rows == [2]  # what was moved is what comes next in hand
+    assert window.timeline.selection == pytest.approx((0.5, 0.8))
+    window.actions_["undo"].trigger()
+    assert names(window) == list(NAMES)
+
+
+def test_delete(window: MainWindow) -> None:
+    panel = panel_of(window)
+    click(panel, 1)
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert names(window) == ["first", "third"]
+    assert panel.current == 1
+    window.actions_["undo"].trigger()
+    assert names(window) == list(NAMES)
+
+
+def test_deleting_leaves_the_view_where_it_is(window: MainWindow) -> None:
+    """The next edit of the list may lie anywhere in the take."""
+    panel, session = panel_of(window), window.document.session
+    assert session is not None
+    here, far = (Edit(("mouth_width",), Op.OFFSET, at, at + 0.1, 0.1, 1.0) for at in (0.2, 2.7))
+    window.document.act(lambda session: session.put((here, far)))
+    window.timeline.show_range(0.0, 0.8)
+    click(panel, 0)
+    panel.delete()
+    assert session.edits == (far,)
+    assert panel.current == 0
+    assert window.timeline.view == pytest.approx((0.0, 0.8))
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert session.edits == ()
+
+
+def test_switching_is_one_step_and_computed_once(
+    window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    panel, session = panel_of(window), window.document.session
+    assert session is not None
+    click(panel, 0)
+    shown: list[object] = []
+    show = session.live.show
+    monkeypatch.setattr(session.live, "show", lambda pieces: (shown.append(pieces), show(pieces)))
+    window.actions_["toggle_edit"].trigger()
+    assert not session.edits[0].enabled
+    assert len(shown) == 1
+    panel.strength.setSliderDown(True)
+    panel.strength.setSliderPosition(40)
+    assert len(shown) == 2
+    panel.strength.setSliderDown(False)
+    assert len(shown) == 2, "letting go keeps what is shown"
+    assert session.edits[0].strength == pytest.approx(0.4)
+
+
+def test_arrows_walk_the_list(window: MainWindow) -> None:
+    panel = panel_of(window)
+    click(panel, 0)
+    panel.list.setFocus()
+    QTest.keyClick(panel.list, Qt.Key.Key_Down)
+    assert panel.current == 1
+
+
+def test_the_edges_of_the_chosen_edit_reshape_it(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    assert window.editor is not None
+    bar, scale = window.editor.curves.range_bar, window.editor.curves.range_bar.scale
+    click(panel, 2)
+    start, stop = (QPoint(round(scale.x_of(t)), 8) for t in (1.8, 2.4))
+    drag(bar, start, stop)
+    assert panel.current == 2
+    assert (session.edits[2].start, session.edits[2].end) == pytest.approx((1.5, 2.4), abs=0.02)
+    assert names(window) == list(NAMES)
+    fields = window.editor.curves.fields
+    fields.start.setValue(1.4)
+    assert session.edits[2].start == pytest.approx(1.4)
+    assert panel.current == 2
+    window.actions_["undo"].trigger()
+    window.actions_["undo"].trigger()
+    assert (session.edits[2].start, session.edits[2].end) == pytest.approx((1.5, 1.8))
+    before = session.weights.copy()
+    drag(bar, start, stop, release=False)
+    window.actions_["deselect"].trigger()
+    assert (session.edits[2].start, session.edits[2].end) == pytest.approx((1.5, 1.8))
+    np.testing.assert_array_equal(session.weights, before)
+    turn(bar, start, 1)

@@ -1,0 +1,44 @@
+"""The first steps: shown once, three of them, by mouse and by keyboard."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from support.windows import Bench
+
+from faceedit_app.ui.state.preferences import Store
+
+
+def test_they_are_shown_once(bench: Bench) -> None:
+    settings = bench.store()._settings
+    settings.remove("hints_seen")
+    settings.sync()
+    window = bench.editing()
+    assert window.editor is not None
+    hints = window.editor.hints
+    bench.qtbot.waitUntil(hints.isVisible)
+    assert hints.title.text().startswith("1")
+    window.grab()
+    QTest.mouseClick(hints.next_button, Qt.MouseButton.LeftButton)
+    assert hints.title.text().startswith("2")
+    QTest.mouseClick(hints, Qt.MouseButton.LeftButton, pos=QPoint(5, 5))
+    assert hints.title.text().startswith("3")
+    assert hints.rect().contains(hints.card.geometry())
+    assert not hints.skip_button.isVisible()
+    hints.next_button.click()
+    assert not hints.isVisible()
+    assert not Store(settings).hints_wanted()
+
+
+def test_esc_skips_and_the_menu_brings_them_back(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    hints = window.editor.hints
+    assert not hints.isVisible()
+    window.actions_["first_steps"].trigger()
+    assert hints.isVisible()
+    window.resize(1100, 700)
+    window.actions_["deselect"].trigger()
+    assert not hints.isVisible()
+    for widget in (hints, hints.next_button, hints.skip_button):
+        assert widget.accessibleName() or widget.text()

@@ -1,0 +1,272 @@
+"""Fixes, problems, presets and the clipboard in the real window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
+from PySide6.QtGui import QPaintEvent, QRegion
+from PySide6.QtTest import QTest
+from support.windows import Bench
+
+from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.resources import shipped
+from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.help import presets
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.fix import FIXES
+from faceedit_app.ui.edits.expression_dialog import MoodDialog
+from faceedit_app.ui.page.editor import Editor
+from faceedit_app.ui.page.problems_bar import ProblemsHead
+from faceedit_app.ui.start.window import MainWindow
+
+LEFT_EYE, OPENING = CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["mouth_opening"]
+
+
+@pytest.fixture
+def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> MainWindow:
+    """With the demo take: it has a half blink and lips that nearly meet."""
+    monkeypatch.setattr(presets, "own_folder", lambda: tmp_path / "presets")
+    window = bench.window(shipped("assets/demo_take.csv"))
+    editor_of(window).problems.search()
+    return window
+
+
+def session_of(window: MainWindow) -> EditSession:
+    assert window.document.session is not None
+    return window.document.session
+
+
+def editor_of(window: MainWindow) -> Editor:
+    assert window.editor is not None
+    return window.editor
+
+
+def trigger(window: MainWindow, *names: str) -> None:
+    for name in names:
+        assert window.actions_[name].isEnabled(), name
+        window.actions_[name].trigger()
+
+
+def test_every_fix_is_one_step_and_ready_to_be_weakened(window: MainWindow) -> None:
+    session = session_of(window)
+    window.timeline.go_to_time(4.8)
+    for fix in FIXES:
+        trigger(window, f"fix_{fix}")
+        assert session.edits, fix
+        assert editor_of(window).edits.rows == list(range(len(session.edits)))
+        assert editor_of(window).edits.strength.isEnabled()
+        trigger(window, "undo")
+        assert session.edits == ()
+
+
+def test_a_blink_at_the_playhead_closes_the_eyes(window: MainWindow) -> None:
+    session = session_of(window)
+    window.timeline.go_to_time(3.0)
+    QTest.keyClick(window, Qt.Key.Key_2, Qt.KeyboardModifier.ControlModifier)
+    assert session.edits[0].controls == ("left_eyelid", "right_eyelid")
+    near = np.abs(session.take.clip.times - 3.0) < 0.2
+    assert session.asked[near, LEFT_EYE].min() < 0.5
+    assert window.timeline.selection is None
+
+
+def test_smile_acts_on_the_selection_or_on_the_whole_take(window: MainWindow) -> None:
+    session = session_of(window)
+    trigger(window, "fix_smile")
+    assert session.edits[0].end - session.edits[0].start > 9
+    trigger(window, "undo")
+    window.timeline.select((2.0, 3.0))
+    trigger(window, "fix_smile")
+    assert (session.edits[0].start, session.edits[0].end) == pytest.approx((2.0, 3.0))
+
+
+def test_a_chosen_edit_does_not_catch_fixes_made_elsewhere(window: MainWindow) -> None:
+    session = session_of(window)
+    window.timeline.select((2.0, 3.0))
+    trigger(window, "fix_smile")
+    window.timeline.select(None)
+    editor_of(window).edits.select(0)
+    assert window.timeline.selection == pytest.approx((2.0, 3.0))
+    window.timeline.go_to_time(6.0)
+    trigger(window, "fix_blink")
+    assert abs(session.edits[1].start - 6.0) < 0.3
+
+
+def test_the_mood_slider_is_tried_out_live(window: MainWindow) -> None:
+    session = session_of(window)
+    trigger(window, "mood")
+    dialog = window.findChild(MoodDialog)
+    assert dialog is not None
+    dialog.slider.setValue(50)
+    dialog._preview()
+    column = CONTROL_INDEX["left_corner"]
+    assert session.asked[100, column] > session.tracked[100, column]
+    assert session.edits == ()
+    dialog.slider.setValue(-80)
+    dialog.accept()
+    assert [round(edit.strength, 2) for edit in session.edits] == [0.8] * len(session.edits)
+    assert session.asked[100, column] != session.tracked[100, column]
+    trigger(window, "undo", "mood")
+    dialog = next(d for d in window.findChildren(MoodDialog) if d.isVisible())
+    dialog.slider.setValue(90)
+    dialog._preview()
+    dialog.reject()
+    np.testing.assert_array_equal(session.asked, session.tracked)
+
+
+# --- problems ----------------------------------------------------------------------------------
+
+
+def test_down_goes_to_the_problem_and_the_fix_is_shown_before_it_is_made(
+    window: MainWindow,
+) -> None:
+    editor, session = editor_of(window), session_of(window)
+    count = len(editor.problems.problems)
+    assert count >= 1
+    QTest.keyClick(window, Qt.Key.Key_Down)
+    problem = editor.problems.problems[0]
+    assert problem.start <= window.timeline.time <= problem.end
+    assert editor.problems.current == 0
+    QTest.keyClick(window, Qt.Key.Key_P)
+    assert editor.proposal.isVisible()
+    assert session.edits == ()
+    assert not np.array_equal(session.asked, session.tracked)
+    trigger(window, "deselect")  # Esc
+    assert not editor.proposal.isVisible()
+    np.testing.assert_array_equal(session.asked, session.tracked)
+    trigger(window, "fix_problem", "accept_fix")
+    assert not editor.proposal.isVisible()
+    assert session.edits == problem.fix
+    assert len(editor.problems.problems) == count - 1
+    trigger(window, "undo")
+    assert session.edits == ()
+
+
+def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> None:
+    """One goes from mark to mark and looks: curves and face stay where they are."""
+    editor = editor_of(window)
+
+    def places() -> list[QRect]:
+        bench.qtbot.wait(20)  # layouts come to rest
+        return [part.geometry() for part in (editor.panes, editor.tools, editor.transport)]
+
+    trigger(window, "next_problem")
+    before = places()
+    trigger(window, "fix_problem")
+    assert places() == before
+    bar = editor.proposal
+    assert bar.geometry().bottom() <= editor.tools.geometry().bottom()
+    assert editor.childAt(editor.tools.geometry().center()) in (bar, bar.text)
+    trigger(window, "discard_fix")
+    assert not bar.isVisible()
+
+
+def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench: Bench) -> None:
+    bar, painted = editor_of(window).problems, QRegion()
+    window.timeline.go_to_time(2.0)
+    bench.qtbot.wait(20)
+
+    class Watch(QObject):
+        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+            nonlocal painted
+            if isinstance(event, QPaintEvent):
+                painted += event.region()
+            return super().eventFilter(watched, event)
+
+    watch = Watch()
+    bar.installEventFilter(watch)
+    window.timeline.go_to_time(3.0)
+    bench.qtbot.wait(20)
+    width = bar.width() / window.timeline.duration
+    for seconds in (2.0, 3.0):
+        assert painted.contains(QPoint(round(seconds * width), 1)), seconds
+    assert not painted.contains(QPoint(round(1.0 * width), 1))
+
+
+def test_before_it_has_looked_it_does_not_say_that_all_is_well(bench: Bench) -> None:
+    window = bench.editing()
+    editor = editor_of(window)
+    editor.problems.restart()
+    head = editor.findChild(ProblemsHead)
+    assert head is not None
+    assert head.count.text() == "Looking …"
+    bench.qtbot.waitUntil(lambda: head.count.text() != "Looking …")
+
+
+def test_a_mark_is_clicked(window: MainWindow) -> None:
+    bar = editor_of(window).problems
+    last = len(bar.problems) - 1
+    QTest.mouseClick(bar, Qt.MouseButton.LeftButton, pos=bar.place_of(last).toPoint())
+    assert bar.current == last
+    assert bar.problems[last].message in window.status.currentMessage()
+
+
+def test_all_problems_at_once(window: MainWindow) -> None:
+    editor = editor_of(window)
+    trigger(window, "fix_all", "accept_fix")
+    assert len(session_of(window).edits) >= len(editor.problems.problems)
+    trigger(window, "undo")
+    assert session_of(window).edits == ()
+
+
+def test_another_gesture_drops_a_proposal(window: MainWindow) -> None:
+    editor, session = editor_of(window), session_of(window)
+    trigger(window, "next_problem", "fix_problem", "fix_calm_down")
+    assert not editor.proposal.isVisible()
+    assert all(edit.name.startswith("Calm down") for edit in session.edits)
+
+
+# --- presets and the clipboard -----------------------------------------------------------------
+
+
+def test_a_preset_is_saved_applied_and_deleted(
+    window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, menu = session_of(window), window.actions_.presets_menu
+    window.timeline.select((2.0, 3.0))
+    trigger(window, "fix_smile")
+    monkeypatch.setattr(dialogs, "ask_preset_name", lambda _w: "My smile")
+    trigger(window, "save_preset")
+    trigger(window, "undo")
+    window.timeline.select((5.0, 6.0))
+    menu.aboutToShow.emit()
+    mine = next(a for a in menu.actions() if a.text() == "My smile")
+    mine.trigger()
+    assert session.edits[0].name
+    assert 4.5 < session.edits[0].start < 5.5
+    delete = menu.actions()[-1].menu()
+    delete.actions()[0].trigger()
+    menu.aboutToShow.emit()
+    assert [a.text() for a in menu.actions()] == ["No presets of your own"]
+
+
+def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
+    session, line = session_of(window), window.timeline
+    trigger(window, "copy")
+    assert "Select a range" in window.status.currentMessage()
+    trigger(window, "paste")
+    assert session.edits == ()
+    line.select((5.0, 6.0))
+    trigger(window, "copy")
+    line.select(None)
+    line.go_to_time(1.0)
+    trigger(window, "paste")
+    clip = session.take.clip
+    to, source = clip.frame_at(1.5), clip.frame_at(5.5)
+    assert session.asked[to, OPENING] == pytest.approx(session.tracked[source, OPENING], abs=0.2)
+    trigger(window, "undo")
+    assert session.edits == ()
+
+
+def test_mirror_swaps_left_and_right(window: MainWindow) -> None:
+    session = session_of(window)
+    window.tooling.link(False)
+    window.timeline.select((2.0, 3.0))
+    trigger(window, "mirror")
+    frame = session.take.clip.frame_at(2.5)
+    right = CONTROL_INDEX["right_eyelid"]
+    assert session.asked[frame, LEFT_EYE] == pytest.approx(session.tracked[frame, right], abs=0.1)
+    assert {edit.op for edit in session.edits} == {Op.DRAW}

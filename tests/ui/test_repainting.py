@@ -1,0 +1,73 @@
+"""Only what changed is painted anew: the screen must look as if everything were."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QWidget
+from pytestqt.qtbot import QtBot
+from support.rigs import tiny_session
+from test_curves_panel import LEFT, open_panel, place, session_of
+
+from faceedit_app.ui.curves import CurvesPanel
+
+STEPS = 3
+
+
+def on_screen(panel: CurvesPanel) -> np.ndarray:
+    """What the window has painted so far, (H, W, 4)."""
+    QApplication.processEvents()
+    picture = panel.screen().grabWindow(panel.winId()).toImage()
+    picture = picture.convertToFormat(QImage.Format.Format_RGB32)
+    shape = picture.height(), picture.width(), 4
+    return np.frombuffer(picture.constBits(), np.uint8).reshape(shape).copy()
+
+
+def assert_nothing_is_stale(panel: CurvesPanel, what: str) -> None:
+    before = on_screen(panel)
+    for widget in (panel, *panel.findChildren(QWidget)):
+        widget.update()
+    differs = np.argwhere((on_screen(panel) != before).any(axis=2))
+    assert not len(differs), f"{what}: {len(differs)} pixels, {differs.min(0)} to {differs.max(0)}"
+
+
+@pytest.mark.parametrize("frames", [250, 5_000])
+def test_nothing_stale_stays_on_screen(qtbot: QtBot, frames: int) -> None:
+    panel = open_panel(qtbot, tiny_session(frames))
+    session, line, rng = session_of(panel), panel.timeline, random.Random(frames)
+    duration = session.take.clip.duration
+    for gesture in range(24):
+        what = rng.choice(("zoom", "select", "select", "nothing", "undo", "redo", "plain"))
+        start = rng.uniform(0.0, 0.8 * duration)
+        if what == "zoom":
+            line.show_range(start, start + rng.choice((2.0, 0.2 * duration)))
+        elif what == "select":
+            line.select((start, start + rng.uniform(0.3, 3.0)))
+        elif what == "nothing":
+            line.select(None)
+        elif what == "undo" and session.can_undo:
+            session.undo()
+        elif what == "redo" and session.can_redo:
+            session.redo()
+        panel.refresh()
+        line.go_to_time(rng.uniform(*line.view))
+        assert_nothing_is_stale(panel, f"{gesture} {what}")
+        plot = rng.choice(panel.plots)
+        widget, at = plot, place(plot, rng.uniform(*line.view))
+        QTest.mouseMove(widget, at)
+        QTest.mousePress(widget, LEFT, pos=at)
+        for step in range(STEPS):
+            at += QPoint(rng.randint(-2, 2), rng.randint(-25, 25))
+            QTest.mouseMove(widget, at)
+            QTest.qWait(20)
+            assert_nothing_is_stale(panel, f"{gesture} on {plot.control.id}, step {step}")
+        if rng.random() < 0.3:
+            panel.cancel_drag()
+        QTest.mouseRelease(widget, LEFT, pos=at)
+        assert_nothing_is_stale(panel, f"{gesture} on {plot.control.id}, let go of")
+    assert session.edits

@@ -1,0 +1,209 @@
+"""The time selection: its four edges by mouse, keyboard and numbers, and what it does to edits."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from pytestqt.qtbot import QtBot
+from support.rigs import tiny_session
+from test_curves_panel import (
+    CTRL,
+    NONE,
+    SHIFT,
+    drag,
+    move_with,
+    open_panel,
+    place,
+    session_of,
+    turn,
+)
+
+from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves.axes import Scale
+from faceedit_app.ui.curves.edges import Edge, edge_at, press_edge
+from faceedit_app.ui.curves.gestures import Brush
+from faceedit_app.ui.state.timeline import Timeline
+
+ALT = Qt.KeyboardModifier.AltModifier
+LEFT = Qt.MouseButton.LeftButton
+SCALE = Scale(1000, 50, (0.0, 10.0), (0.0, 1.0))  # 100 pixels a second
+BAND = Brush(2.0, 3.0, 0.5, 1.0)
+
+
+@pytest.fixture
+def panel(qtbot: QtBot) -> CurvesPanel:
+    panel = open_panel(qtbot, tiny_session())
+    panel.timeline.select((1.0, 2.0))
+    panel.timeline.set_falloffs(0.3, 0.5)
+    return panel
+
+
+def at(panel: CurvesPanel, seconds: float) -> QPoint:
+    return QPoint(round(panel.range_bar.scale.x_of(seconds)), 8)
+
+
+# --- the rules, without Qt ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("x", "edge"),
+    [
+        (200, Edge.START),
+        (304, Edge.END),
+        (150, Edge.FADE_IN),
+        (398, Edge.FADE_OUT),
+        (250, None),
+        (10, None),
+    ],
+)
+def test_the_edge_under_a_pixel(x: float, edge: Edge | None) -> None:
+    assert edge_at(x, SCALE, BAND) is edge
+
+
+def test_without_falloff_the_outside_of_an_edge_is_the_falloff() -> None:
+    band = Brush(2.0, 3.0, 0.0)
+    assert edge_at(198, SCALE, band) is Edge.FADE_IN
+    assert edge_at(202, SCALE, band) is Edge.START
+    assert edge_at(298, SCALE, band) is Edge.END
+    assert edge_at(302, SCALE, band) is Edge.FADE_OUT
+
+
+@pytest.mark.parametrize(
+    ("edge", "to", "expected"),
+    [
+        (Edge.START, 2.5, (2.5, 3.0, 0.5, 1.0)),
+        (Edge.START, 9.0, (3.0, 3.0, 0.5, 1.0)),
+        (Edge.END, 2.2, (2.0, 2.2, 0.5, 1.0)),
+        (Edge.END, 99.0, (2.0, 10.0, 0.5, 1.0)),
+        (Edge.FADE_IN, 1.0, (2.0, 3.0, 1.0, 1.0)),
+        (Edge.FADE_IN, 2.8, (2.0, 3.0, 0.0, 1.0)),
+        (Edge.FADE_OUT, 3.2, (2.0, 3.0, 0.5, 0.2)),
+    ],
+)
+def test_dragging_an_edge(edge: Edge, to: float, expected: tuple[float, ...]) -> None:
+    begin = {Edge.START: 2.0, Edge.END: 3.0, Edge.FADE_IN: 1.5, Edge.FADE_OUT: 4.0}
+    drag = press_edge(edge, BAND, begin[edge], (0.0, 10.0)).moved(to, fine=False)
+    band = drag.band
+    assert (band.start, band.end, band.falloff, band.fade_out) == pytest.approx(expected)
+
+
+def test_the_whole_band_stays_in_the_take() -> None:
+    drag = press_edge(Edge.BODY, BAND, 2.5, (0.0, 10.0))
+    band = drag.moved(3.0, fine=False).band
+    assert (band.start, band.end) == pytest.approx((2.5, 3.5))
+    band = drag.moved(99.0, fine=False).band
+    assert (band.start, band.end) == pytest.approx((9.0, 10.0))
+
+
+def test_fine_moves_are_a_tenth_and_frames_attract() -> None:
+    drag = press_edge(Edge.END, BAND, 3.0, (0.0, 10.0))
+    assert drag.moved(4.0, fine=True).band.end == pytest.approx(3.1)
+    assert drag.moved(4.01, fine=False, frame=4.0).band.end == 4.0
+
+
+# --- through the widgets -----------------------------------------------------------------------
+
+
+def test_all_four_handles_of_the_bar(panel: CurvesPanel) -> None:
+    bar, line = panel.range_bar, panel.timeline
+    drag(bar, at(panel, 2.0), at(panel, 2.5))
+    assert line.selection == pytest.approx((1.0, 2.5), abs=0.02)
+    drag(bar, at(panel, 1.0), at(panel, 0.8))
+    assert line.selection == pytest.approx((0.8, 2.5), abs=0.02)
+    drag(bar, at(panel, 0.5), at(panel, 0.2))
+    assert line.falloff == pytest.approx(0.6, abs=0.02)
+    drag(bar, at(panel, 3.0), at(panel, 2.7))
+    assert line.falloff_out == pytest.approx(0.2, abs=0.02)
+    assert session_of(panel).edits == ()
+
+
+def test_a_drag_in_the_empty_bar_selects_and_one_in_the_middle_moves(panel: CurvesPanel) -> None:
+    bar, line = panel.range_bar, panel.timeline
+    line.select(None)
+    drag(bar, at(panel, 1.5), at(panel, 2.5))
+    assert line.selection == pytest.approx((1.5, 2.5), abs=0.02)
+    drag(bar, at(panel, 2.0), at(panel, 1.5))
+    assert line.selection == pytest.approx((1.0, 2.0), abs=0.02)
+    turn(bar, at(panel, 1.5), 2)
+    assert line.falloff > 0.3
+    QTest.mouseDClick(bar, LEFT, NONE, at(panel, 1.5))
+    assert line.selection is None
+
+
+def test_edges_are_dragged_on_the_plots_too(panel: CurvesPanel) -> None:
+    plot, line = panel.plots[3], panel.timeline
+    drag(plot, place(plot, 2.0), place(plot, 2.4))
+    assert line.selection == pytest.approx((1.0, 2.4), abs=0.02)
+    move_with(plot, place(plot, 1.0), NONE)
+    assert plot.cursor().shape() is Qt.CursorShape.SizeHorCursor
+    move_with(plot, place(plot, 1.5), NONE)
+    assert plot.cursor().shape() is Qt.CursorShape.SizeVerCursor
+
+
+def test_ctrl_snaps_an_edge_to_a_frame(panel: CurvesPanel) -> None:
+    bar, line = panel.range_bar, panel.timeline
+    drag(bar, at(panel, 2.0), at(panel, 2.41), CTRL)
+    assert line.selection is not None
+    assert line.selection[1] == line.snap(line.selection[1])
+    drag(bar, at(panel, 1.0), at(panel, 1.5), SHIFT)
+    assert line.selection[0] == pytest.approx(1.05, abs=0.02)
+
+
+def test_esc_puts_an_edge_back(panel: CurvesPanel) -> None:
+    plot, line = panel.plots[3], panel.timeline
+    drag(plot, place(plot, 2.0), place(plot, 2.4), release=False)
+    assert panel.is_dragging
+    QTest.keyClick(plot, Qt.Key.Key_Escape)
+    assert line.selection == pytest.approx((1.0, 2.0))
+    assert not panel.is_dragging
+    QTest.mouseRelease(plot, LEFT, NONE, place(plot, 2.4))
+    assert session_of(panel).edits == ()
+
+
+def test_numbers_are_typed(panel: CurvesPanel) -> None:
+    fields, line = panel.fields, panel.timeline
+    for box, text in (
+        (fields.start, "0.50"),
+        (fields.end, "2.25"),
+        (fields.fade_in, "0.10"),
+        (fields.fade_out, "0.75"),
+    ):
+        box.setFocus()
+        box.selectAll()
+        QTest.keyClicks(box, text)
+        QTest.keyClick(box, Qt.Key.Key_Return)
+    assert line.selection == pytest.approx((0.5, 2.25))
+    assert (line.falloff, line.falloff_out) == pytest.approx((0.1, 0.75))
+    line.select(None)
+    assert fields.start.text() == "–"
+    assert Timeline().falloff == Timeline().falloff_out
+
+
+def test_an_edit_of_the_selection_has_both_falloffs(panel: CurvesPanel) -> None:
+    plot, session = panel.plots[0], session_of(panel)
+    start = place(plot, 1.5)
+    drag(plot, start, start - QPoint(0, 15))
+    (edit,) = session.edits
+    assert (edit.start, edit.end, edit.falloff, edit.fade_out) == pytest.approx((1, 2, 0.3, 0.5))
+
+
+def test_alt_and_wheel_change_the_falloff_of_one_side(panel: CurvesPanel) -> None:
+    plot, line = panel.plots[0], panel.timeline
+    start = place(plot, 1.7)
+    drag(plot, start, start - QPoint(0, 15), release=False)
+    turn(plot, start, 2, ALT)
+    assert line.falloff == 0.3
+    assert line.falloff_out > 0.5
+    QTest.mouseRelease(plot, LEFT, NONE, start)
+
+
+def test_esc_brings_back_what_was_selected(panel: CurvesPanel) -> None:
+    bar, line = panel.range_bar, panel.timeline
+    drag(bar, at(panel, 2.7), at(panel, 3.2), release=False)
+    assert line.selection == pytest.approx((2.7, 3.2), abs=0.03)
+    assert panel.is_dragging
+    panel.cancel_drag()
+    assert line.selection == pytest.approx((1.0, 2.0))
+    QTest.mouseRelease(bar, LEFT, NONE, at(panel, 3.2))
+    assert line.selection == pytest.approx((1.0, 2.0))

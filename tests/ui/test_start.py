@@ -1,0 +1,252 @@
+"""From the start of the window to an open take, and what may be missing on the way."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QPushButton
+from support.faces import random_engine
+from support.takes import make_livelink_csv
+from support.windows import Bench, drag_curve, drop, open_path, trigger
+
+from faceedit_app import render
+from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.resources import shipped
+from faceedit_app.ui.state import background as loading
+
+OPENING = CONTROL_INDEX["mouth_opening"]
+
+
+def run_python(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run code in a process of its own, offscreen."""
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        encoding="utf-8",
+        env=os.environ | {"PYTHONUTF8": "1"} | environment,
+        check=True,
+        timeout=60,
+    )
+
+
+# --- start -----------------------------------------------------------------------------------
+
+
+def test_the_window_is_painted_before_anything_heavy_is_imported() -> None:
+    code = """
+import sys, tempfile
+from PySide6.QtCore import QSettings, QTimer
+from faceedit_app.ui.start.app import application
+from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.start.window import MainWindow
+app = application()
+window = MainWindow(Store(QSettings(tempfile.mktemp(), QSettings.Format.IniFormat)))
+window.after_first_paint(app.quit)
+window.show()
+app.exec()
+heavy = {"torch", "scipy", "pyrender", "OpenGL", "pyqtgraph", "pygltflib"}
+print(sorted(heavy & set(sys.modules)))
+"""
+    assert run_python(code).stdout.strip() == "[]"
+
+
+def test_the_whole_application_starts_on_the_demo_and_ends_in_silence(tmp_path: Path) -> None:
+    code = """
+import sys
+from faceedit_app.ui.start import app
+from faceedit_app.ui.start.window import MainWindow
+from PySide6.QtCore import QTimer
+start = MainWindow.start
+def start_and_close(window, take, demo):
+    window.settled.connect(lambda: QTimer.singleShot(300, finish))
+    def finish():
+        print(window.windowTitle(), window.document.session is not None)
+        window.close()
+    start(window, take, demo)
+MainWindow.start = start_and_close
+sys.exit(app.run(None, demo=True))
+"""
+    homes = {"XDG_CONFIG_HOME": tmp_path, "XDG_STATE_HOME": tmp_path, "HOME": tmp_path}
+    out = run_python(code, **{name: str(path) for name, path in homes.items()})
+    assert out.stdout.strip() == "demo_take.csv[*] – FaceEdit True"
+    assert out.stderr == ""
+
+
+def test_without_a_take_the_window_says_what_to_do(bench: Bench) -> None:
+    window = bench.window()
+    texts = [button.text() for button in window.start_page.findChildren(QPushButton)]
+    assert any(text.startswith("Open…") for text in texts)
+    assert "Open the demo take" in texts
+    assert not window.actions_["export"].isEnabled()
+    assert not window.actions_["play"].isEnabled()
+    assert window.actions_["open"].isEnabled()
+    assert window.windowTitle() == "FaceEdit"
+
+
+def test_missing_networks_are_told_without_being_in_the_way(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.banner.isVisible()
+    assert "rig alone" in window.banner.text.text()
+    assert "rig alone" in window.status.networks.text()
+    assert bench.errors == []
+    drag_curve(window, OPENING, 1.0, 20)
+    assert window.document.session is not None
+    assert len(window.document.session.edits) == 1
+
+
+def test_networks_answer_once_they_are_loaded(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(loading, "load_engine", random_engine)
+    window = bench.editing()
+    assert window.document.session is not None
+    assert window.document.session.has_engine
+    assert window.status.networks.text() == "Networks: ready"
+    assert not window.banner.isVisible()
+
+
+def test_while_a_take_is_read_the_window_says_so(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gate = threading.Event()
+    real = loading.open_session
+    monkeypatch.setattr(
+        loading, "open_session", lambda path, rig: (gate.wait(10), real(path, rig))[1]
+    )
+    window = bench.window(start=False)
+    window.start(bench.take)
+    assert window.start_page.loading.isVisible()
+    assert window.start_page.loading.text() == "Opening take.csv…"
+    gate.set()
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    assert window.status.currentMessage() == ""
+
+
+def test_without_opengl_the_reason_is_shown_and_curves_still_work(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(render, "open_renderer", bench.no_gl)
+    window = bench.editing()
+    assert window.editor is not None
+    assert "no OpenGL; install it" in window.editor.face.viewport.message
+    window.grab()
+    drag_curve(window, OPENING, 1.0, 20)
+    assert window.document.session is not None
+    assert len(window.document.session.edits) == 1
+    assert bench.errors == []
+
+
+# --- open ------------------------------------------------------------------------------------
+
+
+def test_open_by_command(bench: Bench) -> None:
+    window = bench.window()
+    bench.answers["open"] = bench.take
+    trigger(window, "open")
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    assert window.windowTitle() == "take.csv[*] – FaceEdit"
+    assert "Live Link Face CSV" in window.status.facts.text()
+    assert "60 fps" in window.status.facts.text()
+    assert "180 frames" in window.status.facts.text()
+    assert window.actions_["export"].isEnabled()
+    assert not window.actions_["undo"].isEnabled()
+
+
+def test_open_by_drop_with_gaps(bench: Bench) -> None:
+    window = bench.window()
+    drop(window, make_livelink_csv(bench.folder / "gaps.csv", dropped=(20, 50, 51, 52)))
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    assert open_path(window).name == "gaps.csv"
+    assert "2 gaps, 4 frames missing" in window.status.gaps.text()
+    assert "2 gaps" in window.status.gaps.toolTip()
+
+
+def test_a_file_may_be_dropped_on_any_part_of_the_window(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    viewports = (window.editor.curves.plots[0], window.editor.face.viewport)
+    for number, part in enumerate(viewports):
+        other = make_livelink_csv(bench.folder / f"other{number}.csv")
+        drop(part, other)
+        bench.qtbot.waitUntil(lambda path=other: open_path(window) == path)
+
+
+def test_a_bad_first_file_leaves_a_window_that_works(bench: Bench) -> None:
+    bad = bench.folder / "bad.csv"
+    bad.touch()
+    window = bench.window(start=False)
+    with bench.qtbot.waitSignal(window.settled):
+        window.start(bad)
+    assert len(bench.errors) == 1
+    assert window.start_page.isVisible()
+    drop(window, bench.take)
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+
+
+def test_open_a_recent_take(bench: Bench) -> None:
+    bench.store().add_recent(bench.take)
+    window = bench.window()
+    recent = [b for b in window.start_page.findChildren(QPushButton) if b.text() == "take.csv"]
+    bench.qtbot.mouseClick(recent[0], Qt.MouseButton.LeftButton)
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    menu = window.actions_.recent_menu
+    menu.aboutToShow.emit()
+    assert [a.text() for a in menu.actions()] == ["take.csv", "", "Clear"]
+    menu.actions()[-1].trigger()
+    menu.aboutToShow.emit()
+    assert [a.text() for a in menu.actions()] == ["No recent takes"]
+
+
+def test_open_the_demo(bench: Bench) -> None:
+    window = bench.window()
+    trigger(window, "open_demo")
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    assert open_path(window) == shipped("assets/demo_take.csv")
+    assert bench.store().recent() == []
+
+
+@pytest.mark.parametrize("kind", ["empty", "picture", "folder", "missing"])
+def test_a_bad_file_is_one_line_and_the_old_take_stays(bench: Bench, kind: str) -> None:
+    window = bench.editing()
+    bad = bench.folder / "bad.csv"
+    if kind == "empty":
+        bad.touch()
+    elif kind == "picture":
+        bad.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
+    elif kind == "folder":
+        bad.mkdir()
+    drop(window, bad)
+    bench.qtbot.waitUntil(lambda: bool(bench.errors))
+    assert len(bench.errors) == 1
+    assert "\n" not in bench.errors[0]
+    assert "bad.csv" in bench.errors[0]
+    assert open_path(window) == bench.take
+    assert window.status.currentMessage() == ""
+
+
+def test_the_take_that_was_asked_for_last_wins(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gate = threading.Event()
+    real = loading.open_session
+    slow = make_livelink_csv(bench.folder / "slow.csv")
+
+    def read(path: Path, rig: object) -> object:
+        if path == slow:
+            gate.wait(10)
+        return real(path, rig)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(loading, "open_session", read)
+    window = bench.window()
+    window.files.open(slow)
+    window.files.open(bench.take)
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    gate.set()
+    bench.qtbot.wait(100)
+    assert open_path(window) == bench.take

@@ -1,0 +1,213 @@
+"""Tools, the link of left and right, snapping, several curves, and the keyboard on a curve."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from pytestqt.qtbot import QtBot
+from support.rigs import tiny_session
+from support.windows import Bench
+from test_curves_panel import CTRL, NONE, drag, open_panel, place, session_of
+
+from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves.gestures import moved_together
+from faceedit_app.ui.state.tools import Tool
+
+ALT = Qt.KeyboardModifier.AltModifier
+LEFT_EYE = CONTROL_INDEX["left_eyelid"]
+
+
+@pytest.fixture
+def panel(qtbot: QtBot) -> CurvesPanel:
+    return open_panel(qtbot, tiny_session())
+
+
+def only_edit(panel: CurvesPanel) -> Edit:
+    (edit,) = session_of(panel).edits
+    return edit
+
+
+# --- left and right ----------------------------------------------------------------------------
+
+
+def test_what_moves_together() -> None:
+    assert moved_together("left_corner", (), True) == ("left_corner", "right_corner")
+    assert moved_together("left_corner", (), False) == ("left_corner",)
+    assert moved_together("mouth_width", (), True) == ("mouth_width",)
+    chosen = ("mouth_width", "left_eyelid")
+    assert moved_together("left_eyelid", chosen, False) == chosen
+    assert moved_together("upper_lip", chosen, False) == ("upper_lip",)
+
+
+def test_both_sides_are_one_edit_unless_alt_or_unlinked(panel: CurvesPanel) -> None:
+    plot, session = panel.plots[LEFT_EYE], session_of(panel)
+    start = place(plot, 1.0)
+    drag(plot, start, start + QPoint(0, 12))
+    assert session.edits[0].controls == ("left_eyelid", "right_eyelid")
+    drag(plot, start, start + QPoint(0, 12), ALT)
+    assert session.edits[1].controls == ("left_eyelid",)
+    panel.tooling.link(False)
+    drag(plot, start, start + QPoint(0, 12))
+    assert session.edits[2].controls == ("left_eyelid",)
+
+
+def test_several_curves_are_chosen_by_ctrl_click(panel: CurvesPanel) -> None:
+    panel.tooling.link(False)
+    QTest.mouseClick(panel.headers[0], Qt.MouseButton.LeftButton, CTRL)
+    QTest.mouseClick(panel.headers[4], Qt.MouseButton.LeftButton, CTRL)
+    assert panel.chosen_controls == ("mouth_opening", "upper_lip")
+    plot = panel.plots[4]
+    start = place(plot, 1.0)
+    drag(plot, start, start - QPoint(0, 12))
+    assert only_edit(panel).controls == ("mouth_opening", "upper_lip")
+    QTest.mouseClick(panel.headers[2], Qt.MouseButton.LeftButton)
+    assert panel.chosen_controls == ()
+    assert panel.focused_control == "left_corner"
+
+
+# --- snapping ----------------------------------------------------------------------------------
+
+
+def test_ctrl_snaps_to_zero_and_to_the_tracked_curve(panel: CurvesPanel) -> None:
+    panel.tooling.link(False)
+    plot, session = panel.plots[0], session_of(panel)
+    frame = session.take.clip.frame_at(1.5)
+    asked, scale = float(session.asked[frame, 0]), plot.current_scale
+    start = place(plot, 1.5)
+    down = round(asked / scale.mm_per_pixel) + 4
+    drag(plot, start, start + QPoint(0, down), CTRL)
+    assert session.asked[frame, 0] == pytest.approx(0.0, abs=1e-4)
+    drag(plot, start, start - QPoint(0, down - 8), CTRL)
+    assert session.asked[frame, 0] == pytest.approx(session.tracked[frame, 0], abs=1e-4)
+
+
+# --- tools -------------------------------------------------------------------------------------
+
+
+def test_draw_goes_where_the_pointer_went(panel: CurvesPanel) -> None:
+    panel.tooling.choose(Tool.DRAW)
+    plot, session = panel.plots[0], session_of(panel)
+    panel.timeline.set_falloff(0.05)
+    drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 20))
+    edit = only_edit(panel)
+    assert edit.op is Op.DRAW
+    assert (edit.start, edit.end) == pytest.approx((1.0, 2.0), abs=0.02)
+    value = plot.current_scale.value_at(35)
+    frame = session.take.clip.frame_at(1.5)
+    assert session.asked[frame, 0] == pytest.approx(value, abs=0.5)
+    session.undo()
+    assert session.edits == ()
+
+
+def test_drawing_back_draws_over(panel: CurvesPanel) -> None:
+    panel.tooling.choose(Tool.DRAW)
+    plot = panel.plots[0]
+    drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 50), release=False)
+    for seconds in (1.8, 1.6, 1.4):
+        QTest.mouseMove(plot, place(plot, seconds, 20))
+    QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, NONE, place(plot, 1.4, 20))
+    points = np.array(only_edit(panel).points)
+    assert np.all(np.diff(points[:, 0]) > 0)
+    high = points[(points[:, 0] > 1.42) & (points[:, 0] < 1.78), 1]
+    assert np.allclose(high, plot.current_scale.value_at(20), atol=0.3)
+
+
+def test_smooth_paints_where_it_passes(panel: CurvesPanel) -> None:
+    panel.tooling.choose(Tool.SMOOTH)
+    panel.tooling.set_smooth(0.1)
+    plot = panel.plots[0]
+    drag(plot, place(plot, 1.0), place(plot, 1.6))
+    edit = only_edit(panel)
+    assert (edit.op, edit.value) == (Op.SMOOTH, 0.1)
+    assert (edit.start, edit.end) == pytest.approx((1.0, 1.6), abs=0.02)
+
+
+def test_in_the_selection_a_paint_tool_takes_all_of_it(panel: CurvesPanel) -> None:
+    panel.tooling.choose(Tool.FLATTEN)
+    panel.timeline.select((1.0, 2.0))
+    plot, session = panel.plots[0], session_of(panel)
+    asked = float(session.asked[session.take.clip.frame_at(1.5), 0])
+    QTest.mouseClick(plot, Qt.MouseButton.LeftButton, NONE, place(plot, 1.5))
+    edit = only_edit(panel)
+    assert (edit.op, edit.start, edit.end) == (Op.SET, 1.0, 2.0)
+    assert edit.value == pytest.approx(asked)
+
+
+def test_scale_about_the_median(panel: CurvesPanel) -> None:
+    panel.tooling.choose(Tool.SCALE)
+    plot = panel.plots[1]
+    start = place(plot, 1.0)
+    drag(plot, start, start - QPoint(0, 30))
+    assert only_edit(panel).op is Op.SCALE
+    assert 1.2 < only_edit(panel).value < 1.3
+
+
+def test_back_to_tracked_erases(panel: CurvesPanel) -> None:
+    session, plot = session_of(panel), panel.plots[0]
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 0.5, 2.5, 0.0, 4.0))
+    panel.refresh()
+    panel.tooling.choose(Tool.RESTORE)
+    panel.timeline.set_falloff(0.1)
+    drag(plot, place(plot, 1.0), place(plot, 2.0))
+    frame = session.take.clip.frame_at(1.5)
+    assert session.asked[frame, 0] == session.tracked[frame, 0]
+    frame = session.take.clip.frame_at(0.7)
+    assert session.asked[frame, 0] > session.tracked[frame, 0]
+
+
+def test_esc_drops_a_paint(panel: CurvesPanel) -> None:
+    panel.tooling.choose(Tool.SMOOTH)
+    plot, session = panel.plots[0], session_of(panel)
+    drag(plot, place(plot, 1.0), place(plot, 1.6), release=False, pause=20)
+    QTest.keyClick(plot, Qt.Key.Key_Escape)
+    assert session.edits == ()
+    np.testing.assert_array_equal(session.asked, session.tracked)
+
+
+# --- in the window -----------------------------------------------------------------------------
+
+
+def test_tools_by_their_keys_and_buttons(bench: Bench) -> None:
+    window = bench.editing()
+    for key, tool in (("D", Tool.DRAW), ("S", Tool.SMOOTH), ("X", Tool.SCALE), ("M", Tool.MOVE)):
+        QTest.keyClick(window, key)
+        assert window.tooling.tool is tool
+        assert window.actions_[f"tool_{tool}"].isChecked()
+    assert window.editor is not None
+    assert not window.editor.tools.smooth.isVisible()
+    window.actions_["tool_smooth"].trigger()
+    assert window.editor.tools.smooth.isVisible()
+    window.actions_["link"].trigger()
+    assert not window.tooling.linked
+    assert not window.actions_["link"].isChecked()
+
+
+def test_the_keyboard_moves_the_focused_curve_as_one_step(bench: Bench) -> None:
+    window = bench.editing()
+    session = window.document.session
+    assert session is not None
+    QTest.keyClick(window, "7")
+    assert window.editor is not None
+    assert window.editor.curves.focused_control == "left_eyelid"
+    assert window.editor.curves.plots[6].shows_focus
+    window.timeline.go_to_time(1.0)
+    for _ in range(3):
+        window.actions_["lower"].trigger()
+    window.actions_["raise_fine"].trigger()
+    assert session.edits == ()
+    window.actions_["forward"].trigger()
+    window.actions_["lower"].trigger()
+    assert len(session.edits) == 1
+    edit = session.edits[0]
+    assert edit.value == pytest.approx(-1.45)
+    assert edit.controls == ("left_eyelid", "right_eyelid")
+    window.actions_["undo"].trigger()  # the nudge that floats still
+    assert len(session.edits) == 1
+    window.actions_["undo"].trigger()
+    assert session.edits == ()
+    window.actions_["raise"].trigger()
+    bench.qtbot.waitUntil(lambda: len(session.edits) == 1, timeout=3000)

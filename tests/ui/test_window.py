@@ -1,0 +1,235 @@
+"""The window with a take open: edit, undo, export, close."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.takes import make_livelink_csv
+from support.windows import Bench, add_edit, drag_curve, drop, open_path, trigger
+
+from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.editing.edits.edit import Op, read_edits
+from faceedit_app.formats.opening import open_take
+from faceedit_app.ui.commands.dialogs import Unsaved
+from faceedit_app.ui.start.window import MainWindow
+
+OPENING = CONTROL_INDEX["mouth_opening"]
+
+
+# --- edit ------------------------------------------------------------------------------------
+
+
+def test_a_drag_with_the_mouse_changes_the_exported_file(bench: Bench) -> None:
+    window = bench.editing()
+    before = bench.take.read_bytes()
+    drag_curve(window, OPENING, 1.5, 25)
+    session = window.document.session
+    assert session is not None
+    assert len(session.edits) == 1
+    assert window.isWindowModified()
+    bench.answers["export"] = bench.folder / "out.csv"
+    trigger(window, "export")
+    after = (bench.folder / "out.csv").read_bytes()
+    assert after != before
+    assert len(after.splitlines()) == len(before.splitlines())
+    assert not window.isWindowModified()
+    assert "Exported" in window.status.currentMessage()
+
+
+def test_what_is_exported_opens_as_what_was_on_screen(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    session = window.document.session
+    assert session is not None
+    shown = session.clip_weights()
+    bench.answers["export"] = bench.folder / "out.csv"
+    trigger(window, "export")
+    again = open_take(bench.folder / "out.csv")
+    np.testing.assert_allclose(again.clip.weights, shown, atol=1e-6)
+    assert again.clip.channels == session.take.clip.channels
+
+
+def test_undo_redo_and_reset(bench: Bench) -> None:
+    window = bench.editing()
+    session = window.document.session
+    assert session is not None
+    tracked = session.weights.copy()
+    add_edit(window)
+    edited = session.weights.copy()
+    assert not np.array_equal(edited, tracked)
+    trigger(window, "undo")
+    np.testing.assert_array_equal(session.weights, tracked)
+    assert not window.isWindowModified()
+    assert not window.actions_["undo"].isEnabled()
+    trigger(window, "redo")
+    np.testing.assert_array_equal(session.weights, edited)
+    trigger(window, "select_all")
+    trigger(window, "reset_range")
+    np.testing.assert_array_equal(session.weights, tracked)
+    trigger(window, "undo")
+    np.testing.assert_array_equal(session.weights, edited)
+
+
+def test_reset_without_a_selection_acts_around_the_playhead(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    window.timeline.go_to_time(1.2)
+    window.timeline.set_falloff(0.3)
+    trigger(window, "reset_range")
+    session = window.document.session
+    assert session is not None
+    reset = session.edits[-1]
+    assert reset.op is Op.RESET
+    assert reset.falloff == 0.3
+    assert (reset.start, reset.end) == pytest.approx((0.9, 1.5), abs=0.02)
+
+
+def test_reset_of_one_curve(bench: Bench) -> None:
+    window = bench.editing()
+    drag_curve(window, OPENING, 1.0, 20)
+    trigger(window, "reset_curve")
+    session = window.document.session
+    assert session is not None
+    assert session.edits[-1].controls == ("mouth_opening",)
+    assert session.edits[-1].op is Op.RESET
+
+
+def test_naturalness_is_one_undo_step_per_gesture(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    session, editor = window.document.session, window.editor
+    assert session is not None
+    assert editor is not None
+    slider = editor.strip.natural
+    slider.setSliderDown(True)
+    for value in (80, 60, 40):
+        slider.setSliderPosition(value)
+        bench.qtbot.wait(60)
+    slider.setSliderDown(False)
+    assert session.settings.naturalness == pytest.approx(0.4)
+    assert editor.strip.percent.text() == "40 %"
+    trigger(window, "undo")
+    assert session.settings.naturalness == 1.0
+    assert slider.value() == 100
+    assert len(session.edits) == 1
+
+
+def test_a_slow_answer_waits_for_the_end_of_the_gesture(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    session, editor = window.document.session, window.editor
+    assert session is not None
+    assert editor is not None
+    editor.strip.sliders[0].cost = 1.0
+    slider = editor.strip.natural
+    slider.setSliderDown(True)
+    slider.setSliderPosition(30)
+    bench.qtbot.wait(80)
+    assert session.settings.naturalness == 1.0
+    assert editor.strip.percent.text() == "30 %"
+    slider.setSliderDown(False)
+    assert session.settings.naturalness == pytest.approx(0.3)
+    trigger(window, "undo")
+    assert session.settings.naturalness == 1.0
+
+
+def test_mode_is_chosen_by_its_two_buttons(bench: Bench) -> None:
+    window = bench.editing()
+    trigger(window, "resynthesize")
+    assert window.actions_["resynthesize"].isChecked()
+    assert not window.actions_["preserve"].isChecked()
+    trigger(window, "undo")
+    assert window.actions_["preserve"].isChecked()
+    trigger(window, "preserve")
+    assert window.actions_["preserve"].isChecked()
+
+
+def test_edits_are_saved_and_loaded(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    session = window.document.session
+    assert session is not None
+    file = bench.folder / "edits.json"
+    bench.answers["save_edits"] = file
+    trigger(window, "save_edits")
+    assert read_edits(file) == session.edits
+    assert not window.isWindowModified()
+    trigger(window, "undo")
+    drop(window, file)
+    assert session.edits == read_edits(file)
+
+
+def test_a_failed_export_says_so_and_keeps_the_edits(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    bench.answers["export"] = bench.folder / "nowhere" / "out.csv"
+    trigger(window, "export")
+    assert len(bench.errors) == 1
+    assert window.isWindowModified()
+
+
+# --- close -----------------------------------------------------------------------------------
+
+
+def test_closing_asks_about_edits(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.document.session is not None
+    add_edit(window)
+    bench.answers["unsaved"] = Unsaved.CANCEL
+    assert not window.close()
+    assert window.isVisible()
+    bench.answers |= {"unsaved": Unsaved.EXPORT, "export": None}
+    assert not window.close()
+    bench.answers |= {"unsaved": Unsaved.SAVE, "save_project": bench.folder / "p.faceedit"}
+    assert window.close()
+    assert (bench.folder / "p.faceedit").exists()
+
+
+def test_opening_another_take_asks_about_edits(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    other = make_livelink_csv(bench.folder / "other.csv")
+    bench.answers["unsaved"] = Unsaved.CANCEL
+    drop(window, other)
+    assert open_path(window) == bench.take
+    bench.answers["unsaved"] = Unsaved.DISCARD
+    drop(window, other)
+    bench.qtbot.waitUntil(lambda: open_path(window) == other)
+    assert not window.isWindowModified()
+
+
+def test_without_edits_nothing_is_asked(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.close()
+
+
+def test_the_layout_is_remembered(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    window.editor.panes.setSizes([400, 880])
+    sizes = window.editor.panes.sizes()
+    window.resize(1280, 700)
+    assert window.close()
+    again = bench.window(bench.take)
+    assert again.editor is not None
+    assert again.editor.panes.sizes()[0] == pytest.approx(sizes[0], abs=4)
+
+
+def test_the_first_window_fits_on_the_screen_with_its_title_bar(bench: Bench) -> None:
+    window = MainWindow(bench.store())  # as it comes, nothing resized it
+    bench.qtbot.addWidget(window)
+    room = window.screen().availableGeometry()
+    assert 600 <= window.height() < room.height()
+    assert window.width() <= max(room.width(), window.minimumWidth())
+
+
+def test_in_a_narrow_window_a_count_ends_in_dots_not_in_half_a_letter(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    label = window.editor.strip.edits
+    drag_curve(window, 0, 1.0, 20)
+    window.resize(1600, 720)
+    assert label.shown == label.text()
+    window.resize(1080, 660)
+    bench.qtbot.waitUntil(lambda: label.shown.endswith("…"))
+    assert label.toolTip() == label.text()
