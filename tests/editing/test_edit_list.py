@@ -14,8 +14,9 @@ from support.faces import shipped_rig, talking_clip
 from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession, EditState
+from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.solver import Settings
+from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.take import Take
 
 MOUTH = CONTROL_INDEX["mouth_opening"]
@@ -59,10 +60,10 @@ def test_each_change_of_the_list_is_one_undo_step(session: EditSession, name: st
     change, expected = STEPS[name]
     before = session.weights.copy()
     heard: list[EditState] = []
-    session.on_finished = heard.append
+    session.stepped.connect(heard.append)
     change(session)
     assert session.edits == expected
-    assert not session.is_floating
+    assert not session.is_previewing
     after = session.weights.copy()
     assert [state.edits for state in heard] == [expected]
     session.undo()
@@ -93,9 +94,9 @@ NO_STEPS: dict[str, Callable[[EditSession], object]] = {
 @pytest.mark.parametrize("name", NO_STEPS)
 def test_what_changes_nothing_is_no_step(session: EditSession, name: str) -> None:
     before, heard = session.weights.copy(), []
-    session.on_finished = heard.append
+    session.stepped.connect(heard.append)
     NO_STEPS[name](session)
-    assert not session.is_floating
+    assert not session.is_previewing
     np.testing.assert_array_equal(session.weights, before)
     assert heard == []
     session.undo()
@@ -104,14 +105,14 @@ def test_what_changes_nothing_is_no_step(session: EditSession, name: str) -> Non
 
 def test_what_floats_is_shown_and_heard_of_by_nobody(session: EditSession) -> None:
     heard: list[EditState] = []
-    session.on_finished = heard.append
+    session.stepped.connect(heard.append)
     before = session.asked.copy()
     session.preview_replace(0, replace(A, strength=0.0))
-    assert session.is_floating
+    assert session.is_previewing
     assert (session.asked[70:90, MOUTH] < before[70:90, MOUTH] - 1).all()
     assert session.edits == (A, B, C)
     session.undo()
-    assert not session.is_floating
+    assert not session.is_previewing
     assert heard == [EditState()]
 
 

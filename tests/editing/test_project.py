@@ -30,8 +30,9 @@ from faceedit_app.editing.files.project import (
     read_project,
     write_project,
 )
-from faceedit_app.editing.session import EditSession, EditState
+from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.solver import Mode, Settings
+from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
 
 EDITS = (

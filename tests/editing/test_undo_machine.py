@@ -36,8 +36,9 @@ from faceedit_app.editing.help.clipboard import Copied, copy_range
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import load_presets
 from faceedit_app.editing.help.problems import find_problems
-from faceedit_app.editing.session import EditSession, EditState
+from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.solver import Mode, Settings
+from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
@@ -222,7 +223,7 @@ class Editing(RuleBasedStateMachine):
         if hasattr(self, "past"):
             assert self.session.can_undo == (self.at > 0)
             assert self.session.can_redo == (self.at < len(self.past) - 1)
-            assert not self.session.is_floating
+            assert not self.session.is_previewing
 
     def teardown(self) -> None:
         if not hasattr(self, "past"):

@@ -186,7 +186,6 @@ def add_edit(window: MainWindow, value: float = 6.0) -> None:
     """An edit as a drag would leave it."""
     assert window.document.session is not None
     window.document.session.add(Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, value))
-    window.document.changed.emit()
 
 
 def trigger(window: MainWindow, command: str) -> None:

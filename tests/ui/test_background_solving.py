@@ -77,7 +77,7 @@ def test_a_gesture_that_is_still_computed_is_dropped_by_cancel(
     window.document.preview(WIDE)
     assert parts(window).is_busy
     parts(window).cancel()
-    assert not session_of(window).is_floating
+    assert not session_of(window).is_previewing
     assert session_of(window).changed_frames() == 0
 
 

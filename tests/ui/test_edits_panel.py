@@ -32,7 +32,6 @@ def window(bench: Bench) -> MainWindow:
         session.add(
             Edit(("mouth_opening",), Op.OFFSET, start, start + 0.3, 0.1, 4.0, 0.2, name=name)
         )
-    window.document.changed.emit()
     return window
 
 
@@ -149,7 +148,6 @@ def test_the_falloff_of_a_chosen_edit_is_not_that_of_the_next_drag(window: MainW
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)
     # An edit of the whole take shows no band, and takes nothing over.
     session.add(Edit(("mouth_width",), Op.OFFSET, 0.0, line.duration, 0.0, 1.0, name="all"))
-    window.document.changed.emit()
     click(panel, 3)
     assert panel.current == 3
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)
@@ -162,7 +160,6 @@ def test_new_edits_are_scrolled_to(window: MainWindow) -> None:
     panel, session = panel_of(window), session_of(window)
     for number in range(20):
         session.add(Edit(("mouth_width",), Op.OFFSET, 0.5, 0.6, 0.1, 1.0, name=str(number)))
-    window.document.changed.emit()
     panel.select_new(2)
     shown = panel.list.viewport().rect()
     assert shown.contains(panel.list.visualRect(panel.model.index(21)))
@@ -235,7 +232,7 @@ def test_deleting_leaves_the_view_where_it_is(window: MainWindow) -> None:
     panel, session = panel_of(window), window.document.session
     assert session is not None
     here, far = (Edit(("mouth_width",), Op.OFFSET, at, at + 0.1, 0.1, 1.0) for at in (0.2, 2.7))
-    window.document.act(lambda session: session.put((here, far)))
+    window.document.act(lambda session: session.put((here, far), "Edits"))
     window.timeline.show_range(0.0, 0.8)
     click(panel, 0)
     panel.delete()

@@ -17,7 +17,8 @@ from support.windows import Bench
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
-from faceedit_app.editing.session import EditSession, EditState
+from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover, Unsaved
 from faceedit_app.ui.commands.project import ProjectCommands

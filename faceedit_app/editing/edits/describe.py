@@ -38,6 +38,12 @@ def describe(edit: Edit) -> str:
             return f"Add to {_lower(what)}"
 
 
+def describe_edits(edits: Sequence[Edit]) -> str:
+    """What a step that makes these edits is called: as they are, if they are called alike."""
+    names = {describe(edit) for edit in edits}
+    return names.pop() if len(names) == 1 else f"{len(edits)} edits"
+
+
 def _describe_set(edit: Edit, what: str) -> str:
     if edit.value <= 0:
         if edit.controls == ("mouth_opening",):

@@ -1,25 +1,19 @@
-"""One user action on controls over a time range, and the file that lists them."""
+"""One user action on controls over a time range, and how it is written as JSON."""
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
-from faceedit_app.editing.files.documents import read_document
 
-VERSION = 1
 Word = TypeVar("Word", bound=StrEnum)
 # Far beyond any take and any face, and far below where sums stop being numbers.
 LARGEST = 1e6
@@ -293,31 +287,3 @@ def _points(entry: Any) -> tuple[tuple[float, float], ...]:
     if not isinstance(entry, list) or not all(isinstance(p, list) and len(p) == 2 for p in entry):
         raise ValueError(f"{what} are no list of [seconds, millimetres]")
     return tuple((_number(t, f"one of {what}"), _number(mm, f"one of {what}")) for t, mm in entry)
-
-
-def write_edits(path: Path | str, edits: Iterable[Edit]) -> None:
-    """Save edits as a readable JSON file, one edit a line."""
-    lines = ",\n    ".join(json.dumps(to_json(edit)) for edit in edits)
-    text = f'{{\n  "version": {VERSION},\n  "edits": [\n    {lines}\n  ]\n}}\n'
-    write_atomically(path, text.encode())
-
-
-def read_edits(path: Path | str) -> tuple[Edit, ...]:
-    """Read an edits file.
-
-    Raises:
-        FileError: it cannot be read, is no edits file, or an edit in it is not usable.
-    """
-    path = Path(path)
-    document = read_document(path, "edits file", VERSION)
-    if not isinstance(document.get("edits"), list):
-        raise FileError(path, 'has no list of "edits"', "choose an edits file saved by FaceEdit")
-    edits = []
-    for number, entry in enumerate(document["edits"], start=1):
-        try:
-            if not isinstance(entry, dict):
-                raise ValueError("it is not an object")
-            edits.append(from_json(entry))
-        except ValueError as error:
-            raise FileError(path, f"edit {number}: {error}", "correct that edit") from error
-    return tuple(edits)

@@ -17,6 +17,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.editing.edits.edit import from_json, to_json
 from faceedit_app.editing.edits.media import LARGEST, Media
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files.documents import read_document
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
@@ -24,8 +25,7 @@ from faceedit_app.editing.files.fingerprint import (
     find_by_name,
     fingerprint,
 )
-from faceedit_app.editing.session import EditState
-from faceedit_app.editing.solving.solver import Mode, Settings
+from faceedit_app.editing.steps import EditState
 
 VERSION = 1
 SUFFIX = ".faceedit"

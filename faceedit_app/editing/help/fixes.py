@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +21,7 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.presets import Alone, Find, Preset
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.session import EditSession
 
 Doubles = NDArray[np.float64]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +19,8 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
+from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.filters import moving_mean
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.session import EditSession
 
 Doubles = NDArray[np.float64]
 

@@ -125,7 +125,9 @@ class EditCommands:
     def _reset(self, controls: tuple[str, ...]) -> None:
         self._cancel_drag()
         self._settle()
-        self._document.reset(*self.range_at_hand(), self._timeline.falloff, controls)
+        session = self._document.session
+        if session is not None and session.edits and controls:
+            session.reset(*self.range_at_hand(), controls, self._timeline.falloff)
 
     def range_at_hand(self) -> tuple[float, float]:
         """The selection, else the playhead with the falloff to either side."""
@@ -136,13 +138,13 @@ class EditCommands:
 
     def set_mode(self, mode: str) -> None:
         """Choose how the networks' answer is combined with the take."""
-        from faceedit_app.editing.solving.solver import Mode
+        from faceedit_app.editing.edits.settings import Mode
 
         self._cancel_drag()
         self._settle()
         session = self._document.session
         if session is not None:
-            self._document.configure(replace(session.settings, mode=Mode(mode)))
+            session.configure(replace(session.settings, mode=Mode(mode)))
 
     def deselect(self) -> None:
         """Cancel a drag in progress, else drop the selection."""

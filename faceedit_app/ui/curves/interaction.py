@@ -50,13 +50,9 @@ class Interaction(QObject):
     """What the mouse does on the eight plots.
 
     Signals:
-        previewed(): the session shows another floating edit, or none any more.
-        committed(): a gesture ended in one more undo step.
         changed(): the pointer or the drag are elsewhere; nothing in the session changed.
     """
 
-    previewed = Signal()
-    committed = Signal()
     changed = Signal()
 
     def __init__(
@@ -222,7 +218,6 @@ class Interaction(QObject):
         if drag is not None and drag.moving and self.session is not None:
             self.session.cancel()
             self._timeline.go_to_frame(self._came_from)
-            self.previewed.emit()
         self.changed.emit()
 
     # --- the edit --------------------------------------------------------------------------
@@ -320,10 +315,9 @@ class Interaction(QObject):
         self._timer.stop()
         edit = self._edit()
         if edit is not None:
+            self.drag = None
             session.preview(edit)
             session.commit()
-            self.drag = None
-            self.committed.emit()
         elif drag.moving:
             self.cancel()
         else:
@@ -348,4 +342,3 @@ class Interaction(QObject):
                 self._timeline.go_to_time(self._shown)
             self.session.preview(self._edit())
             self._last_preview = monotonic()
-            self.previewed.emit()
