@@ -15,7 +15,7 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.clip import Floats
 from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.describe import describe_edits
+from faceedit_app.editing.edits.describe import describe, describe_edits
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
@@ -133,10 +133,8 @@ class EditSession:
             name: of the step, as Undo shows it; by default what the edits are called that it adds.
             merge: extends the last step if that had the same key and nothing came between.
         """
-        state = self._steps.preview
-        if state is not None:
-            added = state.edits[len(self.edits) :] or state.edits[-1:]
-            self._arrive(self._steps.commit(name or describe_edits(added), merge))
+        if self._steps.preview is not None:
+            self._change(self._steps.preview, name, merge)
 
     def extends(self, merge: Hashable) -> bool:
         """Whether a commit with this merge key would extend the last step."""
@@ -191,11 +189,11 @@ class EditSession:
         if self._steps.redo():
             self._arrive()
 
-    # --- one click, one step -----------------------------------------------------------------
+    # --- one click, one step; its name is by default what the edits are called that it adds ----
 
     def add(self, *edits: Edit, name: str = "") -> None:
-        """Add edits; the step is called as they are unless it has a name of its own."""
-        self.put(self.edits + edits, name or describe_edits(edits))
+        """Add edits."""
+        self.put(self.edits + edits, name)
 
     def reset(
         self,
@@ -207,13 +205,13 @@ class EditSession:
         """Bring controls back to the take as tracked from `start` to `end` seconds."""
         self.add(Edit(tuple(controls), Op.RESET, start, end, falloff), name="Reset range")
 
-    def put(self, edits: Sequence[Edit], name: str, merge: Hashable = None) -> None:
+    def put(self, edits: Sequence[Edit], name: str = "", merge: Hashable = None) -> None:
         """Have another list of edits."""
         self._change(replace(self.state, edits=tuple(edits)), name, merge)
 
     def replace_edit(self, index: int, edit: Edit, name: str = "") -> None:
         """Put another edit in the place of one."""
-        self.put(self._with(index, edit), name or describe_edits((edit,)))
+        self.put(self._with(index, edit), name or describe(edit))
 
     def set_enabled(self, index: int, enabled: bool) -> None:
         """Switch an edit on or off."""
@@ -279,8 +277,10 @@ class EditSession:
 
     def _change(self, state: EditState, name: str, merge: Hashable = None) -> None:
         """Preview and commit at once, with one announcement."""
+        added = state.edits[len(self.edits) :] or state.edits[-1:]
         was_previewing, self._steps.preview = self.is_previewing, state
-        if (is_step := self._steps.commit(name, merge)) or was_previewing:
+        is_step = self._steps.commit(name or describe_edits(added), merge)
+        if is_step or was_previewing:
             self._arrive(is_step)
 
     def _arrive(self, is_step: bool = True) -> None:
@@ -333,10 +333,12 @@ class EditSession:
     def mark_saved(self) -> None:
         """What has been done up to now is in a file."""
         self._saved = self.state
+        self._steps.seal()  # Undo leads back to what is in the file
 
     def _mark_exported(self) -> None:
         """The edits are in a file; where sound and film lie is only in projects."""
         self._saved = replace(self.state, media=self._saved.media)
+        self._steps.seal()
 
     def save_edits(self, path: Path | str) -> None:
         """Save the edits for `faceedit apply` or for another day."""

@@ -232,7 +232,7 @@ def test_deleting_leaves_the_view_where_it_is(window: MainWindow) -> None:
     panel, session = panel_of(window), window.document.session
     assert session is not None
     here, far = (Edit(("mouth_width",), Op.OFFSET, at, at + 0.1, 0.1, 1.0) for at in (0.2, 2.7))
-    window.document.act(lambda session: session.put((here, far), "Edits"))
+    window.document.act(lambda session: session.put((here, far)))
     window.timeline.show_range(0.0, 0.8)
     click(panel, 0)
     panel.delete()

@@ -198,5 +198,4 @@ def test_hovering_does_not_take_part_in_nudges_by_keys(bench: Bench) -> None:
     bench.qtbot.wait(60)
     assert (session.live.asked == shown).all()
     window.actions_["raise"].trigger()
-    editor.curves.settle()
     assert [edit.value for edit in session.edits] == [1.0]

@@ -38,18 +38,12 @@ class EditCommands:
         discard: Callable[[], bool],
     ) -> None:
         self._document, self._timeline, self._playback = document, timeline, playback
-        self._panel, self._settle_strip, self._discard = panel, settle, discard
+        self._panel, self._settle, self._discard = panel, settle, discard
 
     def finish(self) -> None:
         """Drop a drag in progress and bring other gestures to their end."""
         self._cancel_drag()
         self._settle()
-
-    def _settle(self) -> None:
-        panel = self._panel()
-        if panel is not None:
-            panel.settle()
-        self._settle_strip()
 
     def handlers(self) -> dict[str, Callable[[], None]]:
         """What to do for each of these `Command.id`s."""
@@ -90,7 +84,7 @@ class EditCommands:
     def _nudge(self, millimetres: float) -> None:
         panel = self._panel()
         if panel is not None:
-            self._settle_strip()
+            self._settle()
             panel.nudge(millimetres)
 
     def _focus(self, index: int) -> None:

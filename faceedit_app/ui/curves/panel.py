@@ -158,10 +158,6 @@ class CurvesPanel(QWidget):
         index = CONTROL_INDEX.get(self._mouse.focused or "", 0)
         self._mouse.nudge(self.plots[index], millimetres)
 
-    def settle(self) -> None:
-        """Bring a gesture of the keyboard to its end."""
-        self._mouse.settle()
-
     @property
     def is_reshaping(self) -> bool:
         """Whether an edge of the selection is being put elsewhere."""

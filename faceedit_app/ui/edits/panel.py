@@ -116,7 +116,7 @@ class EditsPanel(QWidget):
         slider.dragged.connect(self._drag_strength)
         slider.sliderReleased.connect(self._released)
         slider.stepped.connect(self._step_strength)
-        slider.left.connect(lambda: self._document.act(lambda session: session.seal()))
+        slider.left.connect(self._document.seal)
         return slider
 
     # --- which edit --------------------------------------------------------------------------
@@ -305,10 +305,11 @@ class EditsPanel(QWidget):
         self._document.act(lambda session: session.preview_replace(row, shaped))
 
     def end_reshape(self) -> None:
-        """The edges were let go of, or are back where they were."""
+        """The edges were let go of, are back where they were, or were put there by a number."""
         if self._is_reshaped:
             self._is_reshaped = False
-            self._document.commit("Range")
+            by_number = self.reshaping()
+            self._document.commit("Range", ("range", self.current) if by_number else None)
 
     def delete(self) -> None:
         """Take the selected edits out."""

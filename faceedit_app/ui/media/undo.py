@@ -37,7 +37,7 @@ class MediaSteps(QObject):
     def _acted(self) -> None:
         """A gesture is over: what comes now is a step of its own."""
         self._keep()
-        self._document.act(lambda session: session.seal())
+        self._document.seal()
 
     def _moved(self) -> None:
         """An offset is another one: a drag previews it, a number commits it."""

@@ -111,6 +111,7 @@ class Editor(QWidget):
         document.previewed.connect(self._previewed)
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
+        self.curves.fields.left.connect(document.seal)
 
     def _first_steps(self) -> tuple[Step, ...]:
         return (

@@ -42,7 +42,7 @@ class SettingSlider(QObject):
         self.slider.dragged.connect(self._dragged)
         self.slider.sliderReleased.connect(self._released)
         self.slider.stepped.connect(self._stepped)
-        self.slider.left.connect(lambda: document.act(lambda session: session.seal()))
+        self.slider.left.connect(document.seal)
         self.percent = QLabel()
         self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100 %"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -117,9 +117,13 @@ class Document(QObject):
         """Show the take with more edits: they are proposed."""
         self.act(lambda session: session.preview(*edits))
 
-    def commit(self, name: str = "") -> None:
+    def commit(self, name: str = "", merge: Hashable = None) -> None:
         """Keep what is previewed as one step."""
-        self.act(lambda session: session.commit(name))
+        self.act(lambda session: session.commit(name, merge))
+
+    def seal(self) -> None:
+        """End the last gesture for good: whatever comes now is a step of its own."""
+        self.act(lambda session: session.seal())
 
     def cancel(self) -> bool:
         """Drop what is previewed; False if nothing was."""
