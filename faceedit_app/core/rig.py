@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arrays import Bools, Floats, Indices
 from faceedit_app.core.regions import CONTROLS
 
-Floats = NDArray[np.float32]
 MILLIMETRES = 1000.0
 
 
@@ -129,9 +129,9 @@ class Distances:
 
     offsets: Floats
     gradients: Floats
-    shuts: NDArray[np.bool_]
+    shuts: Bools
 
-    def select(self, controls: Sequence[int] | NDArray[np.intp]) -> Distances:
+    def select(self, controls: Sequence[int] | Indices) -> Distances:
         """Some of the distances."""
         rows = np.asarray(controls, np.intp)
         return Distances(self.offsets[rows], self.gradients[:, rows], self.shuts[rows])

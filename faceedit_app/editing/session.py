@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.clip import Floats
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op, read_edits, write_edits

@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.editing.solving.filters import peaks
-
-Doubles = NDArray[np.float64]
 
 LIDS = (CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["right_eyelid"])
 OPENING = CONTROL_INDEX["mouth_opening"]
@@ -54,7 +52,7 @@ class Dip:
     depth: float
 
 
-def dips(times: Doubles, curve: Doubles, rate: float, depth: float, width: float) -> list[Dip]:
+def dips(times: Times, curve: Doubles, rate: float, depth: float, width: float) -> list[Dip]:
     """The places where a curve goes down and back.
 
     Args:
@@ -72,7 +70,7 @@ def dips(times: Doubles, curve: Doubles, rate: float, depth: float, width: float
     return [_dip(times, curve, rate, peak - 1, deep) for peak, deep in found]
 
 
-def _dip(times: Doubles, curve: Doubles, rate: float, frame: int, depth: float) -> Dip:
+def _dip(times: Times, curve: Doubles, rate: float, frame: int, depth: float) -> Dip:
     """A dip with the ends of its flanks: nine tenths of the way up on either side."""
     low = curve[frame]
     before = curve[max(frame - round(_BEFORE * rate), 0) : frame + 1][::-1]
@@ -98,7 +96,7 @@ def open_eyes(lids: Doubles) -> float:
     return float(np.median(eyes)) if len(eyes) else wide
 
 
-def blinks(times: Doubles, controls: Doubles, rate: float) -> list[Dip]:
+def blinks(times: Times, controls: Doubles, rate: float) -> list[Dip]:
     """All blinks, the incomplete ones too: controls (T, 8) mm."""
     both = controls[:, LIDS].mean(axis=1)
     return dips(times, both, rate, BLINK_DEPTH * max(open_eyes(both), 0.1), BLINK_WIDTH)
@@ -109,7 +107,7 @@ def closed_lips(controls: Doubles) -> float:
     return float(np.percentile(controls[:, OPENING], 2))
 
 
-def missed_closures(times: Doubles, controls: Doubles, weights: Doubles, rate: float) -> list[Dip]:
+def missed_closures(times: Times, controls: Doubles, weights: Doubles, rate: float) -> list[Dip]:
     """Where lips pressed, as for /p b m/, and yet stayed apart.
 
     The opening alone does not tell an unmet /m/ from an /f/, in which the lower lip meets the

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import (
@@ -26,7 +26,6 @@ from faceedit_app.editing.help.presets import Alone, Find, Preset
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
 
-Doubles = NDArray[np.float64]
 
 TOUCHING = 0.5  # mm between inner lips that surely touch, in a take whose lips never do
 STILL = 0.8  # of the open eye: a lid that stays above does not blink
@@ -92,9 +91,7 @@ def complete_blink(dip: Dip, controls: Sequence[str] = EYELIDS) -> Edit:
     )
 
 
-def half_blinks(
-    times: Doubles, controls: Doubles, rate: float
-) -> list[tuple[Dip, tuple[str, ...]]]:
+def half_blinks(times: Times, controls: Doubles, rate: float) -> list[tuple[Dip, tuple[str, ...]]]:
     """The blinks that left an eye open, and the eyelids that took part in them.
 
     Args:

@@ -7,8 +7,8 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.regions import CONTROL_IDS, CONTROLS
 from faceedit_app.editing.edits.describe import describe_controls
@@ -25,7 +25,6 @@ from faceedit_app.editing.solving.filters import moving_mean
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
 
-Doubles = NDArray[np.float64]
 
 SHAKES = 0.15  # mm to and fro between frames
 # Ripple against the movement from frame to frame: 0.37 for noise, 0.18 for a quarter of the
@@ -72,9 +71,7 @@ def find_problems(session: EditSession) -> list[Problem]:
     return problems_of(session.take.clip, session.weights, session.achieved)
 
 
-def problems_of(
-    clip: Clip, weights: NDArray[np.float32], controls: NDArray[np.float32]
-) -> list[Problem]:
+def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
     """What is wrong with a performance, in order of time.
 
     Args:
@@ -129,7 +126,7 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
     ripple = _ripple(controls)
     shaking = _shakes(ripple, controls, window)
     found = []
-    somewhere: NDArray[np.bool_] = np.any(shaking, axis=1)
+    somewhere: Bools = np.any(shaking, axis=1)
     for first, last in _runs(somewhere, round(TOGETHER * clip.rate)):
         if clip.times[last] - clip.times[first] < SHORTEST_SHAKE:
             continue
@@ -145,7 +142,7 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
     return found
 
 
-def _shakes(ripple: Doubles, curves: Doubles, window: int) -> NDArray[np.bool_]:
+def _shakes(ripple: Doubles, curves: Doubles, window: int) -> Bools:
     """(T, 8) where curves go to and fro, again and again, faster than any face does.
 
     Speech moves lips at up to 8 Hz, which at 30 frames a second is a ripple too; shaking is
@@ -158,7 +155,7 @@ def _shakes(ripple: Doubles, curves: Doubles, window: int) -> NDArray[np.bool_]:
         return np.zeros(curves.shape, np.bool_)
     moves = np.diff(curves, axis=0, prepend=curves[:1])
     ripples, all_ = (moving_mean(part**2, window) for part in (ripple, moves))
-    shaking: NDArray[np.bool_] = often & (ripples > SHARE**2 * all_)
+    shaking: Bools = often & (ripples > SHARE**2 * all_)
     return shaking
 
 
@@ -202,7 +199,7 @@ def _joined(frames: list[int], clip: Clip) -> list[tuple[int, int]]:
     return runs
 
 
-def _runs(where: NDArray[np.bool_], join: int) -> list[tuple[int, int]]:
+def _runs(where: Bools, join: int) -> list[tuple[int, int]]:
     """Runs (first, last) of true frames; those at most `join` frames apart are one."""
     frames = np.flatnonzero(where)
     if not len(frames):

@@ -17,12 +17,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Company, Edit, Op
-
-Array = NDArray[np.float64]
 
 # (leaders, followers): followers move with their leaders, jointly.
 COMPANIONS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = (
@@ -48,8 +46,8 @@ class _Group:
 
     leaders: frozenset[str]
     followers: tuple[str, ...]
-    given: NDArray[np.intp]
-    gain: Array
+    given: Indices
+    gain: Doubles
 
     @classmethod
     def of(
@@ -57,7 +55,7 @@ class _Group:
         leaders: Sequence[str],
         followers: tuple[str, ...],
         controls: Sequence[str],
-        covariance: Array,
+        covariance: Doubles,
     ) -> _Group:
         """See `Companions`."""
         free = [controls.index(name) for name in followers]
@@ -76,7 +74,7 @@ class Companions:
         covariance: (C, C) mm² of those controls in real performances.
     """
 
-    def __init__(self, controls: Sequence[str], covariance: Array) -> None:
+    def __init__(self, controls: Sequence[str], covariance: Doubles) -> None:
         known = [pair for pair in COMPANIONS if {*pair[0], *pair[1]} <= {*controls}]
         lips = tuple(name for name in LIPS if name in controls)
         self._groups = {
@@ -107,7 +105,7 @@ class Companions:
             if name in named and not group.leaders & named
         ]
 
-    def follow(self, edit: Edit, change: Array, claimed: Array) -> Array:
+    def follow(self, edit: Edit, change: Doubles, claimed: Doubles) -> Doubles:
         """How far curves go along with an edit.
 
         Args:

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Mapping
 from itertools import islice
 
-from faceedit_app.core.clip import Floats
+from faceedit_app.core.arrays import Floats
 from faceedit_app.editing.solving.chunks import Piece, Rows
 from faceedit_app.editing.solving.solver import Solver
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
@@ -32,7 +32,6 @@ if TYPE_CHECKING:  # the window is there before the networks
 
 __all__ = ["Mode", "Patch", "Settings", "Solver"]
 
-Array = NDArray[np.float64]
 
 # How far above the range seen in training a request is followed, as a share of that range.
 BEYOND = 0.1
@@ -42,9 +41,9 @@ BEYOND = 0.1
 class Patch:
     """A chunk's result: `asked` (N, 8) mm, `weights` (N, 52), `controls` (N, 8) mm."""
 
-    asked: NDArray[np.float32]
-    weights: NDArray[np.float32]
-    controls: NDArray[np.float32]
+    asked: Floats
+    weights: Floats
+    controls: Floats
 
 
 class Solver:
@@ -114,13 +113,15 @@ class Solver:
         controls[same] = self.controls[rows][same]
         return Patch(mine.curves.astype(np.float32), result, controls)
 
-    def _believable(self, curves: Array, tracked: Array) -> Array:
+    def _believable(self, curves: Doubles, tracked: Doubles) -> Doubles:
         """(N, 8) mm: curves within what faces do, or what this face already did."""
         low, high = np.minimum(self._low, tracked), np.maximum(self._high, tracked)
-        believable: Array = np.minimum(np.maximum(curves, low), high)
+        believable: Doubles = np.minimum(np.maximum(curves, low), high)
         return believable
 
-    def _answer(self, piece: Piece, regions: tuple[str, ...], change: Array) -> dict[str, Array]:
+    def _answer(
+        self, piece: Piece, regions: tuple[str, ...], change: Doubles
+    ) -> dict[str, Doubles]:
         """(N, K) by region: what the networks add (preserve) or put (resynthesize) on its rows.
 
         Args:
@@ -148,10 +149,10 @@ class Solver:
 
     def _combine(
         self,
-        weights: Array,
+        weights: Doubles,
         part: _Part,
-        answer: Array,
-        influence: Array,
+        answer: Doubles,
+        influence: Doubles,
         rows: slice,
         settings: Settings,
     ) -> None:
@@ -167,7 +168,7 @@ class Solver:
             _couple(weights, self.tracked[rows], influence > 0)
 
     def _reach(
-        self, weights: Array, part: _Part, mine: Request, wanted: Array, settings: Settings
+        self, weights: Doubles, part: _Part, mine: Request, wanted: Doubles, settings: Settings
     ) -> None:
         """Bring the region's own controls the rest of the way to what was asked."""
         where = np.flatnonzero(mine.hold[:, part.own].any(axis=1))
@@ -216,15 +217,15 @@ class _Part:
             covariance = covariance[np.ix_(self.have, self.have)]
             self.reach = Reach(mine, self.columns[self.have], covariance, coupled)
 
-    def control_covariance(self) -> Array:
+    def control_covariance(self) -> Doubles:
         """(C, C) mm² how the region's controls vary together, linearised at rest."""
         rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
         mine = self._all.select([CONTROL_INDEX[c] for c in self.region.controls])
         slopes = mine.jacobian(rest)[1][0][:, self.columns].astype(np.float64)
-        covariance: Array = slopes @ self._covariance @ slopes.T
+        covariance: Doubles = slopes @ self._covariance @ slopes.T
         return covariance
 
-    def limits(self) -> tuple[Array, Array]:
+    def limits(self) -> tuple[Doubles, Doubles]:
         """(8,) mm: how low and how high the controls it listens to are followed."""
         low, high = np.full(len(CONTROLS), -np.inf), np.full(len(CONTROLS), np.inf)
         if self._model is not None:
@@ -234,12 +235,12 @@ class _Part:
         return low, high
 
 
-def _upper(old: Array, influence: Array) -> Array:
+def _upper(old: Doubles, influence: Doubles) -> Doubles:
     """Largest weight: 1, but a tracked value above 1 is let go of only as the edit fades in."""
     return 1.0 + np.maximum(old - 1.0, 0.0) * (1.0 - influence[:, None])
 
 
-def _couple(weights: Array, tracked: NDArray[np.float32], where: NDArray[np.bool_]) -> None:
+def _couple(weights: Doubles, tracked: Floats, where: Bools) -> None:
     """Keep mouthClose <= jawOpen, in place: alone, the corrective tears any rig.
 
     Where the take itself exceeds it, by as much as the take does.

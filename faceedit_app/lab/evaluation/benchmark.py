@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
 from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.rig import Rig
@@ -23,8 +23,6 @@ from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.formats.take import Take
 from faceedit_app.lab.evaluation.metrics import boundary_jump, clipped_share
 from faceedit_app.networks.engine import Engine
-
-Array = NDArray[np.float64]
 
 NATURALNESS = (0.0, 0.5, 1.0)
 SHORTEST_TAKE = 2.0  # seconds
@@ -67,7 +65,7 @@ class Outcome:
     distance: float
 
 
-def trials(take: Take, controls: Array) -> list[Trial]:
+def trials(take: Take, controls: Doubles) -> list[Trial]:
     """The edits for one take, whose controls are (T, 8) mm; some need a face that fits."""
     duration = take.clip.duration
     if duration < SHORTEST_TAKE:
@@ -164,7 +162,7 @@ def _outcome(session: EditSession, trial: Trial, engine: Engine | None) -> Outco
 
 
 def _distance(
-    session: EditSession, engine: Engine | None, regions: Sequence[str], inside: NDArray[np.bool_]
+    session: EditSession, engine: Engine | None, regions: Sequence[str], inside: Bools
 ) -> float:
     """How far the edited part is from natural motion at worst, by the limit of real takes."""
     if engine is None:

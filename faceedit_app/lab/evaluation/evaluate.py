@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
 from faceedit_app.core.resources import shipped
@@ -29,8 +29,6 @@ from faceedit_app.lab.evaluation.metrics import (
 )
 from faceedit_app.lab.evaluation.systems import SYSTEMS, Systems
 from faceedit_app.lab.training.data import Performance
-
-Array = NDArray[np.float64]
 
 MOUTH_MM = tuple(0.5 * i for i in range(1, 13))
 LIDS_MM = tuple(0.5 * i for i in range(1, 15))
@@ -84,7 +82,7 @@ class Figures:
     regions: dict[str, dict[str, Score]]
     closures: dict[str, dict[str, Closures]]
     outcomes: list[Outcome] = field(default_factory=list)
-    curves: dict[str, dict[str, Array]] = field(default_factory=dict)
+    curves: dict[str, dict[str, Doubles]] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
         """The figures as plain JSON values; what cannot be measured is null."""
@@ -229,7 +227,7 @@ def measure_systems(
     return figures
 
 
-def _joined(parts: Sequence[Array]) -> Array:
+def _joined(parts: Sequence[Doubles]) -> Doubles:
     return np.concatenate(parts) if parts else np.zeros(0)
 
 
@@ -237,26 +235,26 @@ def _columns(region: Region) -> list[int]:
     return [ARKIT_INDEX[c] for c in region.channels]
 
 
-def _truth(take: Performance, rig: Rig) -> Array:
+def _truth(take: Performance, rig: Rig) -> Doubles:
     """(T, 8) mm: the take's own controls."""
     return rig.arkit_distances.measure(take.weights).astype(np.float64)
 
 
-def _controls(take: Performance, region: Region, answer: Array, rig: Rig) -> Array:
+def _controls(take: Performance, region: Region, answer: Doubles, rig: Rig) -> Doubles:
     """(T, 8) mm: the controls with a region's weights replaced."""
     weights = take.weights.copy()
     weights[:, _columns(region)] = answer
     return rig.arkit_distances.measure(weights).astype(np.float64)
 
 
-def _bounded(systems: Systems, system: str, region: Region, take: Performance, rig: Rig) -> Array:
+def _bounded(systems: Systems, system: str, region: Region, take: Performance, rig: Rig) -> Doubles:
     """A system's answer to the take's own controls, as the application would use it: 0..1."""
     return np.clip(systems.answer(system, region.id, _truth(take, rig)), 0.0, 1.0)
 
 
 def _score(
     takes: Sequence[Performance],
-    answers: Sequence[Array],
+    answers: Sequence[Doubles],
     region: Region,
     system: str,
     systems: Systems,

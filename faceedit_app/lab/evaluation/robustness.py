@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
@@ -19,8 +19,6 @@ from faceedit_app.lab.evaluation.report import LABELS, cell, markdown_table
 from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.data import Performance
-
-Array = NDArray[np.float64]
 
 SECONDS = 2.8
 OPENING = CONTROL_INDEX["mouth_opening"]
@@ -36,7 +34,7 @@ class Place(Protocol):
         """The character."""
 
 
-def inputs(rest: Array, frames: int) -> dict[str, Array]:
+def inputs(rest: Doubles, frames: int) -> dict[str, Doubles]:
     """Mouth openings to try, from a resting face's controls (8,): (frames, 8) mm each."""
     time = np.arange(frames) / GRID_RATE
     middle = time[frames // 2]
@@ -112,6 +110,6 @@ def _columns() -> list[int]:
     return [ARKIT_INDEX[c] for c in REGIONS[0].channels]
 
 
-def _line(name: str, values: Array, color: str, dashed: bool) -> Line:
+def _line(name: str, values: Doubles, color: str, dashed: bool) -> Line:
     times = (np.arange(len(values)) / GRID_RATE).tolist()
     return Line(name, times, values.tolist(), color, dashed)
