@@ -90,7 +90,8 @@ def _arrived(rig: Rig, vertices: Floats, normals: Floats, depth_of: DepthOf) -> 
 
 def _face_centre(rig: Rig) -> Doubles:
     """Where the controls are measured, (3,) metres."""
-    centre: Doubles = rig.neutral[rig.control_pairs.ravel()].mean(axis=0, dtype=np.float64)
+    vertices = rig.control_pairs[rig.has_control].ravel()
+    centre: Doubles = rig.neutral[vertices].mean(axis=0, dtype=np.float64)
     return centre
 
 

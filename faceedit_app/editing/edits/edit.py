@@ -15,8 +15,8 @@ import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.editing.files.documents import read_document
 
 VERSION = 1

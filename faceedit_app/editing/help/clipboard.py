@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, MIRRORED_CONTROL
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, MIRRORED_CONTROL
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 
 if TYPE_CHECKING:

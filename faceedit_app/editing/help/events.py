@@ -12,11 +12,11 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING
 from faceedit_app.editing.solving.filters import peaks
 
-LIDS = (CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["right_eyelid"])
-OPENING = CONTROL_INDEX["mouth_opening"]
+LID_COLUMNS = [CONTROL_INDEX[lid] for lid in LIDS]
+OPENING = CONTROL_INDEX[LIP_OPENING]
 
 # A blink takes 0.3 to 0.4 s in all, and is this wide at half its depth at most (VanderWerf et
 # al. 2003); lids that follow the gaze down take longer.
@@ -97,13 +97,13 @@ def open_eyes(lids: Doubles) -> float:
 
 
 def blinks(times: Times, controls: Doubles, rate: float) -> list[Dip]:
-    """All blinks, the incomplete ones too: controls (T, 8) mm."""
-    both = controls[:, LIDS].mean(axis=1)
+    """All blinks, the incomplete ones too: controls (T, C) mm."""
+    both = controls[:, LID_COLUMNS].mean(axis=1)
     return dips(times, both, rate, BLINK_DEPTH * max(open_eyes(both), 0.1), BLINK_WIDTH)
 
 
 def closed_lips(controls: Doubles) -> float:
-    """Millimetres between the inner lips of a closed mouth in a take: controls (T, 8) mm."""
+    """Millimetres between the inner lips of a closed mouth in a take: controls (T, C) mm."""
     return float(np.percentile(controls[:, OPENING], 2))
 
 
@@ -115,7 +115,7 @@ def missed_closures(times: Times, controls: Doubles, weights: Doubles, rate: flo
 
     Args:
         times: (T,) seconds.
-        controls: (T, 8) mm.
+        controls: (T, C) mm.
         weights: (T, 52) in ARKit order.
         rate: frames per second.
     """

@@ -10,11 +10,11 @@ import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.regions import CONTROL_IDS, CONTROLS
+from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import (
-    LIDS,
+    LID_COLUMNS,
     closed_lips,
     missed_closures,
     open_eyes,
@@ -77,7 +77,7 @@ def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
     Args:
         clip: its times, rate and gaps; the clip's own weights are not looked at.
         weights: (T, 52) in ARKit order.
-        controls: (T, 8) mm, as measured on them.
+        controls: (T, C) mm, as measured on them.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
@@ -96,7 +96,7 @@ def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
             Kind.LIPS,
             dip.start,
             dip.end,
-            ("mouth_opening",),
+            (LIP_OPENING,),
             f"The lips nearly meet: {dip.level - closed:.1f} mm are left between them",
             (close_lips(dip, closed),),
         )
@@ -105,7 +105,7 @@ def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
 
 
 def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
-    usual = open_eyes(controls[:, LIDS])
+    usual = open_eyes(controls[:, LID_COLUMNS])
     return [
         Problem(
             Kind.BLINK,
@@ -143,7 +143,7 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
 
 
 def _shakes(ripple: Doubles, curves: Doubles, window: int) -> Bools:
-    """(T, 8) where curves go to and fro, again and again, faster than any face does.
+    """(T, C) where curves go to and fro, again and again, faster than any face does.
 
     Speech moves lips at up to 8 Hz, which at 30 frames a second is a ripple too; shaking is
     where most of all movement is ripple.
@@ -160,7 +160,7 @@ def _shakes(ripple: Doubles, curves: Doubles, window: int) -> Bools:
 
 
 def _ripple(curves: Doubles) -> Doubles:
-    """(T, 8) mm: what goes to and fro from frame to frame; a slow movement leaves nothing."""
+    """(T, C) mm: what goes to and fro from frame to frame; a slow movement leaves nothing."""
     x = np.pad(curves, ((2, 2), (0, 0)), mode="edge")
     ripple: Doubles = (x[:-4] - 4 * x[1:-3] + 6 * x[2:-2] - 4 * x[3:-1] + x[4:]) / 16
     return ripple
@@ -173,8 +173,8 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
         end = round(float(clip.times[min(last + 1, len(clip) - 1)]), 4)
         start = round(float(clip.times[first]), 4)
         before, after = controls[first : last + 1], controls[first + 1 : last + 2]
-        jumps = np.abs(after - before[: len(after)]).max(axis=0) if len(after) else np.zeros(8)
-        moved = tuple(control.id for control, j in zip(CONTROLS, jumps, strict=True) if j > JUMP)
+        jumps = np.abs(after - before[: len(after)]).max(axis=0, initial=0.0)
+        moved = tuple(name for name, jump in zip(CONTROL_IDS, jumps, strict=True) if jump > JUMP)
         fix = (
             (Edit(moved, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump"),)
             if moved

@@ -26,7 +26,7 @@ class Answers:
 
     Args:
         engine: the networks.
-        grid: (M, 8) mm: the take's controls as tracked, on the networks' grid.
+        grid: (M, C) mm: the take's controls as tracked, on the networks' grid.
     """
 
     def __init__(self, engine: Engine, grid: Doubles) -> None:
@@ -45,7 +45,7 @@ class Answers:
         Args:
             regions: `Region.id`s.
             window: first grid frame, and the one after the last.
-            curves: (N, 8) mm in the window.
+            curves: (N, C) mm in the window.
             naturalness: see `Engine.answer`.
         """
         heard = {region: curves[:, self._columns[region]] for region in regions}

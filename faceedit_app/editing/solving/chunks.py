@@ -15,7 +15,7 @@ from itertools import compress
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Indices, Times
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings

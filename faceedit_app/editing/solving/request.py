@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.filters import gaussian
@@ -24,9 +24,9 @@ class Request:
     """What the edits ask for on N frames.
 
     Attributes:
-        curves: (N, 8), mm: the tracked controls with the edits applied, companions included.
-        hold: (N, 8) in 0..1: how firmly each curve is asked for (the edits' masks).
-        influence: (N, 8) in 0..1: where the networks may answer: 1 over an edit and its
+        curves: (N, C), mm: the tracked controls with the edits applied, companions included.
+        hold: (N, C) in 0..1: how firmly each curve is asked for (the edits' masks).
+        influence: (N, C) in 0..1: where the networks may answer: 1 over an edit and its
             falloff, fading over `SPILL` seconds beyond.
     """
 
@@ -59,8 +59,8 @@ def request(
     Args:
         times: (N,) seconds.
         rate: frames per second, for smoothing.
-        tracked: (N, 8), mm.
-        medians: (8,), mm: the take's median of each control, which `scale` is about.
+        tracked: (N, C), mm.
+        medians: (C,), mm: the take's median of each control, which `scale` is about.
         companions: which curves follow which; None = none does.
     """
     curves = tracked.astype(np.float64, copy=True)

@@ -12,8 +12,9 @@ import numpy as np
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, Control, control_named
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
+from faceedit_app.core.regions import LOWER, REGIONS, Region
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.formats.opening import open_take
@@ -32,12 +33,12 @@ from faceedit_app.lab.training.data import Performance
 
 MOUTH_MM = tuple(0.5 * i for i in range(1, 13))
 LIDS_MM = tuple(0.5 * i for i in range(1, 15))
-CLOSING: dict[str, tuple[str, str, tuple[float, ...]]] = {
-    "mouth": ("lower", "mouth_opening", MOUTH_MM),
-    "left_eyelid": ("eyelids", "left_eyelid", LIDS_MM),
-    "right_eyelid": ("eyelids", "right_eyelid", LIDS_MM),
+MOUTH = "mouth"
+CLOSING: dict[str, tuple[Control, tuple[float, ...]]] = {
+    MOUTH: (control_named(LIP_OPENING), MOUTH_MM),
+    **{lid: (control_named(lid), LIDS_MM) for lid in LIDS},
 }
-"""What can close: its region, its control, and the thresholds of detection in mm."""
+"""What can close: its control, and the thresholds of detection in mm."""
 REGION_IDS = tuple(region.id for region in REGIONS)
 WILD_MM = 40.0
 WILD_FRAMES = 6
@@ -99,7 +100,7 @@ class Figures:
         }
         closing: dict[str, Any] = {}
         for what, found in self.closures.items():
-            thresholds = CLOSING[what][2]
+            thresholds = CLOSING[what][1]
             closing[what] = {"threshold_mm": list(thresholds)}
             for system in SYSTEMS:
                 empty = [None] * len(thresholds)
@@ -189,11 +190,11 @@ def measure_systems(
                 system: _score(takes, answers[region.id, system], region, system, systems, rig)
                 for system in systems.names(region.id)
             }
-    for what, (region_id, control, thresholds) in CLOSING.items():
-        if region_id not in regions:
+    for what, (control, thresholds) in CLOSING.items():
+        if control.region not in regions:
             continue
-        region = next(r for r in REGIONS if r.id == region_id)
-        column = CONTROL_INDEX[control]
+        region = next(r for r in REGIONS if r.id == control.region)
+        column = CONTROL_INDEX[control.id]
         seen = [take.captured[_columns(region)].any() for take in takes]
         figures.closures[what] = {
             system: closures(
@@ -201,7 +202,7 @@ def measure_systems(
                     [
                         _controls(take, region, answer, rig)[:, column]
                         for take, answer, ok in zip(
-                            takes, answers[region_id, system], seen, strict=True
+                            takes, answers[region.id, system], seen, strict=True
                         )
                         if ok
                     ]
@@ -215,14 +216,14 @@ def measure_systems(
                 ),
                 thresholds,
             )
-            for system in systems.names(region_id)
+            for system in systems.names(region.id)
         }
-    if "lower" in regions:
-        lower = REGIONS[0]
+    if LOWER.id in regions:
+        opening = CONTROL_INDEX[LIP_OPENING]
         for i, take in enumerate(takes[:3]):
-            figures.curves[take.name] = {"truth": _truth(take, rig)[:, 0]} | {
-                system: _controls(take, lower, answers["lower", system][i], rig)[:, 0]
-                for system in systems.names("lower")
+            figures.curves[take.name] = {"truth": _truth(take, rig)[:, opening]} | {
+                system: _controls(take, LOWER, answers[LOWER.id, system][i], rig)[:, opening]
+                for system in systems.names(LOWER.id)
             }
     return figures
 
@@ -236,12 +237,12 @@ def _columns(region: Region) -> list[int]:
 
 
 def _truth(take: Performance, rig: Rig) -> Doubles:
-    """(T, 8) mm: the take's own controls."""
+    """(T, C) mm: the take's own controls."""
     return rig.arkit_distances.measure(take.weights).astype(np.float64)
 
 
 def _controls(take: Performance, region: Region, answer: Doubles, rig: Rig) -> Doubles:
-    """(T, 8) mm: the controls with a region's weights replaced."""
+    """(T, C) mm: the controls with a region's weights replaced."""
     weights = take.weights.copy()
     weights[:, _columns(region)] = answer
     return rig.arkit_distances.measure(weights).astype(np.float64)

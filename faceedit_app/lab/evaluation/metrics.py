@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Indices
-from faceedit_app.core.regions import CONTROL_INDEX, MODELLED_CHANNELS, Region
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MOUTH_CORNERS, MOUTH_WIDTH
+from faceedit_app.core.regions import LOWER, MODELLED_CHANNELS, UPPER, Region
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.core.rig import MILLIMETRES, Rig
 
@@ -23,7 +24,7 @@ HIGH_HZ = 4.0
 NEAR_LIPS_MM = 12.0
 NEAR_LIDS_MM = 10.0
 MOVED_MM = 2.0  # the brows: vertices that a brow channel moves by so much
-_LIPS = ("mouth_opening", "mouth_width", "left_corner")
+_LIPS = (LIP_OPENING, MOUTH_WIDTH, *MOUTH_CORNERS)
 _AT_LIMIT = 1e-4
 
 
@@ -112,11 +113,11 @@ def closures(answer: Doubles, truth: Doubles, thresholds: Sequence[float]) -> Cl
 
 def region_vertices(rig: Rig, region: Region) -> Indices:
     """Indices of the lip, lid or brow vertices that a region's error is measured on."""
-    if region.id == "upper":
+    if region.id == UPPER.id:
         rows = [rig.channel_index[c] for c in region.channels if c in rig.channel_index]
         moved = np.linalg.norm(rig.deltas[rows], axis=2).max(axis=0) * MILLIMETRES
         return np.flatnonzero(moved > MOVED_MM)
-    lips = region.id == "lower"
+    lips = region.id == LOWER.id
     controls = _LIPS if lips else region.controls
     points = rig.neutral[rig.control_pairs[[CONTROL_INDEX[c] for c in controls]].ravel()]
     away = np.linalg.norm(rig.neutral[:, None] - points[None], axis=2).min(axis=1) * MILLIMETRES

@@ -10,8 +10,9 @@ import numpy as np
 
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
+from faceedit_app.core.regions import LOWER
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.evaluation.metrics import high_energy
@@ -21,7 +22,7 @@ from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.data import Performance
 
 SECONDS = 2.8
-OPENING = CONTROL_INDEX["mouth_opening"]
+OPENING = CONTROL_INDEX[LIP_OPENING]
 
 
 class Place(Protocol):
@@ -35,7 +36,7 @@ class Place(Protocol):
 
 
 def inputs(rest: Doubles, frames: int) -> dict[str, Doubles]:
-    """Mouth openings to try, from a resting face's controls (8,): (frames, 8) mm each."""
+    """Mouth openings to try, from a resting face's controls (C,): (frames, C) mm each."""
     time = np.arange(frames) / GRID_RATE
     middle = time[frames // 2]
     bump = np.exp(-0.5 * ((time - middle) / 0.12) ** 2)
@@ -61,8 +62,7 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
     """
     if not takes:
         raise FaceEditError("robustness needs takes to measure on: --held-out DIR")
-    lower = REGIONS[0]
-    model = systems.engine.models[lower.id]
+    model = systems.engine.models[LOWER.id]
     distances = place.rig.arkit_distances
     controls = np.concatenate([distances.measure(take.weights) for take in takes])
     rest = np.median(controls, axis=0).astype(np.float64)
@@ -70,7 +70,7 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
     for number, (name, asked) in enumerate(inputs(rest, int(SECONDS * GRID_RATE)).items(), 1):
         lines = [_line("asked for", asked[:, OPENING], "#000000", True)]
         for system, color in (("regressor", "#d55e00"), ("system", "#0072b2")):
-            answer = systems.answer(system, lower.id, asked)
+            answer = systems.answer(system, LOWER.id, asked)
             weights = np.zeros((len(answer), 52), np.float32)
             weights[:, _columns()] = answer
             opening = distances.measure(weights)[:, OPENING].astype(np.float64)
@@ -107,7 +107,7 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
 def _columns() -> list[int]:
     from faceedit_app.core.arkit import ARKIT_INDEX
 
-    return [ARKIT_INDEX[c] for c in REGIONS[0].channels]
+    return [ARKIT_INDEX[c] for c in LOWER.channels]
 
 
 def _line(name: str, values: Doubles, color: str, dashed: bool) -> Line:

@@ -55,7 +55,7 @@ class Systems:
         return SYSTEMS if region in self.baseline else SYSTEMS[:2]
 
     def answer(self, system: str, region: str, curves: Doubles) -> Doubles:
-        """Curves (T, 8) mm at 25 fps -> (T, K) weights of a region, not bounded."""
+        """Curves (T, C) mm at 25 fps -> (T, K) weights of a region, not bounded."""
         if system == "holden":
             return self.baseline[region].answer(curves)
         answers = self.engine.answer(region, curves[None], 1.0 if system == "system" else 0.0)

@@ -11,8 +11,9 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
 from faceedit_app.core.arrays import Bools, Floats, Indices
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX, Region
+from faceedit_app.core.regions import Region
 from faceedit_app.core.resample import GRID_RATE, grid_length, to_grid
 from faceedit_app.core.rig import Distances
 from faceedit_app.formats.opening import open_take
@@ -192,7 +193,7 @@ def region_windows(
     """The examples of one region among windows (N, W, 52); those without its channels are left out.
 
     Args:
-        distances: the eight controls as a function of the 52 weights in ARKit order.
+        distances: the controls as a function of the 52 weights in ARKit order.
     """
     columns = [ARKIT_INDEX[c] for c in region.channels]
     rows = captured[:, columns].any(axis=1)

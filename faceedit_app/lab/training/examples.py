@@ -10,8 +10,9 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX, Region
+from faceedit_app.core.regions import Region
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.core.rig import Distances
 from faceedit_app.lab.training.data import (
@@ -38,7 +39,7 @@ class Examples:
 
     Args:
         performances: takes; a share of their blocks is held out.
-        distances: the eight controls as a function of the 52 weights in ARKit order.
+        distances: the controls as a function of the 52 weights in ARKit order.
 
     Attributes:
         validation: held-out windows as recorded.

@@ -22,8 +22,9 @@ from torch.nn import functional as F
 
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX, Region
+from faceedit_app.core.regions import Region
 from faceedit_app.core.rig import Distances
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import Examples
@@ -88,7 +89,7 @@ class HoldenModel:
     networks: HoldenNetworks
 
     def answer(self, curves: Doubles) -> Doubles:
-        """Curves (T, 8) mm at 25 fps, any T -> (T, K) weights, not bounded."""
+        """Curves (T, C) mm at 25 fps, any T -> (T, K) weights, not bounded."""
         columns = [CONTROL_INDEX[c] for c in self.controls]
         padded = np.pad(curves[:, columns], ((0, len(curves) % 2), (0, 0)), "edge")
         inputs = torch.from_numpy(padded.T[None].astype(np.float32))

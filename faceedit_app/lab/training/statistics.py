@@ -14,7 +14,7 @@ from scipy.signal import find_peaks
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
-from faceedit_app.core.regions import MODELLED_CHANNELS, REGIONS
+from faceedit_app.core.regions import LOWER, MODELLED_CHANNELS
 
 Take = tuple[Doubles, Floats]
 """Times (T,) in seconds and weights (T, 52) in ARKit order."""
@@ -44,7 +44,7 @@ PAIRS: tuple[tuple[str, str], ...] = (
     ("eyeBlinkLeft", "eyeWideLeft"),
     ("eyeBlinkLeft", "eyeLookDownLeft"),
 )
-MOUTH_CHANNELS: tuple[str, ...] = REGIONS[0].channels
+MOUTH_CHANNELS: tuple[str, ...] = LOWER.channels
 STD_CHANNELS: tuple[str, ...] = tuple(c for c in MODELLED_CHANNELS if not c.endswith("Right"))
 
 
