@@ -12,8 +12,8 @@ import numpy as np
 from psygnal import Signal
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.clip import Floats
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe, describe_edits
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -37,7 +37,7 @@ class EditSession:
     A gesture calls `preview…` as often as it likes, then `commit` or `cancel`. What is done by one
     click is committed at once: `add`, `put`, `remove`, `configure` and so on are one step each.
 
-    `tracked`, `asked` and `achieved` are (T, 8) mm: the three curves of the plots. `weights` is
+    `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of the plots. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
     read them, do not keep or change them. `live.patience` says how long a change may take before
     the rest is left to `live.work`.

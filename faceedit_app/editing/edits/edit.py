@@ -10,9 +10,9 @@ from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
+from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
 
 Word = TypeVar("Word", bound=StrEnum)
 # Far beyond any take and any face, and far below where sums stop being numbers.
@@ -116,7 +116,7 @@ class Edit:
             raise ValueError("its points are not in order of time")
 
     @cached_property
-    def polyline(self) -> NDArray[np.float64]:
+    def polyline(self) -> Doubles:
         """(2, P): the seconds and the millimetres of `points`."""
         return np.ascontiguousarray(np.array(self.points, np.float64).T)
 
@@ -152,7 +152,7 @@ class Edit:
             return self
         return replace(self, name="", falloff_out=fade)
 
-    def mask(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def mask(self, times: Times) -> Doubles:
         """How much of the edit applies at `times` (T,): 1 in the hold, cosine falloff, 0."""
         before, after = self.start - times, times - self.end
         if self.fade_out == self.falloff:
@@ -178,7 +178,7 @@ class Edit:
         return replace(self, controls=tuple(MIRRORED_CONTROL[c] for c in self.controls))
 
 
-def fade(outside: NDArray[np.float64], falloff: float) -> NDArray[np.float64]:
+def fade(outside: Doubles, falloff: float) -> Doubles:
     """Seconds outside the hold (0 or less: inside) -> how much applies."""
     # Half a nanosecond of slack keeps a frame that stands on the edge on the inside.
     if falloff < 1e-9:
