@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
-from support.faces import shipped_rig, talking_clip
+from support.faces import talking_clip
+from support.sessions import session_by_rig, take_of
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
@@ -27,12 +27,12 @@ C = Edit(("mouth_opening",), Op.SET, 2.2, 2.4, 0.1, 9.0)
 
 @lru_cache(maxsize=1)
 def take() -> Take:
-    return Take(Path("take.csv"), "none", talking_clip(180), (), (), None)  # type: ignore[arg-type]
+    return take_of(talking_clip(180))
 
 
 @pytest.fixture
 def session() -> EditSession:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     session.add(A, B, C)
     return session
 
@@ -73,7 +73,7 @@ def test_each_change_of_the_list_is_one_undo_step(session: EditSession, name: st
     np.testing.assert_array_equal(session.weights, after)
     assert len(heard) == 3
 
-    fresh = EditSession(take(), shipped_rig())
+    fresh = session_by_rig(take())
     fresh.add(*expected)
     np.testing.assert_array_equal(fresh.weights, after)
 
@@ -129,14 +129,14 @@ def test_position_that_is_not_there_is_an_error_and_no_step(
 
 
 def test_edit_that_is_off_or_without_strength_leaves_no_trace() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     session.add(replace(A, enabled=False), replace(B, strength=0.0))
     assert session.changed_frames() == 0
     np.testing.assert_array_equal(session.asked, session.tracked)
 
 
 def test_strength_is_how_much_of_the_change_is_made() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     hold = slice(62, 90)
     for strength in (0.5, 1.0, 1.5):
         session.preview(replace(A, strength=strength))
@@ -150,7 +150,7 @@ def test_strength_is_how_much_of_the_change_is_made() -> None:
 
 
 def test_smooth_and_reset_never_overshoot() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     session.add(A)
     reset = Edit(("mouth_opening",), Op.RESET, 1.0, 1.5, 0.0)
     for strength, left in ((0.5, 2.0), (1.0, 0.0), (1.5, 0.0)):
@@ -183,7 +183,7 @@ def test_a_name_computes_nothing_anew() -> None:
 
 
 def test_scale_may_be_about_a_length() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     session.add(replace(A, op=Op.SCALE, value=0.5, about=0.0))
     inside = slice(60, 91)
     np.testing.assert_allclose(
@@ -194,7 +194,7 @@ def test_scale_may_be_about_a_length() -> None:
 
 
 def test_drawn_line_is_followed() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     points = ((1.1, 5.0), (1.3, 9.0))
     session.add(Edit(("mouth_opening",), Op.DRAW, 1.0, 1.5, 0.0, points=points))
     at = [60, 66, 72, 78, 90]

@@ -224,13 +224,11 @@ VICTIM = """
 import sys, time
 from pathlib import Path
 sys.path.insert(0, {tests!r})
-from support.faces import random_rig, shipped_rig
+from support.sessions import session_by_rig
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files.journal import Journal
-from faceedit_app.editing.session import EditSession
-from faceedit_app.formats.opening import open_take
 
-session = EditSession(open_take({take!r}), shipped_rig())
+session = session_by_rig(Path({take!r}))
 journal = Journal(session.take.path, folder=Path({folder!r}))
 session.stepped.connect(journal.record)
 edit = lambda i, mm: Edit(("mouth_opening",), Op.OFFSET, i, i + 0.3, 0.1, mm)

@@ -20,7 +20,8 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from support.faces import random_engine, shipped_rig
+from support.faces import shipped_rig
+from support.sessions import engine
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.controls import CONTROL_IDS
@@ -37,7 +38,7 @@ from faceedit_app.editing.help.clipboard import Copied, copy_range
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import load_presets
 from faceedit_app.editing.help.problems import find_problems
-from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
@@ -53,11 +54,6 @@ PRESETS = load_presets(Path("nowhere"))[0]
 def small_take() -> Take:
     with tempfile.TemporaryDirectory() as folder:
         return open_take(make_livelink_csv(Path(folder) / "take.csv", SECONDS, 30))
-
-
-@lru_cache(maxsize=1)
-def networks() -> Engine:
-    return random_engine(3)
 
 
 moments = st.floats(0.0, SECONDS).map(lambda seconds: round(seconds, 3))
@@ -99,7 +95,7 @@ class Editing(RuleBasedStateMachine):
     @initialize()
     def open(self) -> None:
         self.take = small_take()
-        self.session = EditSession(self.take, shipped_rig(), self.engine())
+        self.session = open_session(self.take, shipped_rig(), self.engine())
         self.past: list[tuple[EditState, bytes]] = [(EditState(), self.exported())]
         self.at = 0
         self.key: str | None = None  # of the last step, as long as it may be extended
@@ -276,7 +272,7 @@ class Editing(RuleBasedStateMachine):
         for _ in range(back):
             self.session.redo()
         assert (self.session.state, self.exported()) == final
-        fresh = EditSession(self.take, shipped_rig(), self.engine())
+        fresh = open_session(self.take, shipped_rig(), self.engine())
         fresh.restore(final[0])
         assert self.take.source.encode(self.take.clip.weights, fresh.clip_weights()) == final[1]
 
@@ -285,7 +281,7 @@ class EditingWithNetworks(Editing):
     """The same, answered by networks."""
 
     def engine(self) -> Engine | None:
-        return networks()
+        return engine()
 
 
 @pytest.mark.timeout(600)

@@ -8,11 +8,10 @@ from PySide6.QtCore import QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QStyle, QStyleOptionViewItem
-from support.windows import Bench, drag_curve
+from support.windows import Bench, drag_curve, session_of
 from test_curves_panel import drag, turn
 
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.edits.delegate import cells
 from faceedit_app.ui.edits.model import columns
 from faceedit_app.ui.edits.panel import EditsPanel
@@ -33,11 +32,6 @@ def window(bench: Bench) -> MainWindow:
             Edit(("mouth_opening",), Op.OFFSET, start, start + 0.3, 0.1, 4.0, 0.2, name=name)
         )
     return window
-
-
-def session_of(window: MainWindow) -> EditSession:
-    assert window.document.session is not None
-    return window.document.session
 
 
 def panel_of(window: MainWindow) -> EditsPanel:
