@@ -200,6 +200,7 @@ BAD = {
     "edit is bad": json.dumps(GOOD | {"edits": [{"control": "nose"}]}),
     "length is a text": json.dumps(GOOD | {"seconds": "1"}),
     "length is no number": json.dumps(GOOD | {"seconds": float("nan")}),
+    "unknown field": json.dumps(GOOD | {"ease": 1}),
     "unknown find": json.dumps(GOOD | {"find": "nose"}),
     "unknown alone": json.dumps(GOOD | {"alone": [1]}),
 }
