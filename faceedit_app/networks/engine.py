@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
@@ -16,10 +15,6 @@ from faceedit_app.networks.files import REMEDY, read_region
 from faceedit_app.networks.inference import RegionAnswer, RegionGroup
 
 Array = NDArray[np.float64]
-
-# On matrices this small a second thread gains nothing, and when the machine has other work the
-# two wait for each other for a hundred milliseconds.
-THREADS = 1
 
 
 @dataclass(frozen=True)
@@ -38,7 +33,6 @@ class Engine:
         Raises:
             FileError: a file is missing or no model.
         """
-        threadpool_limits(THREADS, user_api="blas")
         models = {}
         for region in REGIONS:
             path = Path(folder) / f"{region.id}.safetensors"
