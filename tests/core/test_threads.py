@@ -25,10 +25,10 @@ from faceedit_app.networks.engine import Engine
 
 rig, take = read_rig(shipped("assets/character.glb")), open_take(shipped("assets/demo_take.csv"))
 if sys.argv[1] == "networks first":  # as the command line does
-    session = EditSession(take, rig, Engine.load(shipped("models")))
+    session = EditSession(take, rig, Engine.load(shipped("models"), rig))
 else:  # as the window does
     session = EditSession(take, rig)
-    session.use_engine(Engine.load(shipped("models")))
+    session.use_engine(Engine.load(shipped("models"), rig))
 session.add(Edit(("mouth_opening", "left_corner"), Op.OFFSET, 2.0, 3.0, 0.2, 4.0))
 with tempfile.TemporaryDirectory() as folder:
     session.export(Path(folder, "edited.csv"))

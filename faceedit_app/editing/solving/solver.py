@@ -188,7 +188,8 @@ class _Part:
     """What solving needs to know of a region, worked out once.
 
     Attributes:
-        listens_to: ids of the controls that its networks answer to.
+        listens_to: ids of the controls that its networks answer to, and of its own: those that
+            the networks do not know are answered by reach alone.
         columns: (K,) its channels among the 52.
         have: positions of the channels that may change: the source has a column for them.
         own: positions of the controls that are its own; the brows have none, they move no control.
@@ -199,11 +200,13 @@ class _Part:
         self, region: Region, engine: Engine | None, distances: Distances, may: frozenset[str]
     ) -> None:
         self.region, self._all = region, distances
-        self._model = engine.models[region.id] if engine else None
-        self.listens_to = self._model.controls if self._model else region.controls
+        self._model = engine.models[region.id].description if engine else None
         self.columns = np.array([ARKIT_INDEX[c] for c in region.channels], np.intp)
         self.have = np.array([i for i, c in enumerate(region.channels) if c in may], np.intp)
         self.own = np.array([i for i, c in enumerate(CONTROLS) if c.region == region.id], np.intp)
+        heard = self._model.controls if self._model else region.controls
+        own = [CONTROLS[i].id for i in self.own]
+        self.listens_to = (*heard, *(control for control in own if control not in heard))
         self._covariance = (
             self._model.covariance if self._model else 0.04 * np.eye(len(region.channels))
         )
