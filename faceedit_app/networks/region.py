@@ -66,10 +66,12 @@ class RegionAnswer:
             if share > 0 and name in self._outputs
         ]
         answers: list[Floats] = self._session.run(wanted or ["system"], {INPUT: curves})
-        if len(answers) == 1:
-            return answers[0]
-        regressed, believable = answers
-        return regressed + np.float32(naturalness) * (believable - regressed)
+        answer, *rest = answers
+        if rest:
+            answer = answer + np.float32(naturalness) * (rest[0] - answer)
+        if not np.isfinite(answer).all():  # networks that were tampered with: never into a take
+            answer = np.nan_to_num(answer, nan=0.0, posinf=LARGEST_WEIGHT, neginf=-LARGEST_WEIGHT)
+        return answer
 
     def _try_out(self) -> None:
         """Raise where the networks cannot answer what they will be asked."""

@@ -22,14 +22,15 @@ SCALE, CONTEXT = 4, 12
 
 
 def random_description(region: Region, rig: Rig, seed: int = 0, **changes: Any) -> Description:
-    """Of networks for a region, with a random covariance."""
-    count, inputs = len(region.channels), len(region.controls)
+    """Of networks for a region, with a random covariance; `changes` are fields of it."""
+    controls = changes.get("controls", region.controls)
+    count, inputs = len(region.channels), len(controls)
     mixing = np.random.default_rng(seed).normal(0, 0.2, (count, count)) / np.sqrt(count)
     description = Description(
         region=region.id,
-        controls=region.controls,
+        controls=controls,
         channels=region.channels,
-        made_for=MadeFor.of(rig, region.controls),
+        made_for=MadeFor.of(rig, controls),
         architecture={"name": "random"},
         scale=SCALE,
         context=CONTEXT,
