@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_IDS, MODELLED_CHANNELS
+from faceedit_app.core.regions import MODELLED_CHANNELS
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.networks.made_for import MadeFor
-
-Array = NDArray[np.float64]
 
 KEY = "faceedit"
 """Where the description stands among the texts of an ONNX file."""
@@ -36,16 +35,16 @@ class Natural:
         limit: the 99.9th percentile of the distances of recorded frames.
     """
 
-    mean: Array
-    precision: Array
+    mean: Doubles
+    precision: Doubles
     limit: float
 
-    def distance(self, weights: Array) -> Array:
+    def distance(self, weights: Doubles) -> Doubles:
         """How far each frame is from natural motion (Mahalanobis): weights (T, K) -> (T,)."""
         change = np.diff(weights, axis=0, prepend=weights[:1])
         away = np.concatenate([weights, change], axis=1) - self.mean
         square = np.einsum("tk,kl,tl->t", away, self.precision, away)
-        result: Array = np.sqrt(np.maximum(square, 0.0))
+        result: Doubles = np.sqrt(np.maximum(square, 0.0))
         return result
 
 
@@ -74,9 +73,9 @@ class Description:
     architecture: dict[str, Any]
     scale: int
     context: int
-    covariance: Array
-    low: Array
-    high: Array
+    covariance: Doubles
+    low: Doubles
+    high: Doubles
     notes: str = ""
     natural: Natural | None = field(default=None, repr=False)
 
@@ -174,7 +173,7 @@ def _whole(value: Any, least: int, most: int) -> int:
     return value
 
 
-def _numbers(values: Any, *shape: int) -> Array:
+def _numbers(values: Any, *shape: int) -> Doubles:
     numbers = np.asarray(values, np.float64)
     if numbers.shape != shape or not (np.abs(numbers) < _LARGEST_NUMBER).all():
         raise ValueError(f"numbers {numbers.shape}, not {shape}, or out of bounds")

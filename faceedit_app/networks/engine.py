@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Rig
 from faceedit_app.networks.region import RegionAnswer, read_region
-
-Array = NDArray[np.float64]
 
 ENDING = ".onnx"
 
@@ -66,7 +64,7 @@ class Engine:
         most = max(model.description.context for model in self.models.values())
         return -(-most // self.scale) * self.scale
 
-    def answer(self, region: str, curves: Array, naturalness: float) -> Array:
+    def answer(self, region: str, curves: Doubles, naturalness: float) -> Doubles:
         """A region's weights for some curves.
 
         It depends on nothing but the curves that the region listens to, and on how many frames
@@ -74,7 +72,7 @@ class Engine:
 
         Args:
             region: `Region.id`.
-            curves: (N, 8) mm at 25 fps; N any length.
+            curves: (N, C) mm of all controls at 25 fps; N any length.
             naturalness: 0 = regressor alone, 1 = full system.
 
         Returns:

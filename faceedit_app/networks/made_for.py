@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
-from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.controls import CONTROL_INDEX, control_named
 from faceedit_app.core.rig import Rig
 
 TOLERANCE = 0.01  # mm: files round, and a hundredth changes no answer that anyone could see
@@ -32,7 +32,7 @@ class MadeFor:
     """
 
     name: str
-    controls: dict[str, NDArray[np.float64]]
+    controls: dict[str, Doubles]
 
     @classmethod
     def of(cls, rig: Rig, controls: Iterable[str]) -> MadeFor:
@@ -49,7 +49,9 @@ class MadeFor:
         for control, vectors in self.controls.items():
             if np.abs(vectors - here[control]).max() <= TOLERANCE:
                 continue
-            label = CONTROLS[CONTROL_INDEX[control]].label.lower()
+            label = control_named(control).label.lower()
+            if control in rig.missing_controls:
+                return f"it has a {label}, this one none"
             ours, theirs = (float(np.linalg.norm(v[0])) for v in (vectors, here[control]))
             if abs(ours - theirs) > TOLERANCE:
                 return f"its {label} at rest is {ours:.1f} mm, here {theirs:.1f} mm"

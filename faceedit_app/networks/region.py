@@ -8,14 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import onnxruntime as ort
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.networks.description import KEY, REMEDY, Description
 from faceedit_app.networks.graph import INPUT, LARGEST, read_graph
-
-Floats = NDArray[np.float32]
 
 MEMORY = 256 << 20  # bytes, for all networks of the process; ours take about 10 MB
 LONGEST = 1_024  # frames that are tried out beside the context: more than the longest chunk

@@ -15,7 +15,7 @@ from support.networks import random_content, random_description
 from support.trained import random_networks, random_trained
 
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.regions import EYELIDS, REGIONS
 from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.resources import shipped
 from faceedit_app.formats.opening import open_take
@@ -26,9 +26,6 @@ from faceedit_app.lab.training.export import export
 from faceedit_app.lab.training.model_files import load_trained, save_trained
 from faceedit_app.lab.training.settings import RECIPES
 from faceedit_app.networks.engine import Engine
-
-LOWER, UPPER, EYELIDS = REGIONS
-
 
 # --- in torch ----------------------------------------------------------------------------------
 

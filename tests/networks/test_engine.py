@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from support.faces import random_engine, shipped_rig
 from support.networks import random_content, random_description, random_region, write_models
 
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, REGIONS
+from faceedit_app.core.regions import EYELIDS, LOWER, REGIONS, UPPER
 from faceedit_app.networks.engine import Engine
-
-LOWER, UPPER, EYELIDS = REGIONS
 
 
 def curves(frames: int, seed: int = 0) -> NDArray[np.float64]:

@@ -11,8 +11,9 @@ import pytest
 from support.faces import random_rig, shipped_rig
 from support.networks import random_content, random_description, write_models
 
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, REGIONS
+from faceedit_app.core.regions import EYELIDS, LOWER, UPPER
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.networks.engine import Engine, load_region
@@ -91,10 +92,19 @@ def test_shipped_models_are_refused_with_another_character() -> None:
 
 def test_one_region_made_for_another_character_is_found(tmp_path: Path) -> None:
     folder = write_models(tmp_path, shipped_rig())
-    eyelids = REGIONS[2]
-    other = random_description(eyelids, scaled(shipped_rig(), 0.7))
+    other = random_description(EYELIDS, scaled(shipped_rig(), 0.7))
     (folder / "eyelids.onnx").write_bytes(random_content(other))
     with pytest.raises(FileError, match=r"eyelids\.onnx: was made for another character"):
         Engine.load(folder, shipped_rig())
-    for region in REGIONS[:2]:
+    for region in (LOWER, UPPER):
         load_region(folder, region, shipped_rig())
+
+
+def test_character_that_lacks_a_control_is_another_one() -> None:
+    rig = shipped_rig()
+    pairs = rig.control_pairs.copy()
+    pairs[CONTROL_INDEX["upper_lip"]] = -1
+    lacking = replace(rig, control_pairs=pairs)
+    assert "this one none" in MadeFor.of(rig, CONTROL_IDS).difference(lacking)
+    others = [control for control in CONTROL_IDS if control != "upper_lip"]
+    assert MadeFor.of(rig, others).difference(lacking) == ""

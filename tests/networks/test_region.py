@@ -18,12 +18,11 @@ from support.faces import shipped_rig
 from support.networks import as_model, random_content, random_description, random_graph
 
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.regions import EYELIDS
 from faceedit_app.networks.description import KEY
 from faceedit_app.networks.graph import LARGEST, read_graph
 from faceedit_app.networks.region import RegionAnswer, read_region
 
-EYELIDS = REGIONS[2]
 INPUTS, OUTPUTS = len(EYELIDS.controls), len(EYELIDS.channels)
 TEXT = random_description(EYELIDS, shipped_rig()).to_json()
 

@@ -100,6 +100,7 @@ class Setting:
         def report(epoch: Epoch) -> None:
             self.progress.update(bar, advance=1)
 
+        regions = [self.rig.measures(region) for region in regions]
         models = [fit_region(r, takes, self.rig, settings, report).model for r in regions]
         others = (
             [fit_holden(r, takes, self.rig, settings, report)[0] for r in regions]

@@ -5,16 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.training.holden import FOLDER
 from faceedit_app.lab.training.model_files import TrainedRegion
 from faceedit_app.networks.engine import ENDING, Engine, load_region
-
-Array = NDArray[np.float64]
 
 SYSTEMS = ("regressor", "system", "holden")
 
@@ -59,8 +55,8 @@ class Systems:
         """The systems that know a region."""
         return SYSTEMS if region in self.baseline.models else SYSTEMS[:2]
 
-    def answer(self, system: str, region: str, curves: Array) -> Array:
-        """Curves (T, 8) mm at 25 fps -> (T, K) weights of a region, not bounded."""
+    def answer(self, system: str, region: str, curves: Doubles) -> Doubles:
+        """Curves (T, C) mm at 25 fps -> (T, K) weights of a region, not bounded."""
         if system == "holden":
             return self.baseline.answer(region, curves, 1.0)
         return self.engine.answer(region, curves, 1.0 if system == "system" else 0.0)

@@ -135,7 +135,7 @@ def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
     performances = load_performances(plan.folders, plan.exclude)
     rig = read_rig(shipped("assets/character.glb"))
     fitted = []
-    for region in REGIONS:
+    for region in map(rig.measures, REGIONS):
         report = _reporter(progress, region.label, _epochs(settings, plan.baseline))
         start = begin.get(region.id)
         result = fit_region(region, performances, rig, settings, report, start, checkpoints)
