@@ -230,7 +230,7 @@ class _Part:
         missing: frozenset[str],
     ) -> None:
         self.region = region
-        self._model = engine.models[region.id] if engine else None
+        self._model = engine.models[region.id].description if engine else None
         self.own = tuple(name for name in region.own if name not in missing)
         self.own_columns = np.array([CONTROL_INDEX[name] for name in self.own], np.intp)
         self._distances = distances.select(self.own_columns)
