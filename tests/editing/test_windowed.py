@@ -118,10 +118,10 @@ def test_chunks_answer_as_the_networks_do_over_the_whole_take(
     solver = Solver(clip, shipped_rig(), networks)
     padded = len(solver.grid) + -len(solver.grid) % networks.scale
     for region in networks.models:
-        at_once = networks.answer(region, solver.grid[None], naturalness)[0]
+        at_once = networks.answer(region, solver.grid, naturalness)
         for chunk in range(len(solver.chunks)):
             first, last = solver.chunks.windows[chunk]
-            answer = networks.answer(region, solver.grid[None, first:last], naturalness)[0]
+            answer = networks.answer(region, solver.grid[first:last], naturalness)
             rows = solver.chunks.slice(chunk)
             inner = slice(rows.start, min(rows.stop + 2, padded))
             np.testing.assert_allclose(

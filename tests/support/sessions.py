@@ -38,7 +38,7 @@ def engine(seed: int = 11) -> Engine:
 @lru_cache(maxsize=1)
 def shipped_engine() -> Engine:
     """The networks that FaceEdit ships with."""
-    return load_engine()
+    return load_engine(shipped_rig())
 
 
 def session_by_rig(take: Take | Clip | Path) -> EditSession:

@@ -1,7 +1,7 @@
 """What takes long, away from the window: reading takes, the character, the networks.
 
-The imports stand inside the functions because they are what takes long: the solver, the networks
-and pyrender are first imported here, in a thread, while the window is already up.
+The imports stand inside the functions because they are what takes long: ONNX Runtime, scipy and
+pyrender are first imported here, in a thread, while the window is already up.
 """
 
 from __future__ import annotations
@@ -57,15 +57,15 @@ def prepare_renderer() -> None:
         return  # opening the renderer meets it again, and says so where it can be shown
 
 
-def load_engine() -> Engine:
+def load_engine(rig: Rig) -> Engine:
     """The shipped networks.
 
     Raises:
-        FileError: they are missing or damaged.
+        FileError: they are missing or damaged, or for another character.
     """
     from faceedit_app.editing.opening import load_engine
 
-    return load_engine()
+    return load_engine(rig)
 
 
 class Background(QObject):
