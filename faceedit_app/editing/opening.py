@@ -23,11 +23,7 @@ def shipped_rig() -> Rig:
 
 
 def load_engine(rig: Rig, models: Path | None = None) -> Engine:
-    """The networks of a folder; those that ship with FaceEdit if none is given.
-
-    Args:
-        rig: the character that they are to answer for.
-        models: the folder.
+    """The networks of a folder, by default of those that ship, which must be made for the rig.
 
     Raises:
         FileError: they are missing or damaged, or for another character.

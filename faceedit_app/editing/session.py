@@ -17,9 +17,10 @@ from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.fields import clean_text
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe, describe_edits
-from faceedit_app.editing.edits.edit import Edit, Op, read_edits, write_edits
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver

@@ -1,7 +1,7 @@
 """What takes long, away from the window: reading takes, the character, the networks.
 
-The imports stand inside the functions because they are what takes long: ONNX Runtime, scipy and
-pyrender are first imported here, in a thread, while the window is already up.
+The imports stand inside the functions because they are what takes long: the solver, the networks
+and pyrender are first imported here, in a thread, while the window is already up.
 """
 
 from __future__ import annotations
