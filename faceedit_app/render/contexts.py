@@ -1,9 +1,8 @@
-"""Where OpenGL comes from: choosing a backend, opening a context, and saying why there is none."""
+"""Where OpenGL comes from: choosing a backend, and saying why there is none."""
 
 from __future__ import annotations
 
 import ctypes
-import importlib.util
 import os
 import sys
 from typing import Any
@@ -45,46 +44,22 @@ def choose_backend() -> str:
     return chosen
 
 
-def lean_pyrender() -> None:
-    """Let pyrender's parts be imported without the rest of it, of which we need nothing.
-
-    The package itself imports trimesh, networkx, half of scipy and pyglet, more than half a second
-    of the start. Whoever asks the package for one of its names still gets it.
-    """
-    if "pyrender" in sys.modules:
-        return
-    spec = importlib.util.find_spec("pyrender")
-    if spec is None or spec.loader is None:
-        return  # the import that follows says so
-    package, loader = importlib.util.module_from_spec(spec), spec.loader
-
-    def complete(name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        if package.__dict__.pop("__getattr__", None) is not None:
-            loader.exec_module(package)
-        return getattr(package, name)
-
-    package.__dict__["__getattr__"] = complete
-    sys.modules["pyrender"] = package
-
-
-def open_context(backend: str, width: int, height: int) -> Any:
+def open_platform(backend: str, width: int, height: int) -> Any:
     """A pyrender `Platform` with a live context, made current. Call `choose_backend` first.
 
     Raises:
         Exception: whatever the driver or PyOpenGL raises; `open_renderer` turns it into a line.
     """
+    # Each is imported only where it is wanted: the import alone fails on other systems.
     platform: Any
-    lean_pyrender()
     if backend == "egl":
         from faceedit_app.render.egl import SharedDisplayEgl
 
         platform = SharedDisplayEgl(width, height)
     elif backend == "osmesa":
-        from pyrender.platforms.osmesa import OSMesaPlatform
+        from faceedit_app.render.osmesa import OSMesaWithFramebuffers
 
-        platform = OSMesaPlatform(width, height)
+        platform = OSMesaWithFramebuffers(width, height)
     else:
         from pyrender.platforms.pyglet_platform import PygletPlatform
 

@@ -54,7 +54,6 @@ def prepare_renderer() -> None:
 
     try:
         contexts.choose_backend()  # before OpenGL is imported
-        contexts.lean_pyrender()
         importlib.import_module("faceedit_app.render.studio")
     except Exception:  # drivers and PyOpenGL raise all kinds
         return  # opening the renderer meets it again, and says so where it can be shown
