@@ -10,7 +10,7 @@ from typing import Any
 from faceedit_app.core.errors import Unavailable
 
 _VARIABLE = "PYOPENGL_PLATFORM"
-_LINUX_REMEDY = 'on Debian or Ubuntu: "apt install libegl1 libegl-mesa0 libgl1-mesa-dri"'
+_LINUX_REMEDY = 'on Debian or Ubuntu: "apt install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libxrender1"'
 _OTHER_REMEDY = "update the driver of the graphics card"
 
 
@@ -44,26 +44,33 @@ def choose_backend() -> str:
     return chosen
 
 
+def platform_class(backend: str) -> Any:
+    """The class of pyrender's `Platform` for what `choose_backend` has named.
+
+    Raises:
+        Exception: whatever PyOpenGL raises where the backend is not there.
+    """
+    # Each is imported only where it is wanted: on other systems the import alone fails.
+    if backend == "egl":
+        from faceedit_app.render.egl import SharedDisplayEgl
+
+        return SharedDisplayEgl
+    if backend == "osmesa":
+        from faceedit_app.render.osmesa import OSMesaWithFramebuffers
+
+        return OSMesaWithFramebuffers
+    from pyrender.platforms.pyglet_platform import PygletPlatform
+
+    return PygletPlatform
+
+
 def open_platform(backend: str, width: int, height: int) -> Any:
-    """A pyrender `Platform` with a live context, made current. Call `choose_backend` first.
+    """A platform with a live context, made current.
 
     Raises:
         Exception: whatever the driver or PyOpenGL raises; `open_renderer` turns it into a line.
     """
-    # Each is imported only where it is wanted: the import alone fails on other systems.
-    platform: Any
-    if backend == "egl":
-        from faceedit_app.render.egl import SharedDisplayEgl
-
-        platform = SharedDisplayEgl(width, height)
-    elif backend == "osmesa":
-        from faceedit_app.render.osmesa import OSMesaWithFramebuffers
-
-        platform = OSMesaWithFramebuffers(width, height)
-    else:
-        from pyrender.platforms.pyglet_platform import PygletPlatform
-
-        platform = PygletPlatform(width, height)
+    platform = platform_class(backend)(width, height)
     platform.init_context()
     platform.make_current()
     return platform
