@@ -10,7 +10,9 @@ from typing import Any
 from faceedit_app.core.errors import Unavailable
 
 _VARIABLE = "PYOPENGL_PLATFORM"
-_LINUX_REMEDY = 'on Debian or Ubuntu: "apt install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libxrender1"'
+_LINUX_REMEDY = (
+    'on Debian or Ubuntu: "apt install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libxrender1"'
+)
 _OTHER_REMEDY = "update the driver of the graphics card"
 
 
