@@ -6,7 +6,6 @@ import fnmatch
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +13,6 @@ Entry = tuple[str, str, str]  # PyInstaller's: name in the bundle, file or link'
 
 # Chosen by name at run time, where PyInstaller cannot see it.
 HIDDEN = ["OpenGL.platform.egl", "OpenGL.platform.osmesa", "OpenGL.platform.glx", "OpenGL.osmesa"]
-
-LINUX = sys.platform.startswith("linux")
 
 # All but sparse and spatial, which trimesh needs, and what these need themselves.
 UNUSED_SCIPY = [
