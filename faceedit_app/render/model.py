@@ -17,7 +17,8 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import Tinter
 from faceedit_app.render.surface import NormalSolver, Shading, by_shading
 
-BACKDROP, DEPTH = "BACKDROP", "DEPTH"  # names of materials, beside those of `Shading`
+# Materials are named after the shaders that draw them: these, or the variants in `Shading`.
+BACKDROP, DEPTH = "backdrop", "depth"
 _POSITION, _NORMAL, _COLOUR = 0, 1, 3  # where the shaders have what may change with each frame
 
 

@@ -8,10 +8,11 @@ import numpy as np
 from OpenGL import GL
 from pyrender import Mesh, Renderer, Scene
 
-from faceedit_app.render.model import BACKDROP, DEPTH
 from faceedit_app.render.programs import Program
 from faceedit_app.render.surface import Shading
 from faceedit_app.render.targets import Target
+
+_SHADINGS = {shading.value for shading in Shading}
 
 
 class Order(NamedTuple):
@@ -49,19 +50,16 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
     def __init__(self, background: tuple[float, float, float]) -> None:
         super().__init__(1, 1)
         self.dpscale = 1  # pyrender doubles every size on macOS, meaning a screen
-        self._fine = {shading.value: Program("face", shading.value) for shading in Shading}
-        self._fine |= {BACKDROP: Program("backdrop"), DEPTH: Program("depth")}
-        flesh = Shading.FLESH.value
-        self._quick = self._fine | {flesh: Program("face", flesh, "QUICK")}
-        self._fine[BACKDROP]._bind()
-        self._fine[BACKDROP].set_uniform("background", np.array(background))
+        self._background = np.array(background)
+        self._programs: dict[tuple[str, ...], Program] = {}
         self._view: object = None
         self._clip_from_world = self._camera_from_world = np.eye(4)
 
     def delete(self) -> None:
         """Free everything on the graphics card."""
-        for program in {*self._fine.values(), *self._quick.values()}:
+        for program in self._programs.values():
             program.delete()
+        self._programs = {}
         super().delete()
 
     def __del__(self) -> None:
@@ -69,6 +67,18 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
 
         pyrender would delete by number here, in whichever context happens to be current.
         """
+
+    def _program(self, material: str, quick: bool) -> Program:
+        """The shaders that draw a material, made when they are first needed."""
+        key: tuple[str, ...] = ("face", material) if material in _SHADINGS else (material,)
+        if quick and material == Shading.FLESH.value:
+            key += ("QUICK",)
+        program = self._programs.get(key)
+        if program is None:
+            program = self._programs[key] = Program(*key)
+            program._bind()
+            program.set_uniform("background", self._background)
+        return program
 
     def _forward_pass(self, scene: Scene, flags: int, seg_node_map: Any = None) -> None:
         target, view, meshes, upon = self.order
@@ -82,9 +92,8 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
             self._view = view
             self._camera_from_world, projection = self._get_camera_matrices(scene)
             self._clip_from_world = projection @ self._camera_from_world
-        programs = self._fine if target.samples else self._quick
         for primitive in (p for mesh in meshes for p in mesh.primitives):
-            program = programs[primitive.material.name]
+            program = self._program(primitive.material.name, quick=not target.samples)
             program._bind()
             if program.view != view:  # programs keep what they know
                 program.view = view

@@ -93,6 +93,14 @@ def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:
     np.testing.assert_allclose(fast, slow, atol=1e-4)
 
 
+def test_normals_of_some_vertices_are_those_of_all(rig: Rig) -> None:
+    vertices = rig.vertices(np.float32([0.7]))
+    everywhere = NormalSolver(rig.faces, len(vertices))(vertices)
+    wanted = np.array([40, 7, 300, 7])
+    some = NormalSolver(rig.faces, len(vertices), wanted)(vertices)
+    np.testing.assert_array_equal(some, everywhere[wanted])
+
+
 def test_vertices_without_faces_have_no_normal() -> None:
     normals = NormalSolver(np.int32([[0, 1, 2]]), 4)(np.float32(np.eye(4, 3)))
     assert np.isfinite(normals).all()
@@ -304,6 +312,16 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
     assert min(drawn) < 0.8 * max(drawn), "the still part was drawn again and again"
     kept.close()
     anew.close()
+
+
+def test_a_character_that_never_moves_is_drawn(renderer: FaceRenderer, rig: Rig) -> None:
+    statue = dataclasses.replace(rig, deltas=np.zeros_like(rig.deltas))
+    camera = default_camera(rig)
+    opened = open_renderer(statue, SIZE, SIZE)
+    whole = opened.draw(rig.neutral, camera, smooth=False).copy()
+    assert (_inside(whole) == _inside(renderer.draw(rig.neutral, camera, smooth=False))).all()
+    np.testing.assert_array_equal(opened.draw(rig.neutral, camera, smooth=False), whole)
+    opened.close()
 
 
 def test_while_the_camera_turns_nothing_is_prepared(
