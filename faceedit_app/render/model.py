@@ -86,7 +86,7 @@ class LiveMesh(Mesh):  # type: ignore[misc]  # pyrender has no types
         own = [np.unique(faces, return_inverse=True) for _, faces in parts]
         self.vertices = np.concatenate([np.zeros(0, np.intp), *(vertices for vertices, _ in own)])
         firsts = accumulate((len(vertices) for vertices, _ in own), initial=0)
-        self._normals_of = NormalSolver(rig.faces, len(rig.neutral), self.vertices)
+        self._normals_of = NormalSolver(rig.faces, len(rig.neutral), wanted=self.vertices)
         values = {
             _POSITION: rig.neutral[self.vertices],
             _NORMAL: self._normals_of(rig.neutral),

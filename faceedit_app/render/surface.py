@@ -153,7 +153,7 @@ class NormalSolver:
     """
 
     def __init__(
-        self, faces: NDArray[np.int32], vertex_count: int, wanted: Indices | None = None
+        self, faces: NDArray[np.int32], vertex_count: int, *, wanted: Indices | None = None
     ) -> None:
         if wanted is not None:
             is_wanted = np.zeros(vertex_count, bool)

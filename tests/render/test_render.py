@@ -97,7 +97,7 @@ def test_normals_of_some_vertices_are_those_of_all(rig: Rig) -> None:
     vertices = rig.vertices(np.float32([0.7]))
     everywhere = NormalSolver(rig.faces, len(vertices))(vertices)
     wanted = np.array([40, 7, 300, 7])
-    some = NormalSolver(rig.faces, len(vertices), wanted)(vertices)
+    some = NormalSolver(rig.faces, len(vertices), wanted=wanted)(vertices)
     np.testing.assert_array_equal(some, everywhere[wanted])
 
 
