@@ -71,7 +71,7 @@ def test_the_character_that_ships_opens_without_it() -> None:
     rig = shipped_rig()
     assert rig.missing_controls == ("left_brow",)
     assert "“Left brow height”" in rig.missing_note
-    session = session_on(rig, Engine.load(shipped("models")))
+    session = session_on(rig, Engine.load(shipped("models"), rig))
     session.add(RAISED)
     assert session.changed_frames() == 0
     both = replace(RAISED, controls=("left_brow", "mouth_opening"))
@@ -95,8 +95,8 @@ def test_the_character_comes_back_from_its_file(tmp_path: Path) -> None:
 def test_it_moves_the_brow_and_nothing_else(networks: str, millimetres: float) -> None:
     engine = {
         "none": lambda: None,
-        "shipped": lambda: Engine.load(shipped("models")),
-        "listening": random_engine,
+        "shipped": lambda: Engine.load(shipped("models"), rig_with_brow()),
+        "listening": lambda: random_engine(rig=rig_with_brow()),
     }[networks]()
     session = session_on(rig_with_brow(), engine)
     lift = session.tracked[:, BROW].copy()
@@ -110,14 +110,12 @@ def test_it_moves_the_brow_and_nothing_else(networks: str, millimetres: float) -
 
 
 def test_a_model_that_listens_to_it_answers_to_it() -> None:
-    engine = random_engine()
+    engine = random_engine(rig=rig_with_brow())
     curves = np.full((40, len(CONTROL_IDS)), 20.0)
     raised = curves.copy()
     raised[:, BROW] += 3.0
     for region in (UPPER, EYELIDS, LOWER):
-        plain, moved = (
-            engine.answer_all((region.id,), c, 1.0)[region.id] for c in (curves, raised)
-        )
+        plain, moved = (engine.answer(region.id, c, 1.0) for c in (curves, raised))
         assert (plain == moved).all() == (region is not UPPER)
 
 
