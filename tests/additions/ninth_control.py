@@ -90,15 +90,19 @@ def test_the_character_comes_back_from_its_file(tmp_path: Path) -> None:
     np.testing.assert_array_equal(rig.control_pairs, rig_with_brow().control_pairs)
 
 
+def engine_of(networks: str) -> Engine | None:
+    match networks:
+        case "shipped":
+            return Engine.load(shipped("models"), rig_with_brow())
+        case "listening":
+            return random_engine(rig=rig_with_brow())
+    return None
+
+
 @pytest.mark.parametrize("networks", ["none", "shipped", "listening"])
 @pytest.mark.parametrize("millimetres", [3.0, 1000.0])
 def test_it_moves_the_brow_and_nothing_else(networks: str, millimetres: float) -> None:
-    engine = {
-        "none": lambda: None,
-        "shipped": lambda: Engine.load(shipped("models"), rig_with_brow()),
-        "listening": lambda: random_engine(rig=rig_with_brow()),
-    }[networks]()
-    session = session_on(rig_with_brow(), engine)
+    session = session_on(rig_with_brow(), engine_of(networks))
     lift = session.tracked[:, BROW].copy()
     session.add(replace(RAISED, value=millimetres))
     held = (session.take.clip.times >= 2.0) & (session.take.clip.times <= 3.0)

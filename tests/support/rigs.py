@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.clip import Clip, Floats, Gap
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.editing.session import EditSession
