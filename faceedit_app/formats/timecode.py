@@ -1,38 +1,59 @@
-"""SMPTE-like timecodes, as Live Link Face writes them, to seconds.
+"""Timecodes to seconds: SMPTE-like ones, as Live Link Face writes them, and what imitates them.
 
 `HH:MM:SS:FF.sss` counts frames `FF` and thousandths of a frame `sss` within a second. How many
 frames make a second (the base) is written nowhere, and rows need not come once per frame of the
-base: a 30 fps recording on a 60 fps timecode steps by two. Both are derived from the rows.
+base: a 30 fps recording on a 60 fps timecode steps by two. Other tools put other things into the
+same fields: milliseconds in place of frames, milliseconds of the second or a running frame number
+after the point, seconds with decimals. Which of these a column means is decided by all of its
+rows: each reading that is possible gives every row a place, and the reading under which the rows
+are spaced most evenly is believed, the simpler one where two do equally well.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.clip import Times
 from faceedit_app.formats.timing import (
-    DEFAULT_RATE,
+    SLOWEST,
+    NoTimes,
+    Timing,
     counted,
     format_rate,
+    join_recordings,
     nominal_rate,
+    single_row,
+    time_rows,
     typical_step,
+    unusual_rate,
 )
 
 DEFAULT_BASE = 60  # what Live Link Face uses
+MILLISECONDS = 1000  # the base of a timecode that gives milliseconds in place of frames
 _BASES = (24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 240)
+_BROADCAST = {24: 24 / 1.001, 30: 30 / 1.001, 60: 60 / 1.001}
 _DAY = 86_400
-_PATTERN = re.compile(r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3}(?:\.\d{1,9})?)", re.ASCII)
+_FRAMES = re.compile(
+    r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3})(?:\.(\d{1,9}))?", re.ASCII
+)
+_CLOCK = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,](\d{1,9}))?", re.ASCII)
 # From how many frames on an odd step is a break in the recording and no jitter.
 _BREAK = 4.0
 # Share of steps that must be off the grid of whole frames before the timecode is mistrusted.
 _JITTER = 0.1
+_DISORDER = 0.2  # share of rows before the one above them from which on it tells nothing
 _UNEVEN = 0.05  # how well uneven steps tell the rate
 _NUDGE = 0.1  # frames between rows whose timecodes are the same
+_OFF = 0.25  # frames by which a step is off the ordinary one
+_WORST = 4.0  # what one step can add to the unevenness, in ordinary steps
+_LOST = 0.5  # how much less of that for a step of several ordinary ones
+_CHANCE = 0.02  # what may be ascribed to chance
+_CLEARLY = 0.4  # ordinary steps by which a more peculiar reading must be the more even one
+_FILM = 3 * 3600  # a timecode that begins within these seconds may be that of a film
 
 
 class BadTimecode(ValueError):
@@ -49,35 +70,59 @@ class BadTimecode(ValueError):
 
 
 @dataclass(frozen=True)
-class Timing:
-    """When rows happen.
+class Stamps:
+    """Timecodes taken apart, (T,) each.
 
     Attributes:
-        times: (T,) seconds from the first row, strictly increasing.
-        rate: nominal rows per second.
-        base: frames that the timecode counts in a second.
-        notes: remarks on what was derived or mistrusted.
+        clock: seconds since midnight of the first day; a recording may pass midnight.
+        last: the field after the seconds, in most files frames.
+        fraction: the digits after the point, as a whole number.
+        digits: how many digits those are; 0 = there is no point.
+        width: how many digits the last field has at least.
+        drop: whether they are marked as drop-frame (`;` before the frames).
     """
 
-    times: Times
-    rate: float
-    base: int
-    notes: tuple[str, ...] = ()
+    clock: Times
+    last: Times
+    fraction: Times
+    digits: Times
+    width: int
+    drop: bool
+
+    @property
+    def frames(self) -> Times:
+        """(T,) frames within the second, with their fraction."""
+        frames: Times = self.last + self.fraction / 10.0**self.digits
+        return frames
 
 
 @dataclass(frozen=True)
-class Stamps:
-    """Timecodes taken apart.
+class Reading:
+    """What a column of timecodes may mean.
 
     Attributes:
-        clock: (T,) seconds of the day.
-        frames: (T,) frames within the second, with their fraction.
-        drop: whether they are drop-frame (`;` before the frames).
+        places: (T,) where each row lies, in frames of the base.
+        second: how many of those make a true second.
+        base: how many of those the timecode counts in a second.
+        resolution: how finely the places are given, in frames.
+        notes: remarks on what is unusual about it.
     """
 
-    clock: NDArray[np.int64]
-    frames: Times
-    drop: bool
+    places: Times
+    second: float
+    base: int
+    resolution: float
+    notes: tuple[str, ...] = ()
+
+
+def is_timecode(text: str) -> bool:
+    """Whether a text is `HH:MM:SS:FF`, with whatever follows the point."""
+    return _FRAMES.fullmatch(text) is not None
+
+
+def is_clock(text: str) -> bool:
+    """Whether a text is `HH:MM:SS` or `HH:MM:SS.mmm`."""
+    return _CLOCK.fullmatch(text) is not None
 
 
 def parse_timecodes(texts: Sequence[str]) -> Stamps:
@@ -86,20 +131,36 @@ def parse_timecodes(texts: Sequence[str]) -> Stamps:
     Raises:
         BadTimecode: one of them is none.
     """
-    clock = np.empty(len(texts), np.int64)
-    frames = np.empty(len(texts), np.float64)
-    drop = False
+    fields = np.zeros((4, len(texts)))
+    width, drop = 9, False
     for row, text in enumerate(texts):
-        match = _PATTERN.fullmatch(text)
+        match = _FRAMES.fullmatch(text)
         if match is None:
             raise BadTimecode(row, text)
-        hours, minutes, seconds = int(match[1]), int(match[2]), int(match[3])
-        if hours > 23 or minutes > 59 or seconds > 59:
-            raise BadTimecode(row, text)
-        clock[row] = (hours * 60 + minutes) * 60 + seconds
-        frames[row] = float(match[5])
+        fraction = match[6] or ""
+        fields[:, row] = _clock(match, row), int(match[5]), int(fraction or 0), len(fraction)
+        width = min(width, len(match[5]))
         drop = drop or match[4] == ";"
-    return Stamps(clock, frames, drop)
+    return Stamps(_past_midnight(fields[0]), fields[1], fields[2], fields[3], width, drop)
+
+
+def clock_times(texts: Sequence[str]) -> Timing:
+    """When rows with clock times (`HH:MM:SS.mmm`) happen.
+
+    Raises:
+        BadTimecode: one of them is none.
+        NoTimes, BadRow: see `timing.time_rows`.
+    """
+    clock, part = np.empty(len(texts)), np.zeros(len(texts))
+    digits = 0
+    for row, text in enumerate(texts):
+        match = _CLOCK.fullmatch(text)
+        if match is None:
+            raise BadTimecode(row, text)
+        clock[row] = _clock(match, row)
+        part[row] = float(f"0.{match[4] or 0}")
+        digits = max(digits, len(match[4] or ""))
+    return time_rows(_past_midnight(clock) + part, 10.0**-digits)
 
 
 def derive_timing(texts: Sequence[str]) -> Timing:
@@ -110,20 +171,29 @@ def derive_timing(texts: Sequence[str]) -> Timing:
 
     Raises:
         BadTimecode: one of them is none.
+        NoTimes: they cannot be the times of the rows.
     """
     stamps = parse_timecodes(texts)
-    base, notes = derive_base(stamps)
     if len(texts) == 1:
-        note = f"a single frame: {format_rate(DEFAULT_RATE)} is assumed"
-        return Timing(np.zeros(1), DEFAULT_RATE, base, (note,))
-    second = base / 1.001 if stamps.drop else float(base)
-    steps = np.diff(_count_frames(stamps, base))
-    # Drop-frame is itself the evidence for a broadcast rate, however short the take.
-    resolution = 0.0 if stamps.drop else _resolution(stamps.frames)
-    timing = _time_rows(steps, second, base, resolution)
-    if abs(timing.rate / base - 1) > 0.01:
-        notes = (*notes, f"{format_rate(timing.rate)} on a {base} fps timecode")
-    return Timing(timing.times, timing.rate, base, notes + timing.notes)
+        return single_row()
+    reading = read_stamps(stamps)
+    steps = np.diff(reading.places)
+    if not np.any(steps > 0):
+        raise NoTimes("has the same timecode in every row")
+    if (steps < 0).mean() > _DISORDER:
+        raise NoTimes("has timecodes that do not run forward")
+    step = typical_step(steps)
+    if reading.second / step < SLOWEST:
+        raise NoTimes(f"has timecodes that step by {step / reading.second:g} s")
+    steps, apart = join_recordings(steps, step, 1 / reading.second)
+    if reading.base == MILLISECONDS and np.all(steps > 0):
+        timing = time_rows(np.concatenate([[0.0], np.cumsum(steps)]) / reading.second, 0.001)
+    else:
+        timing = _time_rows(steps, reading)
+    notes = reading.notes + apart
+    if abs(timing.rate / reading.base - 1) > 0.01 and reading.base in _BASES:
+        notes = (*notes, f"{format_rate(timing.rate)} on a {reading.base} fps timecode")
+    return Timing(timing.times, timing.rate, notes + timing.notes)
 
 
 def time_of_day(text: str, base: int) -> float | None:
@@ -133,64 +203,217 @@ def time_of_day(text: str, base: int) -> float | None:
     except BadTimecode:
         return None
     second = base / 1.001 if stamps.drop else float(base)
-    return float(_count_frames(stamps, base)[0]) / second
+    return float(_count_frames(stamps, base, stamps.drop)[0]) / second
 
 
 def derive_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
     """How many frames the timecode counts in a second, with a remark where that is a guess."""
-    frames, seconds = stamps.frames, np.diff(stamps.clock)
-    steps = np.diff(frames)
+    if len(stamps.clock) == 1:
+        return _assumed_base(stamps), ()
+    reading = read_stamps(stamps)
+    return reading.base, reading.notes
+
+
+# --- readings ------------------------------------------------------------------------------------
+
+
+def read_stamps(stamps: Stamps) -> Reading:
+    """What T >= 2 timecodes mean: what their digits prove, else the most even reading."""
+    plain = _plain(stamps, stamps.drop)
+    proven = [*_milliseconds_of_the_second(stamps), *_running_number(stamps, plain.base)]
+    milliseconds = [*_milliseconds(stamps)]
+    if stamps.last.max() > max(_BASES):
+        proven += milliseconds
+    possible = [*milliseconds, plain, *_wrongly_marked(stamps)]
+    best, *others = proven or [*possible, *_numbered_at_broadcast_rate(stamps, plain)]
+    least = _unevenness(best.places)
+    for reading in others:
+        uneven = _unevenness(reading.places)
+        if uneven < least - _CLEARLY:
+            best, least = reading, uneven
+    return best
+
+
+def _plain(stamps: Stamps, drop: bool) -> Reading:
+    """`FF.sss`: frames and thousandths of a frame."""
+    base, notes = _plain_base(stamps)
+    whole = bool(np.all(stamps.fraction == 0))
+    # Drop-frame is itself the evidence for a broadcast rate, however short the take.
+    resolution = 0.0 if drop else (1.0 if whole else 0.001)
+    second = base / 1.001 if drop else float(base)
+    return Reading(_count_frames(stamps, base, drop), second, base, resolution, notes)
+
+
+def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
+    frames = stamps.frames
+    steps, seconds = np.diff(frames), np.diff(stamps.clock)
+    over = np.flatnonzero(seconds == 1)
     inside = steps[(seconds == 0) & (steps > 0)]
     step = float(np.median(inside)) if len(inside) else 1.0
-    at_least = int(frames.max()) + 1
-    # Where the second rolls over, the frames fall by the base less one ordinary step; by less
-    # where frames were lost just there, so the larger falls are to be believed.
-    falls = step - steps[seconds == 1]
-    if len(falls):
+    most = frames.max()
+    possible = [base for base in _BASES if base > most]
+    if most in _BASES and np.all(np.diff(stamps.clock * most + frames) > 0):
+        # A frame that was rounded up to the base stands for the first of the next second.
+        possible.insert(0, int(most))
+    if len(over):
+        # Where the second rolls over, the frames fall by the base less one ordinary step; by
+        # less where frames were lost just there.
+        falls = step - steps[over]
+        excess = [np.abs(base - falls) / step for base in possible]
+        shares = [float((late < max(_OFF, 0.6 / step)).mean()) for late in excess]
+        best = max(shares, default=0.0)
+        if best > 1 / 3:
+            return possible[shares.index(best)], ()
         fall = float(np.percentile(falls, 75, method="higher"))
-        possible = [base for base in _BASES if base >= at_least] or [at_least]
-        base = min(possible, key=lambda candidate: abs(candidate - fall))
-        if abs(base - fall) <= 0.1 * fall:
-            return base, ()
-        if round(fall) >= at_least:
+        nearest = min(possible, key=lambda base: abs(base - fall), default=0)
+        if abs(nearest - fall) <= 0.1 * fall:
+            return nearest, ()
+        if round(fall) > most:
             return round(fall), ()
-    base = next((b for b in _BASES if b >= max(at_least, DEFAULT_BASE)), at_least)
+    base = _assumed_base(stamps)
     return base, (f"the timecode does not tell its base: {base} fps is assumed",)
 
 
-def _count_frames(stamps: Stamps, base: int) -> Times:
+def _assumed_base(stamps: Stamps) -> int:
+    at_least = int(stamps.frames.max()) + 1
+    return next((b for b in _BASES if b >= max(at_least, DEFAULT_BASE)), at_least)
+
+
+def _milliseconds(stamps: Stamps) -> Iterator[Reading]:
+    """`HH:MM:SS:mmm`: milliseconds in place of frames."""
+    if stamps.width == 3 or stamps.last.max() > max(_BASES):
+        note = "the timecode gives milliseconds in place of frames"
+        places = 1000.0 * stamps.clock + stamps.last
+        yield Reading(places, 1000.0, MILLISECONDS, 1.0, (note,))
+
+
+def _milliseconds_of_the_second(stamps: Stamps) -> Iterator[Reading]:
+    """`FF.mmm`: the frame, and once more the time within the second, in milliseconds."""
+    part, frames = stamps.fraction, stamps.last
+    if not np.all(stamps.digits == 3) or len(np.unique(part[frames > 0])) < 3:
+        return
+    note = "the digits after the frames are milliseconds of the second"
+    for base in _BASES:
+        late = part * (base / 1000) - frames  # in frames; some writers round down, some to even
+        if np.all(np.abs(late) < 0.1 + base / 1000):
+            places = stamps.clock * base + frames
+            yield Reading(places, float(base), base, 1.0, (f"{note}: not counted",))
+        for rate in (base, _BROADCAST.get(base, base)):
+            late = part * (rate / 1000) - frames
+            if np.all((late > -0.6) & (late < 1.1)) and np.corrcoef(part, frames)[0, 1] > 0.99:
+                yield Reading(1000.0 * stamps.clock + part, 1000.0, MILLISECONDS, 1.0, (note,))
+                return
+
+
+def _running_number(stamps: Stamps, base: int) -> Iterator[Reading]:
+    """`FF.nnn`: nnn is the number of the frame in the film, modulo 1000."""
+    if not np.all(stamps.digits == 3):
+        return
+    more = np.diff(stamps.fraction)
+    numbers = np.concatenate([[0.0], np.cumsum(more % 1000)])
+    frames = stamps.clock * base + stamps.last
+    differs = np.diff(numbers) - np.diff(frames)
+    inside = np.diff(stamps.clock) == 0
+    if not np.any(more) or np.any(differs[inside]) or np.any(np.abs(differs) > 1):
+        return
+    # Thousandths of a frame can grow by one a row too, if a camera runs 0.1 % slow. They carry
+    # over into the frames, where a number does not; and a number begins with the film.
+    is_first = abs((frames[0] - stamps.fraction[0] + 2) % 1000 - 2) <= 1
+    if not np.any((more < 0) & inside) and not (is_first and stamps.clock[0] < _FILM):
+        return
+    rates = [float(base), _BROADCAST.get(base, float(base))]
+    spans = [np.ptp(numbers - (stamps.clock * rate + stamps.last)) for rate in rates]
+    rate = rates[int(np.argmin(spans))]
+    note = "the digits after the frames number the frames of the film: not counted"
+    yield Reading(numbers, rate, base, 0.0, (note,))
+
+
+def _wrongly_marked(stamps: Stamps) -> Iterator[Reading]:
+    """Drop-frame timecode that is written with a colon, or the other way round."""
+    if stamps.clock[0] // 60 == stamps.clock[-1] // 60:
+        return
+    other = _plain(stamps, not stamps.drop)
+    if other.base % 30 == 0:
+        what = "leaves out no numbers" if stamps.drop else "leaves out numbers at full minutes"
+        is_drop = "not drop-frame" if stamps.drop else "drop-frame"
+        note = f"the timecode {what}: it is {is_drop}"
+        yield replace(other, notes=(*other.notes, note))
+
+
+def _numbered_at_broadcast_rate(stamps: Stamps, plain: Reading) -> Iterator[Reading]:
+    """Frame n of a film of 29.97 fps at second n / 29.97 and frame n % 29.97, rounded down.
+
+    Every 33 s a number is left out, which looks like a lost frame. It is believed where that
+    cannot be chance: where so many frames are not lost elsewhere.
+    """
+    rate = _BROADCAST.get(plain.base)
+    if stamps.drop or rate is None or np.ptp(stamps.fraction):
+        return
+    places = np.ceil(stamps.clock * rate + stamps.last - 1e-6)
+    steps, plain_steps = np.diff(places), np.diff(plain.places)
+    inside = plain_steps[np.diff(stamps.clock) == 0]
+    left_out = int((steps != plain_steps).sum())
+    if left_out and len(inside) and np.median(inside) == 1:
+        lost = (inside != 1).sum() + 1
+        if (lost / len(plain_steps)) ** left_out < _CHANCE:
+            yield Reading(places, rate, plain.base, 0.0)
+
+
+def _unevenness(places: Times) -> float:
+    """How much the steps between rows differ from the ordinary one, in ordinary steps."""
+    steps = np.diff(places)
+    if not np.any(steps > 0):
+        return np.inf
+    step = float(np.median(steps[steps > 0]))
+    ratio = steps / step
+    off = np.minimum(np.abs(ratio - 1), _WORST)
+    off[off < _OFF] = 0.0
+    # Lost frames are no great reproach to a reading.
+    lost = (ratio > 1.5) & (np.abs(ratio - np.round(ratio)) < _OFF)
+    off[lost] *= _LOST
+    off[steps <= 0] = _WORST
+    return float(off.sum())
+
+
+def _clock(match: re.Match[str], row: int) -> int:
+    hours, minutes, seconds = int(match[1]), int(match[2]), int(match[3])
+    if hours > 23 or minutes > 59 or seconds > 59:
+        raise BadTimecode(row, match[0])
+    return (hours * 60 + minutes) * 60 + seconds
+
+
+def _past_midnight(clock: Times) -> Times:
+    """(T,) seconds since midnight of the first day: the shorter way round from row to row."""
+    steps = (np.diff(clock) + _DAY // 2) % _DAY - _DAY // 2
+    unwrapped: Times = np.concatenate([clock[:1], clock[0] + np.cumsum(steps)])
+    return unwrapped
+
+
+def _count_frames(stamps: Stamps, base: int, drop: bool) -> Times:
     """(T,) frames of the base since midnight of the first day."""
-    # A clock that falls by more than half a day has passed midnight.
-    days = np.concatenate([[0], np.cumsum(np.diff(stamps.clock) < -_DAY // 2)])
-    clock = stamps.clock + _DAY * days
-    counts: Times = clock * float(base) + stamps.frames
-    if stamps.drop:
+    counts: Times = stamps.clock * base + stamps.frames
+    if drop:
         # Drop-frame leaves out the first numbers (2 of 30) of each minute but every tenth.
-        minutes = clock // 60
-        counts -= max(1, round(base / 15)) * (minutes - minutes // 10)
+        minutes = stamps.clock // 60
+        counts = counts - max(1, round(base / 15)) * (minutes - minutes // 10)
     return counts
 
 
-def _resolution(frames: Times) -> float:
-    """How finely the timecode tells time, in frames."""
-    return 1.0 if bool(np.all(frames == np.floor(frames))) else 0.001
+# --- rows ----------------------------------------------------------------------------------------
 
 
-def _time_rows(steps: Times, second: float, base: int, resolution: float) -> Timing:
-    """Rows from the frames (T - 1,) between them, at `second` frames in a true second."""
-    if not np.any(steps > 0):
-        times = np.arange(len(steps) + 1) / DEFAULT_RATE
-        note = f"the timecode stands still: rows are uniform at {format_rate(DEFAULT_RATE)}"
-        return Timing(times, DEFAULT_RATE, base, (note,))
+def _time_rows(steps: Times, reading: Reading) -> Timing:
+    """Rows from the frames (T - 1,) between them."""
+    second = reading.second
     step = typical_step(steps)
     whole = np.maximum(np.round(steps / step), 1)
-    off_grid = np.abs(steps - whole * step) > 0.25 * step
+    off_grid = np.abs(steps - whole * step) > _OFF * step
     backwards = steps <= 0
     whole_frames = np.allclose(steps, np.round(steps), rtol=0, atol=1e-4)
     coarse = whole_frames or backwards.mean() > _JITTER / 2
     if off_grid.mean() > _JITTER and coarse:
-        return _uniform_rows(steps, step, second, base)
-    rate, notes = _rate(second / step, resolution / (step * len(steps)))
+        return _uniform_rows(steps, step, second)
+    rate, notes = _rate(second / step, reading.resolution / (step * len(steps)))
     broken = steps <= -_BREAK * step
     if np.any(broken):
         jumps = counted(int(broken.sum()), "time")
@@ -200,10 +423,10 @@ def _time_rows(steps: Times, second: float, base: int, resolution: float) -> Tim
     if repeated:
         times = _strictly_increasing(times, _NUDGE * step / second)
         notes = (*notes, f"{counted(repeated, 'row')} repeat a timecode: moved just behind it")
-    return Timing(times, rate, base, notes)
+    return Timing(times, rate, notes)
 
 
-def _uniform_rows(steps: Times, step: float, second: float, base: int) -> Timing:
+def _uniform_rows(steps: Times, step: float, second: float) -> Timing:
     """Rows of a timecode that was written by a clock, not a camera: evenly spaced."""
     breaks = steps >= _BREAK * step
     usual = steps[(steps > -_BREAK * step) & ~breaks]
@@ -212,14 +435,14 @@ def _uniform_rows(steps: Times, step: float, second: float, base: int) -> Timing
     lengths = np.where(breaks, steps / second, 1 / rate)
     times = np.concatenate([[0.0], np.cumsum(lengths)])
     note = f"the timecode steps unevenly: rows are uniform at {format_rate(rate)}"
-    return Timing(times, rate, base, (*notes, note))
+    return Timing(times, rate, (*notes, note))
 
 
 def _rate(measured: float, uncertainty: float) -> tuple[float, tuple[str, ...]]:
     rate = nominal_rate(measured, uncertainty)
     if rate is not None:
         return rate, ()
-    return measured, (f"{format_rate(measured)} is not a usual frame rate",)
+    return measured, (unusual_rate(measured),)
 
 
 def _strictly_increasing(times: Times, least: float) -> Times:

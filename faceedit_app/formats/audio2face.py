@@ -1,0 +1,37 @@
+"""NVIDIA Audio2Face JSON: names, a matrix of weights, and the frames per second.
+
+`{"exportFps": 60, "trackPath": "….wav", "numFrames": T, "facsNames": [N names], "weightMat":
+[[N weights] x T]}`, indented or on one line; optional joints and rotations are carried.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from faceedit_app.formats.json_take import JsonFrames, json_take
+from faceedit_app.formats.json_text import as_list, as_object, read_json
+from faceedit_app.formats.take import Take
+
+FORMAT = "Audio2Face JSON"
+
+
+def sniff(content: bytes) -> float:
+    """How sure it is that this is an Audio2Face export of blendshapes."""
+    return 0.95 if b'"facsNames"' in content and b'"weightMat"' in content else 0.0
+
+
+def read(path: Path, content: bytes, fps: float | None) -> Take:
+    """Open an Audio2Face export.
+
+    Raises:
+        RateNeeded: it does not say its frame rate, and there is no `fps`.
+        FileError: it is damaged.
+    """
+    text = read_json(path, content)
+    document = as_object(text.document)
+    frames = JsonFrames(
+        as_list(document.get("facsNames")),
+        as_list(document.get("weightMat")),
+        rate=text.number(document.get("exportFps")),
+    )
+    return json_take(text, FORMAT, frames, fps)

@@ -1,0 +1,105 @@
+"""The formats of takes: one row each. Everything that depends on formats reads this table.
+
+The file dialogs, what may be dropped, which files training finds, the file types of the installed
+application and the table in the README come from here. A new format is a module with `sniff` and
+`read`, and a row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from faceedit_app.core.errors import FileError
+from faceedit_app.formats import (
+    audio2face,
+    csv_take,
+    facecap,
+    glb_animation,
+    livelink,
+    mediapipe,
+    named_frames,
+)
+from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text
+from faceedit_app.formats.foreign import recognise_foreign
+from faceedit_app.formats.take import Take
+
+
+@dataclass(frozen=True)
+class Format:
+    """A kind of file that a take can be read from.
+
+    Attributes:
+        name: for the user.
+        endings: of its files, in lower case with the point.
+        mime: its media type.
+        tools: which tools write it.
+        sniff: how sure it is, 0 to 1, that a file's content is of this format.
+        read: opens a file: path, content, and the frame rate if the user gave one.
+    """
+
+    name: str
+    endings: tuple[str, ...]
+    mime: str
+    tools: str
+    sniff: Callable[[bytes], float]
+    read: Callable[[Path, bytes, float | None], Take]
+
+
+# fmt: off
+FORMATS: tuple[Format, ...] = (
+    Format(livelink.FORMAT, (".csv",), "text/csv",
+           "Live Link Face on an iPhone; Face_Landmark_Link and others that write its layout",
+           livelink.sniff, livelink.read),
+    Format("CSV with ARKit names", (".csv",), "text/csv",
+           "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
+           csv_take.sniff, csv_take.read),
+    Format(audio2face.FORMAT, (".json",), "application/json",
+           "NVIDIA Audio2Face", audio2face.sniff, audio2face.read),
+    Format(facecap.FORMAT, (".txt",), "text/plain",
+           "Face Cap on an iPhone", facecap.sniff, facecap.read),
+    Format(named_frames.FORMAT, (".json",), "application/json",
+           "the BEAT data set, LAM_Audio2Expression", named_frames.sniff, named_frames.read),
+    Format(mediapipe.FORMAT, (".json",), "application/json",
+           "webcam recorders on MediaPipe", mediapipe.sniff, mediapipe.read),
+    Format(glb_animation.FORMAT, (".glb", ".vrm"), "model/gltf-binary",
+           "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
+)
+# fmt: on
+
+
+def recognise(path: Path, content: bytes) -> Format:
+    """The format of a file, by its content alone.
+
+    Raises:
+        FileError: it is no take, with what it is instead if that can be seen.
+    """
+    found = find_format(content)
+    if found is not None:
+        return found
+    foreign = recognise_foreign(content)
+    if foreign is not None:
+        raise FileError(path, foreign.problem, foreign.remedy)
+    check_text(path, content)
+    line = 1 + next(
+        k for k, text in enumerate(content.removeprefix(BOM).splitlines()) if text.strip()
+    )
+    raise FileError(path, "holds no ARKit channel such as jawOpen", CHOOSE_TAKE, line)
+
+
+def find_format(content: bytes) -> Format | None:
+    """The format of a file's content, or None."""
+    sure = [(form.sniff(content), form) for form in FORMATS]
+    best = max(sure, key=lambda one: one[0], default=(0.0, None))
+    return best[1] if best[0] > 0 else None
+
+
+def endings() -> tuple[str, ...]:
+    """The endings of all takes, without repetition, in the order of the table."""
+    return tuple(dict.fromkeys(ending for form in FORMATS for ending in form.endings))
+
+
+def mime_types() -> tuple[str, ...]:
+    """The media types of all takes, without repetition."""
+    return tuple(dict.fromkeys(form.mime for form in FORMATS))
