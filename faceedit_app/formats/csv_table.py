@@ -27,6 +27,7 @@ _DELIMITERS = (b",", b";", b"\t")
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
 
 Cells = list[bytes]
+Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -36,14 +37,12 @@ class Rows:
     Attributes:
         texts: (R) per row the cells of the text columns, as texts; "" where the row ends before.
         lost: (R,) whether the row has no frame although the file is complete.
-        partial: how many of these have some numbers.
         numbers: (T, N) float64, finite.
         lines: (T) per row with a frame the index of its line.
     """
 
     texts: list[tuple[str, ...]]
-    lost: NDArray[np.bool_]
-    partial: int
+    lost: Bools
     numbers: Times
     lines: list[int]
 
@@ -99,7 +98,7 @@ class Table:
         """Read some columns of all rows.
 
         A row without numbers, or with a count of 0, is lost: it is kept in the file and is no
-        frame. So is a row in which only some numbers are missing.
+        frame.
 
         Args:
             text_columns: columns to read as texts.
@@ -107,7 +106,8 @@ class Table:
             count: the column that says how many values a row has, if any.
 
         Raises:
-            FileError: there is no row, a row is too short or too long, or a cell is no number.
+            FileError: there is no row, a row is too short or too long, a cell is no number, or
+                only some of a row's numbers are missing.
         """
         texts: list[tuple[str, ...]] = []
         lines: list[int] = []
@@ -127,8 +127,10 @@ class Table:
         if not texts:
             raise self.error("has a header but no frames", "export the take again", self.header)
         numbers = np.frombuffer(flat, np.float64).reshape(len(lines), len(number_columns))
-        self._check_range(numbers, number_columns, lines)
-        return _frames(texts, lines, numbers, np.array(zero))
+        lost = _lost(numbers, np.array(zero))
+        self._check(numbers, lost, number_columns, lines)
+        frames = np.flatnonzero(~lost)
+        return Rows(texts, lost, numbers[frames], [lines[i] for i in frames])
 
     def _numbers(self, line: int, cells: Cells, columns: Sequence[int]) -> list[float]:
         if b"_" not in self.lines[line]:  # Python reads 1_0 as 10: look closer
@@ -173,13 +175,18 @@ class Table:
             remedy = "write decimals with a point" if "," in text else REPAIR
             raise self.error(what, remedy, line) from None
 
-    def _check_range(self, numbers: Times, columns: Sequence[int], lines: list[int]) -> None:
+    def _check(self, numbers: Times, lost: Bools, columns: Sequence[int], lines: list[int]) -> None:
+        """Complain of the first number (R, N) that is infinite, or missing although not lost."""
         largest = float(np.finfo(np.float32).max)
-        wrong = np.argwhere(np.abs(numbers) > largest)
+        empty = np.all(np.isnan(numbers), axis=0)
+        missing = np.isnan(numbers) & ~empty & ~lost[:, None]
+        wrong = np.argwhere(missing | (np.abs(numbers) > largest))
         if len(wrong):
             row, k = int(wrong[0, 0]), columns[int(wrong[0, 1])]
             text = shown(plain_text(self.cells(lines[row])[k]))
-            problem = f'column "{shown(self.names[k])}" holds "{text}", not a finite number'
+            what = f'holds "{text}", not a finite number' if text else "is empty"
+            more = f" (there are {len(wrong) - 1} more like it)" if len(wrong) > 1 else ""
+            problem = f'column "{shown(self.names[k])}" {what}{more}'
             raise self.error(problem, REPAIR, lines[row])
 
 
@@ -250,19 +257,12 @@ def plain_text(cell: bytes) -> str:
     return cell.decode("utf-8", "replace").strip().strip('"').strip()
 
 
-def _frames(
-    texts: list[tuple[str, ...]], lines: list[int], numbers: Times, zero: NDArray[np.bool_]
-) -> Rows:
-    missing = np.isnan(numbers)
-    empty = missing.all(axis=0)  # a column that is never filled makes no row partial
-    some, none = missing[:, ~empty].any(axis=1), missing.all(axis=1)
-    filled = np.nan_to_num(numbers[zero]).any(axis=1) if zero.any() else zero
-    if zero.all() and filled.any():  # the count is never filled in
+def _lost(numbers: Times, zero: Bools) -> Bools:
+    """(R,) which rows have no frame: they have no number (R, N), or a count of 0."""
+    if zero.all() and np.nan_to_num(numbers).any():  # the count is never filled in
         zero = np.zeros_like(zero)
-    lost = some | none | zero
-    frames = np.flatnonzero(~lost)
-    partial = int((some & ~none & ~zero).sum())
-    return Rows(texts, lost, partial, numbers[frames], [lines[i] for i in frames])
+    lost: Bools = np.all(np.isnan(numbers), axis=1) | zero
+    return lost
 
 
 def _is_missing(cell: bytes) -> bool:

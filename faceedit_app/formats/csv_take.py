@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.names import canonical_channel
-from faceedit_app.formats.csv_source import CsvSource, find_channels
+from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.take import Recording, Take, finish_take
@@ -58,14 +58,14 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
         RateNeeded: its times are of no use, and there is no `fps`.
         FileError: it has no channels, or is damaged.
     """
-    columns = find_channels(table)
+    found = find_channels(table)
     lower = [column.lower() for column in table.names]
     count = next((lower.index(wanted) for wanted in _COUNTS if wanted in lower), None)
-    clocks = [k for k in time_columns(table.names) if k not in columns.indices]
+    clocks = [k for k in time_columns(table.names) if k not in found.indices]
     texts = [*clocks, *([] if count is None else [count])]
-    rows = table.read(texts, columns.indices, count)
+    rows = table.read(texts, found.indices, count)
     empty = np.all(np.isnan(rows.numbers), axis=0)
-    columns = columns.without(empty.tolist())
+    columns = found.without(empty.tolist())
     times = _times(table, clocks, rows)
     used = {times.column, count}
     carried = [k for k in range(len(lower)) if k not in used and k not in columns.indices]
@@ -76,10 +76,9 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
         values=rows.numbers[:, ~empty],
         timing=times.timing,
         lost=rows.lost,
-        partial=rows.partial,
         timecodes=_timecodes(clocks, rows, times),
         carried=tuple(table.names[k] or "(unnamed)" for k in carried),
-        notes=() if count is None else _count_notes(table, rows, count),
+        notes=(*_empty_notes(found, columns), *_count_notes(table, rows, count)),
     )
     source = partial(CsvSource, table, tuple(rows.lines), columns.indices)
     return finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
@@ -100,7 +99,16 @@ def _timecodes(clocks: list[int], rows: Rows, times: RowTimes) -> tuple[str, ...
     return tuple(rows.texts[row][place] for row in np.flatnonzero(~rows.lost).tolist())
 
 
-def _count_notes(table: Table, rows: Rows, count: int) -> tuple[str, ...]:
+def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
+    empty = [channel for channel in found.channels if channel not in filled.channels]
+    if not empty or not filled.channels:
+        return ()
+    return (f"no row has a number for {', '.join(empty)}: carried",)
+
+
+def _count_notes(table: Table, rows: Rows, count: int | None) -> tuple[str, ...]:
+    if count is None:
+        return ()
     values = len(table.names) - 2
     frames = np.flatnonzero(~rows.lost).tolist()
     said = {rows.texts[row][-1].removesuffix(".0") for row in frames}

@@ -60,20 +60,24 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
     columns = _channels(text, frames.names)
     places = _places(text, frames, list(columns.values()))
     values = text.look_up(places)
-    empty = np.all(np.isnan(values), axis=0)
-    missing = np.isnan(values[:, ~empty])
-    lost = np.any(missing, axis=1) if missing.shape[1] else np.ones(len(values), bool)
+    filled = ~np.all(np.isnan(values), axis=0)
+    channels = tuple(channel for channel, is_there in zip(columns, filled, strict=True) if is_there)
+    missing = np.isnan(values[:, filled])
+    lost = np.all(missing, axis=1)
+    incomplete = np.argwhere(missing & ~lost[:, None])
+    if len(incomplete):
+        row, k = incomplete[0]
+        raise text.error(f"frame {row + 1} has no {channels[k]}, which other frames have")
     kept = np.flatnonzero(~lost)
-    places = np.ascontiguousarray(places[np.ix_(kept, ~empty)])
-    used = set(columns.values())
+    places = np.ascontiguousarray(places[np.ix_(kept, filled)])
+    used = {columns[channel] for channel in channels}
     recording = Recording(
         path=text.path,
         format=name,
-        channels=tuple(channel for channel, gone in zip(columns, empty, strict=True) if not gone),
-        values=values[np.ix_(kept, ~empty)],
+        channels=channels,
+        values=values[np.ix_(kept, filled)],
         timing=_timing(text, frames, kept) if len(kept) else NoTimes("has no frames"),
         lost=lost,
-        partial=int((lost & ~missing.all(axis=1)).sum()),
         carried=tuple(shown(str(n)) for k, n in enumerate(frames.names) if k not in used),
     )
     source = partial(JsonSource, text, places)

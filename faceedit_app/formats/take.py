@@ -16,7 +16,6 @@ from faceedit_app.formats.timing import (
     NoTimes,
     RateNeeded,
     Timing,
-    counted,
     find_gaps,
     format_rate,
     format_time,
@@ -73,7 +72,6 @@ class Recording:
         values: (T, K) float64, finite, as the file gives them.
         timing: when the frames are, or why that cannot be known.
         lost: (R,) which of the file's rows have no frame.
-        partial: how many of those have some values.
         timecodes: as `Clip.timecodes`.
         carried: as `Take.carried`.
         notes: remarks of the format's own.
@@ -85,7 +83,6 @@ class Recording:
     values: NDArray[np.float64]
     timing: Timing | NoTimes
     lost: NDArray[np.bool_]
-    partial: int = 0
     timecodes: tuple[str, ...] | None = None
     carried: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
@@ -132,7 +129,6 @@ def finish_take(
         *timing.notes,
         *gap_notes(gaps),
         *lost_notes(recording.lost),
-        *_partial_notes(recording.partial),
         *scale_notes(scale),
     )
     carried = recording.carried
@@ -140,11 +136,11 @@ def finish_take(
 
 
 def _timing(recording: Recording, fps: float | None) -> Timing:
-    found, frames = recording.timing, len(recording.values)
+    found = recording.timing
     if isinstance(found, NoTimes):
         if fps is None:
-            raise RateNeeded(recording.path, found.problem, found.rate, frames)
-        return found.timing_at(fps, frames)
+            raise RateNeeded(recording.path, found.problem, found.rate, len(recording.values))
+        return found.timing_at(fps, np.flatnonzero(~recording.lost))
     if fps is not None and fps != found.rate:
         note = f"the frame rate was set to {format_rate(fps)}, by its times it is"
         notes = (*found.notes, f"{note} {format_rate(found.rate)}")
@@ -156,9 +152,3 @@ def _timing(recording: Recording, fps: float | None) -> Timing:
             "split it into shorter takes, or give its frame rate, such as --fps 60",
         )
     return found
-
-
-def _partial_notes(partial: int) -> tuple[str, ...]:
-    if not partial:
-        return ()
-    return (f"{counted(partial, 'row')} of these lack only some values",)

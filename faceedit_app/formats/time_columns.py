@@ -174,7 +174,7 @@ def _kind(cells: Sequence[str]) -> str | None:
     """What most cells of a column are, if that is a time or a number."""
     sample = cells[:: max(1, len(cells) // _SAMPLE)]
     for kind, fits in _KINDS.items():
-        if sum(map(fits, sample)) * 2 > len(sample):
+        if sum(map(fits, sample)) * 2 >= len(sample):
             return kind
     return None
 
@@ -234,9 +234,11 @@ def number_times(values: Times, name: str) -> tuple[str, Timing]:
         problem = f'numbers its frames in "{shown(name)}" and does not say how many make a second'
         typical = float(np.median(steps[steps > 0]))
         raise NoTimes(problem, likely, values / typical if np.all(steps > 0) else None)
-    unit = _unit(typical_step(steps), named)
+    # Where times repeat, the clock is slower than the rows.
+    step = typical_step(steps) if np.mean(steps > 0) > 0.9 else float(steps.mean())
+    unit = _unit(step, named)
     if unit is None:
-        raise NoTimes(f'has times in "{shown(name)}" that step by {typical_step(steps):g}')
+        raise NoTimes(f'has times in "{shown(name)}" that step by {step:g}')
     timing = time_rows(values * _UNITS[unit])
     kind = "seconds" if unit == "seconds" else "number"
     if unit == (named or "seconds"):
@@ -247,7 +249,8 @@ def number_times(values: Times, name: str) -> tuple[str, Timing]:
 
 def _counts_frames(steps: Times, words: Sequence[str], named: str | None) -> bool:
     step = float(np.median(steps[steps > 0]))
-    if not np.all(steps == np.round(steps)) or step > _LONGEST_COUNT:
+    whole = np.all(steps == np.round(steps)) and np.mean(steps > 0) > 0.9
+    if not whole or step > _LONGEST_COUNT:
         return False
     if named is not None and _COUNT_WORDS.isdisjoint(words):
         return step == 1
@@ -256,6 +259,8 @@ def _counts_frames(steps: Times, words: Sequence[str], named: str | None) -> boo
 
 def _unit(step: float, named: str | None) -> str | None:
     """The unit of times that step by `step`; None if they can be in none."""
+    if step <= 0:
+        return None
     if named is not None and SLOWEST <= 1 / (step * _UNITS[named]) <= FASTEST:
         return named
     low, high = _USUAL

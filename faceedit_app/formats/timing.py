@@ -27,6 +27,7 @@ _BREAK = 3  # frames from which on a step may begin on another beat
 _FEW = 4  # frames up to which a step still measures the rate
 _LONGEST_GAP = 3600.0  # seconds; what is farther apart is two recordings in one file
 _COARSE = 0.1  # share of a frame by which rows are moved before it is worth a remark
+_INERTIA = 0.2  # how far the beat of coarse times follows each of them
 _UNUSABLE = 0.05  # share of rows out of order from which on no single row is to blame
 
 
@@ -59,11 +60,14 @@ class NoTimes(ValueError):
         super().__init__(problem)
         self.problem, self.rate, self.numbers = problem, rate, numbers
 
-    def timing_at(self, rate: float, rows: int) -> Timing:
-        """The rows at a frame rate that the user gave."""
-        if self.numbers is None:
-            return Timing(np.arange(rows) / rate, rate)
-        steps, notes = join_recordings(np.diff(self.numbers), 1.0, 1 / rate)
+    def timing_at(self, rate: float, rows: NDArray[np.intp]) -> Timing:
+        """The frames at a rate that the user gave.
+
+        Args:
+            rows: (T,) which rows of the file they are.
+        """
+        numbers = rows.astype(np.float64) if self.numbers is None else self.numbers
+        steps, notes = join_recordings(np.diff(numbers), 1.0, 1 / rate)
         return Timing(np.concatenate([[0.0], np.cumsum(steps)]) / rate, rate, notes)
 
 
@@ -205,10 +209,28 @@ def _count_frames(
         period = float(steps[whole][few].mean())
         return frames, period, 1.0 / max(int(few.sum()), 1)
     for _ in range(4):
-        frames = np.maximum(np.round(steps / period), 1.0)
+        if resolution > _COARSE * period:
+            frames = _follow(seconds, period)
+        else:
+            frames = np.maximum(np.round(steps / period), 1.0)
         few = frames <= _FEW
         period = float(steps[few].sum() / frames[few].sum())
     return frames, period, resolution / float(seconds[-1] - seconds[0])
+
+
+def _follow(seconds: Times, period: float) -> Times:
+    """How many frames lie from row to row (T - 1,), by following the beat of coarse times.
+
+    A step that was rounded up and the next that was rounded down are two frames, not three.
+    """
+    frames = np.empty(len(seconds) - 1)
+    beat = float(seconds[0])
+    for row, time in enumerate(seconds[1:].tolist()):
+        count = max(round((time - beat) / period), 1)
+        beat += count * period
+        beat += _INERTIA * (time - beat)
+        frames[row] = count
+    return frames
 
 
 def _even(seconds: Times, frames: Times, period: float, slack: float) -> Times | None:

@@ -12,7 +12,7 @@ PERCENT_NOTE = "the weights run from 0 to 100: read as percent, and written as p
 # Trackers exceed 1 by a few hundredths, exaggerated takes by a factor. What is beyond is damage.
 LARGEST = 10.0
 _TWICE = 2.0
-_MANY = 0.05  # share of the weights that are not 0
+_MANY = 0.15  # share of the weights that are not 0
 
 
 def scale_of(values: NDArray[Any]) -> float:
