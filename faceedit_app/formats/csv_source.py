@@ -13,7 +13,7 @@ from itertools import islice
 
 import numpy as np
 
-from faceedit_app.core.clip import Floats
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import CHOOSE_TAKE

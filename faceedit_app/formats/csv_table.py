@@ -15,9 +15,8 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.clip import Times
+from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, REPAIR, check_text, shown
 
@@ -27,7 +26,6 @@ _DELIMITERS = (b",", b";", b"\t")
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
 
 Cells = list[bytes]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -43,7 +41,7 @@ class Rows:
 
     texts: list[tuple[str, ...]]
     lost: Bools
-    numbers: Times
+    numbers: Doubles
     lines: list[int]
 
 
@@ -175,7 +173,9 @@ class Table:
             remedy = "write decimals with a point" if "," in text else REPAIR
             raise self.error(what, remedy, line) from None
 
-    def _check(self, numbers: Times, lost: Bools, columns: Sequence[int], lines: list[int]) -> None:
+    def _check(
+        self, numbers: Doubles, lost: Bools, columns: Sequence[int], lines: list[int]
+    ) -> None:
         """Complain of the first number (R, N) that is infinite, or missing although not lost."""
         largest = float(np.finfo(np.float32).max)
         empty = np.all(np.isnan(numbers), axis=0)
@@ -257,7 +257,7 @@ def plain_text(cell: bytes) -> str:
     return cell.decode("utf-8", "replace").strip().strip('"').strip()
 
 
-def _lost(numbers: Times, zero: Bools) -> Bools:
+def _lost(numbers: Doubles, zero: Bools) -> Bools:
     """(R,) which rows have no frame: they have no number (R, N), or a count of 0."""
     if zero.all() and np.nan_to_num(numbers).any():  # the count is never filled in
         zero = np.zeros_like(zero)

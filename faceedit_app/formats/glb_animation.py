@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.clip import Floats, Times
+from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.take import Recording, Take, finish_take

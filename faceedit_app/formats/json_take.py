@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Indices
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list
@@ -112,7 +113,7 @@ def _places(text: JsonText, frames: JsonFrames, columns: list[int]) -> NDArray[n
     return places
 
 
-def _timing(text: JsonText, frames: JsonFrames, kept: NDArray[np.intp]) -> Timing | NoTimes:
+def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTimes:
     times = [frames.times[row] for row in kept] if frames.times else []
     numbers = [text.number(entry) for entry in times]
     dates = [entry for entry in times if isinstance(entry, str)]

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.clip import Floats
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, check_text
 from faceedit_app.formats.numbers import detect_format
@@ -53,7 +53,7 @@ class JsonText:
     path: Path
     content: bytes
     document: Any
-    values: NDArray[np.float64]
+    values: Doubles
 
     def error(self, problem: str, remedy: str = _DAMAGED, place: int = -1) -> FileError:
         """A complaint about this file, at one of its numbers."""
@@ -91,7 +91,7 @@ class JsonText:
                 raise self.error("holds something in place of a weight that is not a number")
         return out
 
-    def look_up(self, places: Places) -> NDArray[np.float64]:
+    def look_up(self, places: Places) -> Doubles:
         """The numbers at some places; NaN where they are missing."""
         return np.where(places >= 0, np.append(self.values, np.nan)[places], np.nan)
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.clip import Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.registry import recognise

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.clip import Clip, Floats
+from faceedit_app.core.arrays import Bools, Doubles, Floats
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.timing import (
     NoTimes,
@@ -80,9 +80,9 @@ class Recording:
     path: Path
     format: str
     channels: tuple[str, ...]
-    values: NDArray[np.float64]
+    values: Doubles
     timing: Timing | NoTimes
-    lost: NDArray[np.bool_]
+    lost: Bools
     timecodes: tuple[str, ...] | None = None
     carried: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()

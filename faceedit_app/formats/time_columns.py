@@ -13,7 +13,7 @@ from datetime import datetime
 
 import numpy as np
 
-from faceedit_app.core.clip import Times
+from faceedit_app.core.arrays import Times
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import REPAIR, shown

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faceedit_app.core.clip import Times
+from faceedit_app.core.arrays import Times
 from faceedit_app.formats.timing import (
     SLOWEST,
     NoTimes,

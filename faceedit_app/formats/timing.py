@@ -8,9 +8,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.clip import Gap, Times
+from faceedit_app.core.arrays import Bools, Indices, Times
+from faceedit_app.core.clip import Gap
 from faceedit_app.core.errors import FileError
 
 DEFAULT_RATE = 60.0
@@ -60,7 +60,7 @@ class NoTimes(ValueError):
         super().__init__(problem)
         self.problem, self.rate, self.numbers = problem, rate, numbers
 
-    def timing_at(self, rate: float, rows: NDArray[np.intp]) -> Timing:
+    def timing_at(self, rate: float, rows: Indices) -> Timing:
         """The frames at a rate that the user gave.
 
         Args:
@@ -316,7 +316,7 @@ def gap_notes(gaps: tuple[Gap, ...]) -> tuple[str, ...]:
     return (f"{counted(len(gaps), 'gap')}, {counted(missing, 'frame')} missing",)
 
 
-def lost_notes(lost: NDArray[np.bool_]) -> tuple[str, ...]:
+def lost_notes(lost: Bools) -> tuple[str, ...]:
     """One remark that counts the rows that have no face, given for each row (R,), or none."""
     if not lost.any():
         return ()
