@@ -21,7 +21,7 @@ from faceedit_app.formats import (
     mediapipe,
     named_frames,
 )
-from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text
+from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
 from faceedit_app.formats.foreign import recognise_foreign
 from faceedit_app.formats.take import Take
 
@@ -33,7 +33,8 @@ class Format:
     Attributes:
         name: for the user.
         endings: of its files, in lower case with the point.
-        mime: its media type.
+        mime: its media type, under which the desktop offers FaceEdit for such files; "" if files
+            of that type are mostly something else.
         tools: which tools write it.
         sniff: how sure it is, 0 to 1, that a file's content is of this format.
         read: opens a file: path, content, and the frame rate if the user gave one.
@@ -57,13 +58,13 @@ FORMATS: tuple[Format, ...] = (
            csv_take.sniff, csv_take.read),
     Format(audio2face.FORMAT, (".json",), "application/json",
            "NVIDIA Audio2Face", audio2face.sniff, audio2face.read),
-    Format(facecap.FORMAT, (".txt",), "text/plain",
+    Format(facecap.FORMAT, (".txt",), "",
            "Face Cap on an iPhone", facecap.sniff, facecap.read),
     Format(named_frames.FORMAT, (".json",), "application/json",
            "the BEAT data set, LAM_Audio2Expression", named_frames.sniff, named_frames.read),
     Format(mediapipe.FORMAT, (".json",), "application/json",
            "webcam recorders on MediaPipe", mediapipe.sniff, mediapipe.read),
-    Format(glb_animation.FORMAT, (".glb", ".vrm"), "model/gltf-binary",
+    Format(glb_animation.FORMAT, (".glb",), "model/gltf-binary",
            "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
 )
 # fmt: on
@@ -95,11 +96,43 @@ def find_format(content: bytes) -> Format | None:
     return best[1] if best[0] > 0 else None
 
 
+def is_take(path: Path) -> bool:
+    """Whether a file's content is of a known format; False too if it cannot be read."""
+    try:
+        return find_format(read_bytes(path)) is not None
+    except FileError:
+        return False
+
+
+def takes_below(folder: Path) -> list[Path]:
+    """The files below a folder that are takes, in order of name.
+
+    A CSV counts by its ending, so that a damaged one is not passed over in silence; other endings
+    are shared with files of other kinds.
+    """
+    known = endings()
+    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in known)
+    return [path for path in paths if path.suffix.lower() == ".csv" or is_take(path)]
+
+
 def endings() -> tuple[str, ...]:
-    """The endings of all takes, without repetition, in the order of the table."""
+    """The endings of all takes, each once, in the order of the table."""
     return tuple(dict.fromkeys(ending for form in FORMATS for ending in form.endings))
 
 
 def mime_types() -> tuple[str, ...]:
-    """The media types of all takes, without repetition."""
-    return tuple(dict.fromkeys(form.mime for form in FORMATS))
+    """The media types under which the desktop offers FaceEdit, each once."""
+    return tuple(dict.fromkeys(form.mime for form in FORMATS if form.mime))
+
+
+def offered_endings() -> tuple[str, ...]:
+    """The endings of files for which the desktop offers FaceEdit, each once."""
+    offered = (ending for form in FORMATS if form.mime for ending in form.endings)
+    return tuple(dict.fromkeys(offered))
+
+
+def markdown_table() -> str:
+    """The table of formats in the documentation."""
+    head = "| format | file | written by |\n|---|---|---|\n"
+    rows = (f"| {f.name} | {', '.join(f'`{e}`' for e in f.endings)} | {f.tools} |" for f in FORMATS)
+    return head + "\n".join(rows) + "\n"
