@@ -33,6 +33,10 @@ app = typer.Typer(
 )
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
+FpsOption = Annotated[
+    Optional[float],  # noqa: UP045  (typer reads the annotation at run time)
+    typer.Option("--fps", help="Frames per second, if the take does not tell them."),
+]
 ModelsOption = Annotated[
     Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
     typer.Option("--models", help="Folder of models; those that ship with FaceEdit if absent."),
@@ -64,13 +68,14 @@ def root(
 @app.command()
 def info(
     take: TakeArgument,
+    fps: FpsOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Show a take's frames, rate, duration, channels, gaps and format."""
     from faceedit_app.formats.opening import open_take
     from faceedit_app.formats.summary import summarize, summary_text
 
-    summary = summarize(open_take(take))
+    summary = summarize(open_take(take, fps))
     print(json.dumps(summary, indent=2) if as_json else summary_text(summary))
 
 
@@ -86,6 +91,7 @@ def apply(
     reach: Annotated[
         float, typer.Option(help="0 as the networks answer, 1 all the way to what was asked.")
     ] = 1.0,
+    fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
     """Apply edits to a take and export it in its own format."""
@@ -96,9 +102,11 @@ def apply(
     for name, value in (("naturalness", naturalness), ("reach", reach)):
         if not 0 <= value <= 1:
             raise FaceEditError(f"--{name} {value:g}: must be from 0 to 1")
-    session = _session(take, _engine(models))
+    engine = _engine(models)
+    session = _session(take, engine, fps)
     session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
+    _warn_of_unanswerable(session, engine)
     session.export(output)
     print(
         f"{output}: {len(session.edits)} edits, "
@@ -116,13 +124,14 @@ def render(
         Optional[Path],  # noqa: UP045
         typer.Option(help="Edits (JSON) to apply first."),
     ] = None,
+    fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take."""
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
-    session = _session(take, _engine(models) if edits else None)
+    session = _session(take, _engine(models) if edits else None, fps)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
@@ -131,6 +140,15 @@ def render(
     frame = session.take.clip.frame_at(time)
     write_png(output, snapshot(session.rig, session.rig_weights(frame), width, height))
     print(f"{output}: frame {frame} of {take}")
+
+
+def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
+    """Say which edits the take's channels cannot answer; they change nothing."""
+    from faceedit_app.editing.solving.answerable import unanswerable
+
+    for number, edit in enumerate(session.edits, start=1):
+        for lack in unanswerable(edit, session.take, session.rig, engine):
+            print(f"faceedit: warning: edit {number}: {lack}", file=sys.stderr)
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -171,8 +189,8 @@ def _engine(models: Path | None) -> Engine:
     return Engine.load(models if models is not None else shipped("models"))
 
 
-def _session(take: Path, engine: Engine | None) -> EditSession:
+def _session(take: Path, engine: Engine | None, fps: float | None) -> EditSession:
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.opening import open_take
 
-    return EditSession(open_take(take), _rig(), engine)
+    return EditSession(open_take(take, fps), _rig(), engine)
