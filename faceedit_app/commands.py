@@ -102,8 +102,9 @@ def apply(
     for name, value in (("naturalness", naturalness), ("reach", reach)):
         if not 0 <= value <= 1:
             raise FaceEditError(f"--{name} {value:g}: must be from 0 to 1")
-    engine = _engine(models)
-    session = _session(take, engine, fps)
+    rig = _rig()
+    engine = _engine(models, rig)
+    session = _session(take, rig, engine, fps)
     session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
@@ -131,7 +132,8 @@ def render(
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
-    session = _session(take, _engine(models) if edits else None, fps)
+    rig = _rig()
+    session = _session(take, rig, _engine(models, rig) if edits else None, fps)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
@@ -183,14 +185,14 @@ def _rig() -> Rig:
     return read_rig(shipped("assets/character.glb"))
 
 
-def _engine(models: Path | None) -> Engine:
+def _engine(models: Path | None, rig: Rig) -> Engine:
     from faceedit_app.networks.engine import Engine
 
-    return Engine.load(models if models is not None else shipped("models"))
+    return Engine.load(models if models is not None else shipped("models"), rig)
 
 
-def _session(take: Path, engine: Engine | None, fps: float | None) -> EditSession:
+def _session(take: Path, rig: Rig, engine: Engine | None, fps: float | None) -> EditSession:
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.opening import open_take
 
-    return EditSession(open_take(take, fps), _rig(), engine)
+    return EditSession(open_take(take, fps), rig, engine)

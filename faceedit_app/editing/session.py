@@ -13,6 +13,7 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.fields import clean_text
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op, read_edits, write_edits
 from faceedit_app.editing.edits.media import Placement
@@ -167,7 +168,7 @@ class EditSession:
 
     def rename(self, index: int, name: str) -> None:
         """Call an edit something else, as one undo step; "" is its description again."""
-        self.replace_edit(index, replace(self.edits[index], name=name.strip()))
+        self.replace_edit(index, replace(self.edits[index], name=clean_text(name.strip())))
 
     def remove(self, *indices: int) -> None:
         """Take edits out of the list, as one undo step."""

@@ -31,7 +31,7 @@ OPEN = Edit(("mouth_opening",), Op.OFFSET, 0.9, 1.1, 0.1, 8.0)
 
 @pytest.fixture(scope="module")
 def engine() -> Engine:
-    return Engine.load(shipped("models"))
+    return Engine.load(shipped("models"), shipped_rig())
 
 
 @pytest.fixture

@@ -142,7 +142,7 @@ SELECTION = (2.0, 6.0)
 @lru_cache(maxsize=1)
 def demo() -> EditSession:
     take = open_take(shipped("assets/demo_take.csv"))
-    return EditSession(take, shipped_rig(), Engine.load(shipped("models")))
+    return EditSession(take, shipped_rig(), Engine.load(shipped("models"), shipped_rig()))
 
 
 @lru_cache(maxsize=200)

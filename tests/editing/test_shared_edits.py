@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.faces import shipped_rig
 from support.places import SHARED
 
 from faceedit_app.characters.glb import read_rig
@@ -37,7 +38,7 @@ def rig() -> Rig:
 
 @pytest.fixture(scope="module")
 def engine() -> Engine:
-    return Engine.load(shipped("models"))
+    return Engine.load(shipped("models"), shipped_rig())
 
 
 def edited(path: Path, rig: Rig, engine: Engine, *edits: Edit) -> EditSession:

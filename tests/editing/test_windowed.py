@@ -39,7 +39,7 @@ def engine() -> Engine:
 
 @lru_cache(maxsize=1)
 def shipped_engine() -> Engine:
-    return Engine.load(shipped("models"))
+    return Engine.load(shipped("models"), shipped_rig())
 
 
 def random_clip(random: np.random.Generator, frames: int | None = None) -> Clip:
@@ -147,10 +147,10 @@ def test_chunks_answer_as_the_networks_do_over_the_whole_take(
     solver = Solver(clip, shipped_rig(), networks)
     padded = len(solver.grid) + -len(solver.grid) % networks.scale
     for region in networks.models:
-        at_once = networks.answer(region, solver.grid[None], naturalness)[0]
+        at_once = networks.answer(region, solver.grid, naturalness)
         for chunk in range(len(solver.chunks)):
             first, last = solver.chunks.windows[chunk]
-            answer = networks.answer(region, solver.grid[None, first:last], naturalness)[0]
+            answer = networks.answer(region, solver.grid[first:last], naturalness)
             rows = solver.chunks.slice(chunk)
             inner = slice(rows.start, min(rows.stop + 2, padded))
             np.testing.assert_allclose(

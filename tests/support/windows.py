@@ -100,8 +100,8 @@ class Bench:
         return answer
 
     @staticmethod
-    def _no_engine() -> Any:
-        raise FileError("models/lower.safetensors", "is missing", "train the networks")
+    def _no_engine(_rig: object) -> Any:
+        raise FileError("models/lower.onnx", "is missing", "train the networks")
 
     def _renderer(self, rig: object, width: int, height: int) -> FakeRenderer:
         self.renderers.append(FakeRenderer(rig, width, height))

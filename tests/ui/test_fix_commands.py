@@ -15,9 +15,9 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help import presets
+from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.commands.fix import FIXES
 from faceedit_app.ui.edits.expression_dialog import MoodDialog
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.page.problems_bar import ProblemsHead
@@ -54,8 +54,8 @@ def trigger(window: MainWindow, *names: str) -> None:
 def test_every_fix_is_one_step_and_ready_to_be_weakened(window: MainWindow) -> None:
     session = session_of(window)
     window.timeline.go_to_time(4.8)
-    for fix in FIXES:
-        trigger(window, f"fix_{fix}")
+    for fix in shipped_presets():
+        trigger(window, f"fix_{fix.id}")
         assert session.edits, fix
         assert editor_of(window).edits.rows == list(range(len(session.edits)))
         assert editor_of(window).edits.strength.isEnabled()

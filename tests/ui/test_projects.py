@@ -157,7 +157,7 @@ from faceedit_app.ui.commands.project import ProjectCommands
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.core.errors import FileError
 loading.prepare_renderer = lambda: None
-def no_engine():
+def no_engine(_rig):
     raise FileError("x", "is missing", "train")
 loading.load_engine = no_engine
 start = MainWindow.start

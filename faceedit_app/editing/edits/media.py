@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-LARGEST = 1e6  # seconds
+from faceedit_app.core.fields import Fields
 
 
 @dataclass(frozen=True)
@@ -43,19 +41,16 @@ def to_json(placement: Placement | None) -> dict[str, Any] | None:
     return {"sound": entry(placement.sound), "film": entry(placement.film)}
 
 
-def from_json(entry: Mapping[str, Any] | None) -> Placement | None:
+def placement_from(fields: Fields | None) -> Placement | None:
     """Read what `to_json` made.
 
     Raises:
-        ValueError, KeyError, TypeError: it is damaged.
+        FieldError: it is damaged.
     """
+    if fields is None:
+        return None
+    return Placement(*(_media(fields.fields_or_none(name)) for name in ("sound", "film")))
 
-    def media(entry: Mapping[str, Any] | None) -> Media | None:
-        if entry is None:
-            return None
-        offset = float(entry["offset"])
-        if not math.isfinite(offset) or abs(offset) > LARGEST:
-            raise ValueError("its offset is no number of seconds")
-        return Media(Path(entry["path"]), offset)
 
-    return None if entry is None else Placement(media(entry["sound"]), media(entry["film"]))
+def _media(fields: Fields | None) -> Media | None:
+    return None if fields is None else Media(Path(fields.path("path")), fields.number("offset"))

@@ -55,7 +55,7 @@ class Lack:
 def region_covariance(region: Region, engine: Engine | None) -> Doubles:
     """(K, K) how a region's channels vary together in performances."""
     if engine is not None:
-        return engine.models[region.id].covariance
+        return engine.models[region.id].description.covariance
     return _PRIOR * np.eye(len(region.channels))
 
 

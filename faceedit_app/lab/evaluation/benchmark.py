@@ -169,7 +169,7 @@ def _distance(
     rows = slice(int(span[0] * 25.0), int(span[-1] * 25.0) + 2)
     far = [float("nan")]
     for region in REGIONS:
-        natural = engine.models[region.id].natural
+        natural = engine.models[region.id].description.natural
         if region.id in regions and natural is not None:
             columns = [ARKIT_INDEX[c] for c in region.channels]
             far.append(float(natural.distance(grid[:, columns])[rows].max()) / natural.limit)

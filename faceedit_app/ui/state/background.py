@@ -1,6 +1,6 @@
 """What takes long, away from the window: reading takes, the character, the networks.
 
-The imports stand inside the functions because they are what takes long: torch, scipy and
+The imports stand inside the functions because they are what takes long: ONNX Runtime, scipy and
 pyrender are first imported here, in a thread, while the window is already up.
 """
 
@@ -60,15 +60,15 @@ def prepare_renderer() -> None:
         return  # opening the renderer meets it again, and says so where it can be shown
 
 
-def load_engine() -> Engine:
+def load_engine(rig: Rig) -> Engine:
     """The shipped networks.
 
     Raises:
-        FileError: they are missing or damaged.
+        FileError: they are missing or damaged, or for another character.
     """
     from faceedit_app.networks.engine import Engine
 
-    return Engine.load(shipped("models"))
+    return Engine.load(shipped("models"), rig)
 
 
 class Background(QObject):
