@@ -116,6 +116,43 @@ def apply(
 
 
 @app.command()
+def convert(
+    take: TakeArgument,
+    output: Annotated[Path, typer.Argument(help="The file to write.")],
+    form: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--format", help="livelink, csv or audio2face; by the ending if absent."),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second to write; as in the take if absent."),
+    ] = None,
+    take_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--take-fps", help="Frames per second of the take, if it does not tell them."),
+    ] = None,
+) -> None:
+    """Write a take in another format, or at another frame rate."""
+    from faceedit_app.formats import converting
+    from faceedit_app.formats.opening import check_rate, open_take
+    from faceedit_app.formats.timing import RateNeeded, format_rate
+
+    chosen = converting.choose_format(output, form)
+    if fps is not None:
+        check_rate(output, fps)
+    try:
+        opened = open_take(take, take_fps)
+    except RateNeeded:
+        if fps is None or take_fps is not None:
+            raise
+        opened = open_take(take, fps)  # each of its frames becomes one
+    clip = converting.convert(output, opened, chosen, fps)
+    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
+    if opened.carried and chosen.name != opened.kind:
+        print(f"left out, being no channels: {', '.join(opened.carried)}")
+
+
+@app.command()
 def render(
     take: TakeArgument,
     output: Annotated[Path, typer.Option("-o", "--output", help="The picture (PNG).")],

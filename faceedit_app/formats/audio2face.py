@@ -6,8 +6,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
 from faceedit_app.formats.json_take import JsonFrames, json_take
 from faceedit_app.formats.json_text import as_list, as_object, read_json
 from faceedit_app.formats.take import Take
@@ -35,3 +40,17 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         rate=text.number(document.get("exportFps")),
     )
     return json_take(text, FORMAT, frames, fps)
+
+
+def write(clip: Clip) -> bytes:
+    """A clip as an export of all 52 shapes; it has no times, so that its frames must be even."""
+    weights = np.round(clip.arkit_weights().astype(np.float64), 6)
+    document = {
+        "exportFps": int(clip.rate) if clip.rate == int(clip.rate) else clip.rate,
+        "trackPath": "",
+        "numPoses": len(ARKIT_CHANNELS),
+        "numFrames": len(clip),
+        "facsNames": list(ARKIT_CHANNELS),
+        "weightMat": weights.tolist(),
+    }
+    return json.dumps(document, indent=1).encode()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
@@ -45,6 +46,14 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         FileError: it has no channels, or is damaged.
     """
     return csv_take(read_table(path, content), fps)
+
+
+def write(clip: Clip) -> bytes:
+    """A clip as a plain CSV: seconds in `time_s`, and its channels under ARKit's names."""
+    lines = [",".join(["time_s", *clip.channels])]
+    for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True):
+        lines.append(",".join([f"{time:.6f}", *(f"{value:.6f}" for value in row)]))
+    return ("\n".join(lines) + "\n").encode()
 
 
 def csv_take(table: Table, fps: float | None, name: str = "") -> Take:

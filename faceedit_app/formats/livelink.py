@@ -8,13 +8,28 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text, read_table
 from faceedit_app.formats.csv_take import csv_take
 from faceedit_app.formats.take import Take
-from faceedit_app.formats.timecode import is_clock, is_timecode
+from faceedit_app.formats.timecode import (
+    DEFAULT_BASE,
+    is_clock,
+    is_timecode,
+    start_of_day,
+    write_timecode,
+)
 
 FORMAT = "Live Link Face CSV"
+# The application has right before left in two places.
+_SWAPPED = {"jawLeft": "jawRight", "mouthLeft": "mouthRight"}
+_SWAPPED |= {right: left for left, right in _SWAPPED.items()}
+_ORDER = [_SWAPPED.get(name, name) for name in ARKIT_CHANNELS]
+_ROTATIONS = [
+    part + axis for part in ("Head", "LeftEye", "RightEye") for axis in ("Yaw", "Pitch", "Roll")
+]
 
 
 def sniff(content: bytes) -> float:
@@ -39,3 +54,21 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         FileError: it has no channels, or is damaged.
     """
     return csv_take(read_table(path, content), fps, FORMAT)
+
+
+def write(clip: Clip) -> bytes:
+    """A clip as the application writes it: all 52 shapes, 9 rotations of 0, timecodes.
+
+    The timecode begins where that of the clip begins, if it has one, else at 0. Frames that the
+    recording lost are left out, as the application does.
+    """
+    names = [name[0].upper() + name[1:] for name in _ORDER]
+    lines = [",".join(["Timecode", "BlendshapeCount", *names, *_ROTATIONS])]
+    count = len(names) + len(_ROTATIONS)
+    nothing = ",".join(["0.0000000000"] * len(_ROTATIONS))
+    weights = clip.arkit_weights()[:, [ARKIT_INDEX[name] for name in _ORDER]]
+    begin = start_of_day(clip.timecodes) if clip.timecodes else 0.0
+    for time, row in zip((begin + clip.times).tolist(), weights.tolist(), strict=True):
+        cells = ",".join(f"{value:.10f}" for value in row)
+        lines.append(f"{write_timecode(time, DEFAULT_BASE)},{count},{cells},{nothing}")
+    return ("\n".join(lines) + "\n").encode()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,10 +28,21 @@ def open_take(path: Path | str, fps: float | None = None) -> Take:
         FileError: it is no take, or a damaged one.
     """
     path = Path(path)
-    if fps is not None and not _LOWEST_RATE <= fps <= _HIGHEST_RATE:
-        raise FileError(path, f"cannot have {fps:g} frames per second", "give 1 to 1000")
+    if fps is not None:
+        check_rate(path, fps)
     content = read_bytes(path)
-    return recognise(path, content).read(path, content, fps)
+    form = recognise(path, content)
+    return replace(form.read(path, content, fps), kind=form.name)
+
+
+def check_rate(path: Path, fps: float) -> None:
+    """Make sure that a frame rate which the user gave can be one.
+
+    Raises:
+        FileError: it cannot.
+    """
+    if not _LOWEST_RATE <= fps <= _HIGHEST_RATE:
+        raise FileError(path, f"cannot have {fps:g} frames per second", "give 1 to 1000")
 
 
 def write_take(path: Path | str, take: Take, weights: Floats) -> None:

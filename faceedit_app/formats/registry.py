@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats import (
     audio2face,
@@ -31,6 +32,7 @@ class Format:
     """A kind of file that a take can be read from.
 
     Attributes:
+        key: the name on the command line.
         name: for the user.
         endings: of its files, in lower case with the point.
         mime: its media type, under which the desktop offers FaceEdit for such files; "" if files
@@ -38,33 +40,40 @@ class Format:
         tools: which tools write it.
         sniff: how sure it is, 0 to 1, that a file's content is of this format.
         read: opens a file: path, content, and the frame rate if the user gave one.
+        write: a clip as a file of this format, if FaceEdit can write one from any source; takes
+            that were read from it can always be written again.
+        tells_times: whether it can say when its frames are, or only how many make a second.
     """
 
+    key: str
     name: str
     endings: tuple[str, ...]
     mime: str
     tools: str
     sniff: Callable[[bytes], float]
     read: Callable[[Path, bytes, float | None], Take]
+    write: Callable[[Clip], bytes] | None = None
+    tells_times: bool = True
 
 
 # fmt: off
 FORMATS: tuple[Format, ...] = (
-    Format(livelink.FORMAT, (".csv",), "text/csv",
+    Format("livelink", livelink.FORMAT, (".csv",), "text/csv",
            "Live Link Face on an iPhone; Face_Landmark_Link and others that write its layout",
-           livelink.sniff, livelink.read),
-    Format("CSV with ARKit names", (".csv",), "text/csv",
+           livelink.sniff, livelink.read, livelink.write),
+    Format("csv", "CSV with ARKit names", (".csv",), "text/csv",
            "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
-           csv_take.sniff, csv_take.read),
-    Format(audio2face.FORMAT, (".json",), "application/json",
-           "NVIDIA Audio2Face", audio2face.sniff, audio2face.read),
-    Format(facecap.FORMAT, (".txt",), "",
+           csv_take.sniff, csv_take.read, csv_take.write),
+    Format("audio2face", audio2face.FORMAT, (".json",), "application/json",
+           "NVIDIA Audio2Face",
+           audio2face.sniff, audio2face.read, audio2face.write, tells_times=False),
+    Format("facecap", facecap.FORMAT, (".txt",), "",
            "Face Cap on an iPhone", facecap.sniff, facecap.read),
-    Format(named_frames.FORMAT, (".json",), "application/json",
+    Format("names", named_frames.FORMAT, (".json",), "application/json",
            "the BEAT data set, LAM_Audio2Expression", named_frames.sniff, named_frames.read),
-    Format(mediapipe.FORMAT, (".json",), "application/json",
+    Format("mediapipe", mediapipe.FORMAT, (".json",), "application/json",
            "webcam recorders on MediaPipe", mediapipe.sniff, mediapipe.read),
-    Format(glb_animation.FORMAT, (".glb",), "model/gltf-binary",
+    Format("glb", glb_animation.FORMAT, (".glb",), "model/gltf-binary",
            "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
 )
 # fmt: on
@@ -113,6 +122,11 @@ def takes_below(folder: Path) -> list[Path]:
     known = endings()
     paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in known)
     return [path for path in paths if path.suffix.lower() == ".csv" or is_take(path)]
+
+
+def writable() -> tuple[Format, ...]:
+    """The formats that can be written from any source."""
+    return tuple(form for form in FORMATS if form.write is not None)
 
 
 def endings() -> tuple[str, ...]:

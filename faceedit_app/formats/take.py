@@ -50,6 +50,7 @@ class Take:
         notes: one-line remarks on oddities that were found and how they were handled.
         source: what the format needs to write the file again.
         fps: the frame rate that the user gave, where the file does not tell or is not believed.
+        kind: `registry.Format.name` of what it was read as.
     """
 
     path: Path
@@ -59,6 +60,7 @@ class Take:
     notes: tuple[str, ...]
     source: Source
     fps: float | None = None
+    kind: str = ""
 
 
 @dataclass(frozen=True)

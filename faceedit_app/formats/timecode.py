@@ -206,6 +206,26 @@ def time_of_day(text: str, base: int) -> float | None:
     return float(_count_frames(stamps, base, stamps.drop)[0]) / second
 
 
+def start_of_day(texts: Sequence[str]) -> float:
+    """Seconds since midnight of the first of some timecodes.
+
+    Raises:
+        BadTimecode: one of them is none.
+    """
+    stamps = parse_timecodes(texts)
+    return time_of_day(texts[0], derive_base(stamps)[0]) or 0.0
+
+
+def write_timecode(seconds: float, base: int) -> str:
+    """`HH:MM:SS:FF.sss` of a time of day, with `base` frames in a second."""
+    thousandths = round(seconds * base * 1000)
+    whole, part = divmod(thousandths, base * 1000)
+    frames, fraction = divmod(part, 1000)
+    minutes, second = divmod(whole, 60)
+    hours, minute = divmod(minutes, 60)
+    return f"{hours % 24:02d}:{minute:02d}:{second:02d}:{frames:02d}.{fraction:03d}"
+
+
 def derive_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
     """How many frames the timecode counts in a second, with a remark where that is a guess."""
     if len(stamps.clock) == 1:

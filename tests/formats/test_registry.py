@@ -43,7 +43,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     return finish_take(recording, fps, lambda scale: ToySource())
 
 
-TOY = Format("Toy", (".toy", ".xyz"), "application/x-toy", "toy makers", sniff, read)
+TOY = Format("toy", "Toy", (".toy", ".xyz"), "application/x-toy", "toy makers", sniff, read)
 
 
 @pytest.fixture
