@@ -19,9 +19,8 @@ from faceedit_app.editing.edits.edit import (
     Company,
     Edit,
     Op,
-    read_edits,
-    write_edits,
 )
+from faceedit_app.editing.files.edits_file import read_edits, write_edits
 
 GOOD: dict[str, Any] = {
     "control": "mouth_opening",

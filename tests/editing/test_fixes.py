@@ -9,17 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.faces import shipped_rig
+from support.sessions import demo_take, session_by_rig
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import open_eyes
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Preset, delete_preset, load_presets, save_preset
 from faceedit_app.editing.session import EditSession
-from faceedit_app.formats.opening import open_take
 
 HALF_BLINK, OPEN_LIPS = 4.73, 7.47  # seconds in the demo take
 LIDS = [CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["right_eyelid"]]
@@ -28,7 +26,7 @@ MOUTH = CONTROL_INDEX["mouth_opening"]
 
 @lru_cache(maxsize=1)
 def demo() -> EditSession:
-    return EditSession(open_take(shipped("assets/demo_take.csv")), shipped_rig())
+    return session_by_rig(demo_take())
 
 
 @pytest.fixture

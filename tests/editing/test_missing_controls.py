@@ -32,7 +32,7 @@ def rig_without(*controls: str) -> Rig:
 
 @lru_cache(maxsize=1)
 def shipped_engine() -> Engine:
-    return Engine.load(shipped("models"))
+    return Engine.load(shipped("models"), shipped_rig())
 
 
 def session_without(*controls: str, engine: bool = True) -> EditSession:

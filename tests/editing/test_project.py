@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from support.faces import shipped_rig
+from support.sessions import session_by_rig
 from support.takes import make_livelink_csv, make_plain_csv
 from test_edits_file import edits
 
@@ -30,9 +30,8 @@ from faceedit_app.editing.files.project import (
     read_project,
     write_project,
 )
-from faceedit_app.editing.session import EditSession, EditState
 from faceedit_app.editing.solving.solver import Mode, Settings
-from faceedit_app.formats.opening import open_take
+from faceedit_app.editing.steps import EditState
 
 EDITS = (
     Edit(("mouth_opening",), Op.OFFSET, 2.0, 2.4, 0.2, 8.0, name="Größer"),
@@ -285,7 +284,7 @@ def test_fingerprint_of_an_open_take_is_that_of_the_file_it_was(tmp_path: Path) 
     cut = tmp_path / "cut.csv"
     cut.write_bytes(b"\xef\xbb\xbf" + paths[-1].read_bytes().rstrip())
     for path in [*paths, cut]:
-        was, session = fingerprint(path), EditSession(open_take(path), shipped_rig())
+        was, session = fingerprint(path), session_by_rig(path)
         if path.parent == tmp_path:
             path.unlink()
         assert session.fingerprint == was

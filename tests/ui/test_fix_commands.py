@@ -9,14 +9,13 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
-from support.windows import Bench
+from support.windows import Bench, session_of
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
-from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.expression_dialog import MoodDialog
 from faceedit_app.ui.page.editor import Editor
@@ -33,11 +32,6 @@ def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Mai
     window = bench.window(shipped("assets/demo_take.csv"))
     editor_of(window).problems.search()
     return window
-
-
-def session_of(window: MainWindow) -> EditSession:
-    assert window.document.session is not None
-    return window.document.session
 
 
 def editor_of(window: MainWindow) -> Editor:

@@ -1,32 +1,25 @@
-"""One user action on controls over a time range, and the file that lists them."""
+"""One user action on controls over a time range, and how it is written as JSON."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
-from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import (
     LARGEST,
     LONGEST_TEXT,
     FieldError,
     Fields,
     clean_text,
-    read_document,
-    to_text,
 )
 
-VERSION = 1
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
 MOST_POINTS = 200_000
@@ -282,24 +275,3 @@ def edits_from(fields: Fields, name: str = "edits") -> tuple[Edit, ...]:
         except ValueError as error:
             raise FieldError(f"edit {number}: {error}") from error
     return tuple(edits)
-
-
-def write_edits(path: Path | str, edits: Iterable[Edit]) -> None:
-    """Save edits as a readable JSON file, one edit a line."""
-    lines = ",\n    ".join(to_text(to_json(edit)) for edit in edits)
-    text = f'{{\n  "version": {VERSION},\n  "edits": [\n    {lines}\n  ]\n}}\n'
-    write_atomically(path, text.encode())
-
-
-def read_edits(path: Path | str) -> tuple[Edit, ...]:
-    """Read an edits file.
-
-    Raises:
-        FileError: it cannot be read, is no edits file, or an edit in it is not usable.
-    """
-    path = Path(path)
-    fields = read_document(path, "edits file", VERSION)
-    try:
-        return edits_from(fields)
-    except FieldError as error:
-        raise FileError(path, str(error), "correct it, or choose an edits file") from error

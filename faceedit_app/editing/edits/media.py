@@ -30,6 +30,24 @@ class Placement:
     film: Media | None = None
 
 
+def describe_change(before: Placement, after: Placement) -> str:
+    """What a step from one placement to another is called, such as "Move film".
+
+    A film and its own sound come, move and go together: such a step is the film's.
+    """
+    for name, old, new in (
+        ("film", before.film, after.film),
+        ("sound", before.sound, after.sound),
+    ):
+        if old is None and new is not None:
+            return f"Add {name}"
+        if old is not None and new is None:
+            return f"Remove {name}"
+        if old is not None and new is not None and old != new:
+            return f"Move {name}" if old.path == new.path else f"Replace {name}"
+    return "Sound and film"
+
+
 def to_json(placement: Placement | None) -> dict[str, Any] | None:
     """For the journal; `None` is what lies beside the take by itself."""
 

@@ -29,7 +29,7 @@ from faceedit_app.editing.edits.media import to_json as placement_to_json
 from faceedit_app.editing.files.filelock import lock, try_lock
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint, fingerprint_from
 from faceedit_app.editing.files.project import settings_from
-from faceedit_app.editing.session import EditState
+from faceedit_app.editing.steps import EditState
 
 VERSION = 1
 _SUFFIX = ".jsonl"
@@ -46,7 +46,7 @@ class Journal:
     """Writes down one session.
 
     `note` is "" as long as all is well, else one line for the user. Connect it by
-    `session.on_finished = journal.record`.
+    `session.stepped.connect(journal.record)`.
 
     Args:
         take: the open take.

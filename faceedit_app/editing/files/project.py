@@ -17,6 +17,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, Fields, read_document, to_text
 from faceedit_app.editing.edits.edit import edits_from, to_json
 from faceedit_app.editing.edits.media import Media
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
     find_by_content,
@@ -24,8 +25,7 @@ from faceedit_app.editing.files.fingerprint import (
     fingerprint,
     fingerprint_from,
 )
-from faceedit_app.editing.session import EditState
-from faceedit_app.editing.solving.solver import Mode, Settings
+from faceedit_app.editing.steps import EditState
 
 VERSION = 1
 SUFFIX = ".faceedit"

@@ -19,6 +19,7 @@ from faceedit_app.editing.help.presets import (
     save_preset,
     shipped_presets,
 )
+from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -116,9 +117,9 @@ class FixCommands(QObject):
             lambda edits: self.add(edits, edits[0].name),
         ).show()
 
-    def add(self, edits: tuple[Edit, ...], name: str) -> None:
-        """Make edits: one undo step."""
-        self._document.act(lambda session: session.add(*edits))
+    def add(self, edits: tuple[Edit, ...], name: str, step: str = "") -> None:
+        """Make edits as one step; `name` is theirs, and the step's if that has none of its own."""
+        self._document.act(lambda session: session.add(*edits, name=step or name))
         editor = self._editor()
         if editor is not None:
             editor.edits.select_new(len(edits))
@@ -194,7 +195,8 @@ class FixCommands(QObject):
         self._finish()
         problem = editor.problems.problems[editor.problems.current]
         if problem.fix:
-            editor.proposal.offer(f"{problem.message}. Proposed fix is shown.", problem.fix)
+            message = f"{problem.message}. Proposed fix is shown."
+            editor.proposal.offer(message, problem.fix, "Fix problem")
 
     def fix_all(self) -> None:
         """Show what would mend all problems."""
@@ -205,7 +207,8 @@ class FixCommands(QObject):
         problems = [problem for problem in editor.problems.problems if problem.fix]
         edits = tuple(edit for problem in problems for edit in problem.fix)
         if edits:
-            editor.proposal.offer(f"Proposed fixes of {len(problems)} problems are shown.", edits)
+            count = counted(len(problems), "problem")
+            editor.proposal.offer(f"Proposed fixes of {count} are shown.", edits, f"Fix {count}")
 
     def accept(self) -> None:
         """Make what is proposed."""
@@ -257,8 +260,8 @@ class FixCommands(QObject):
             self.told.emit("Nothing was copied yet")
             return
         self._finish()
-        source = copied.mirrored() if mirrored else copied
-        self._put(source, self._timeline.time, "Pasted mirrored" if mirrored else "Pasted")
+        names = ("Pasted mirrored", "Paste mirrored") if mirrored else ("Pasted", "Paste")
+        self._put(copied.mirrored() if mirrored else copied, self._timeline.time, *names)
 
     def mirror(self) -> None:
         """Let left and right change places in the selection."""
@@ -269,9 +272,9 @@ class FixCommands(QObject):
             return
         self._finish()
         copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
-        self._put(copied.mirrored(), selection[0], "Mirrored")
+        self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
 
-    def _put(self, source: Clipboard, at: float, name: str) -> None:
+    def _put(self, source: Clipboard, at: float, name: str, step: str) -> None:
         edits = source.paste(at, self._timeline.falloff)
         if edits:
-            self.add(tuple(replace(edit, name=name) for edit in edits), name)
+            self.add(tuple(replace(edit, name=name) for edit in edits), name, step)
