@@ -136,12 +136,12 @@ def convert(
 ) -> None:
     """Write a take in another format, or at another frame rate."""
     from faceedit_app.formats import converting
-    from faceedit_app.formats.opening import check_rate, open_take
+    from faceedit_app.formats.opening import checked_rate, open_take
     from faceedit_app.formats.timing import RateNeeded, format_rate
 
     chosen = converting.choose_format(output, form)
     if fps is not None:
-        check_rate(output, fps)
+        fps = checked_rate(output, fps)
     try:
         opened = open_take(take, take_fps)
     except RateNeeded:

@@ -13,6 +13,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.registry import recognise
 from faceedit_app.formats.take import Take
+from faceedit_app.formats.timing import exact_rate
 
 _LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
 
@@ -29,20 +30,21 @@ def open_take(path: Path | str, fps: float | None = None) -> Take:
     """
     path = Path(path)
     if fps is not None:
-        check_rate(path, fps)
+        fps = checked_rate(path, fps)
     content = read_bytes(path)
     form = recognise(path, content)
     return replace(form.read(path, content, fps), kind=form.name)
 
 
-def check_rate(path: Path, fps: float) -> None:
-    """Make sure that a frame rate which the user gave can be one.
+def checked_rate(path: Path, fps: float) -> float:
+    """A frame rate that the user gave, exactly: 29.97 stands for 30000 / 1001.
 
     Raises:
-        FileError: it cannot.
+        FileError: it cannot be a frame rate.
     """
     if not _LOWEST_RATE <= fps <= _HIGHEST_RATE:
         raise FileError(path, f"cannot have {fps:g} frames per second", "give 1 to 1000")
+    return exact_rate(fps)
 
 
 def write_take(path: Path | str, take: Take, weights: Floats) -> None:

@@ -20,6 +20,7 @@ _RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
 _BROADCAST_RATES = tuple(rate * 1000 / 1001 for rate in (24, 30, 48, 60, 120))
 # 29.97 and 30 are 0.1 % apart: a slower rate is believed only where it is clearly the nearer.
 _BROADCAST_TOLERANCE = 0.0003
+_ROUNDED = 0.0045  # how far from it a broadcast rate is written with two decimals
 # Cameras drift from what they promise; Live Link Face at "60" was measured to run at 59.9.
 _DRIFT = 0.005
 _GAP = 1.5  # steps, in frames, from which on a frame must be missing
@@ -283,6 +284,11 @@ def nominal_rate(measured: float, uncertainty: float) -> float | None:
     if abs(measured / nearest - 1) <= max(_DRIFT, min(uncertainty, 0.05)):
         return float(nearest)
     return None
+
+
+def exact_rate(rate: float) -> float:
+    """The broadcast rate that a rounded one stands for (23.976, 29.97, 59.94), else the rate."""
+    return next((exact for exact in _BROADCAST_RATES if abs(rate - exact) < _ROUNDED), rate)
 
 
 def typical_step(steps: Times) -> float:

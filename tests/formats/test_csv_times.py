@@ -239,6 +239,13 @@ def test_a_rate_that_is_given_wins_over_the_file_s_own(tmp_path: Path) -> None:
     assert open_take(path, fps=30).notes == ()
 
 
+def test_a_rounded_broadcast_rate_is_meant_exactly(tmp_path: Path) -> None:
+    path = table(tmp_path, "jawOpen\n" + "0.1\n" * 50)
+    for fps, exact in ((23.98, 24000 / 1001), (29.97, 30000 / 1001), (59.94, 60000 / 1001)):
+        assert open_take(path, fps).clip.rate == exact
+    assert open_take(path, 24.0).clip.rate == 24
+
+
 @pytest.mark.parametrize("fps", [0.0, -5.0, 1e9, float("nan")])
 def test_a_rate_that_cannot_be_is_refused(tmp_path: Path, fps: float) -> None:
     with pytest.raises(FileError, match="frames per second"):
