@@ -14,7 +14,8 @@ from faceedit_app.core.resample import at_rate
 from faceedit_app.formats.opening import write_take
 from faceedit_app.formats.registry import Format, writable
 from faceedit_app.formats.take import Take
-from faceedit_app.formats.timecode import DEFAULT_BASE, start_of_day, write_timecode
+from faceedit_app.formats.timecode import start_of_day, write_timecode
+from faceedit_app.formats.timecode_readings import DEFAULT_BASE
 from faceedit_app.formats.timing import find_gaps
 
 

@@ -15,12 +15,12 @@ from faceedit_app.formats.csv_table import first_rows, plain_text, read_table
 from faceedit_app.formats.csv_take import csv_take
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import (
-    DEFAULT_BASE,
     is_clock,
     is_timecode,
     start_of_day,
     write_timecode,
 )
+from faceedit_app.formats.timecode_readings import DEFAULT_BASE
 
 FORMAT = "Live Link Face CSV"
 # The application has right before left in two places.
