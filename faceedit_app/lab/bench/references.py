@@ -24,7 +24,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench.clocks import Times, repeat
 from faceedit_app.lab.bench.desk import long_take
 from faceedit_app.networks.engine import ENDING, Engine
-from faceedit_app.render.camera import FIELD_OF_VIEW, Camera, default_camera, projection
+from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, default_camera
 
 FRAMES, SIZE = 202, 640
 _BLENDER_SECONDS = 180  # about 25 are needed where both engines draw without a GPU
@@ -132,6 +132,8 @@ def gl_limit(rig: Rig, times: int) -> Times | None:
     """The same triangles, one colour, read back: what this OpenGL needs at the least."""
     if importlib.util.find_spec("moderngl") is None:
         return None
+    import pyrender
+
     moderngl = importlib.import_module("moderngl")  # no dependency: an option for this measure
     context = moderngl.create_standalone_context(backend="egl")
     try:
@@ -142,9 +144,9 @@ def gl_limit(rig: Rig, times: int) -> Times | None:
             fragment_shader="""#version 330
                 out vec4 pixel; void main() { pixel = vec4(0.8, 0.6, 0.5, 1.0); }""",
         )
-        camera: Camera = default_camera(rig)
-        clip = (projection(1.0) @ camera.view()).astype(np.float32)
-        program["clip"].write(np.ascontiguousarray(clip.T).tobytes())
+        lens = pyrender.PerspectiveCamera(FIELD_OF_VIEW, NEAR, FAR)
+        clip = lens.get_projection_matrix(SIZE, SIZE) @ np.linalg.inv(default_camera(rig).pose())
+        program["clip"].write(clip.T.astype(np.float32).tobytes())
         vertices = np.ascontiguousarray(rig.neutral, np.float32)
         buffer = context.buffer(vertices.tobytes())
         indices = context.buffer(np.ascontiguousarray(rig.faces, np.int32).tobytes())

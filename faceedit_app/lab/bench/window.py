@@ -74,7 +74,6 @@ def _drag_of_one(desk: Desk, times: int) -> Times:
     """The ordinary drag: one curve, in a selection of 0.4 s, where the lids are edited too."""
     session, line = desk.session, desk.window.timeline
     session.add(Edit(LIDS, Op.OFFSET, 0.0, session.take.clip.duration, 0.0, -1.0))
-    desk.window.document.changed.emit()
     line.select((line.time - 0.2, line.time + 0.2))
     desk.press(LIP_OPENING, line.time)
     once = desk.dragged(LIP_OPENING)
