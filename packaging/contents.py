@@ -6,7 +6,6 @@ import fnmatch
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +14,9 @@ Entry = tuple[str, str, str]  # PyInstaller's: name in the bundle, file or link'
 # Chosen by name at run time, where PyInstaller cannot see it.
 HIDDEN = ["OpenGL.platform.egl", "OpenGL.platform.osmesa", "OpenGL.platform.glx", "OpenGL.osmesa"]
 
-LINUX = sys.platform.startswith("linux")
-
-# All but sparse matrices; linear algebra of its own, which much of the rest needs, is 30 MB.
+# All but sparse and spatial, which trimesh needs, and what these need themselves.
 UNUSED_SCIPY = [
     "cluster",
-    "constants",
     "datasets",
     "differentiate",
     "fft",
@@ -28,15 +24,10 @@ UNUSED_SCIPY = [
     "integrate",
     "interpolate",
     "io",
-    "linalg",
     "ndimage",
     "odr",
     "optimize",
     "signal",
-    "sparse.csgraph",
-    "sparse.linalg",
-    "spatial",
-    "special",
     "stats",
 ]
 
@@ -44,14 +35,9 @@ EXCLUDED = [
     # The laboratory stays with pip: torch alone is twice the rest of the application.
     "torch",
     "faceedit_app.lab",
-    # FaceEdit and the parts of pyrender that it draws with get along without these.
+    # FaceEdit, and what trimesh does for it, get along without these.
     *(f"scipy.{part}" for part in UNUSED_SCIPY),
-    # pyrender as a package imports these, see faceedit_app/render/contexts.py; not its parts.
-    "trimesh",
-    "networkx",
-    "imageio",
-    *(["pyglet"] if LINUX else []),  # the other systems' OpenGL context
-    # pyrender and pyqtgraph use these if they are there; FaceEdit uses none of it.
+    # pyrender, trimesh, networkx and pyqtgraph use these if they are there; FaceEdit does not.
     "matplotlib",
     "IPython",
     "setuptools",

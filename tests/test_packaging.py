@@ -146,6 +146,35 @@ def test_the_bundle_leaves_out_nothing_that_the_application_imports(tool: Tool) 
             assert not _imports(path) & excluded, path
 
 
+def test_the_face_is_drawn_without_what_the_bundle_leaves_out(tool: Tool) -> None:
+    code = f"""
+import sys
+left_out = {tool("contents").EXCLUDED!r}
+class LeftOut:
+    def find_spec(self, name, path=None, target=None):
+        if any(f"{{name}}.".startswith(f"{{other}}.") for other in left_out):
+            raise ModuleNotFoundError(name, name=name)
+sys.meta_path.insert(0, LeftOut())
+import numpy as np
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.errors import Unavailable
+from faceedit_app.core.resources import shipped
+from faceedit_app.render.snapshot import snapshot
+rig = read_rig(shipped("assets/character.glb"))
+try:
+    print(snapshot(rig, np.zeros(len(rig.channels), np.float32), 64, 64).max() > 100)
+except Unavailable as error:
+    print(error)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, encoding="utf-8", check=False
+    )
+    assert done.returncode == 0, done.stderr
+    if "no OpenGL" in done.stdout:
+        pytest.skip(done.stdout)
+    assert done.stdout.strip() == "True"
+
+
 def test_the_bundle_holds_what_a_window_needs(tool: Tool) -> None:
     is_wanted = tool("contents").is_wanted
     plugins = "PySide6/Qt/plugins"
