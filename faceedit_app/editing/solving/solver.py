@@ -37,8 +37,6 @@ __all__ = ["Mode", "Patch", "Settings", "Solver"]
 
 # How far above the range seen in training a request is followed, as a share of that range.
 BEYOND = 0.1
-# Where in that range a face at rest is: with it, the demo take is resynthesized best.
-AT_REST = 0.25
 
 
 @dataclass(frozen=True)
@@ -63,7 +61,7 @@ class Solver:
     def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
         self.clip = clip
         self.tracked = clip.arkit_weights()
-        self.distances, self._has_control = rig.arkit_distances, rig.has_control
+        self.distances = rig.arkit_distances
         self._missing = frozenset(rig.missing_controls)
         self.controls = self.distances.measure(self.tracked)
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
@@ -87,12 +85,7 @@ class Solver:
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
-        # Networks that listen to a control which the character lacks hear a face at rest.
-        self._heard = self.grid.copy()
-        for column in np.flatnonzero(~self._has_control & np.isfinite(self._low)):
-            low, high = self._low[column], self._high[column]
-            self._heard[:, column] = low + AT_REST * (high - low)
-        self._answers = Answers(engine, self._heard) if engine else None
+        self._answers = Answers(engine, self.grid) if engine else None
 
     def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
         """What has to be computed to answer edits, by chunk."""
@@ -158,7 +151,7 @@ class Solver:
             return {}
         first, last = (int(i) for i in self.chunks.windows[piece.chunk])
         times = self.clip.times[slice(*piece.near)]
-        edited = self._heard[first:last] + to_grid(times, change, first, last)
+        edited = self.grid[first:last] + to_grid(times, change, first, last)
         window = first, last
         answers = self._answers.to(regions, window, edited, settings.naturalness)
         if not anew:
