@@ -14,7 +14,7 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.json_take import JsonFrames, json_take
-from faceedit_app.formats.json_text import as_list, as_object, read_json
+from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 
 FORMAT = "Audio2Face JSON"
@@ -22,7 +22,8 @@ FORMAT = "Audio2Face JSON"
 
 def sniff(content: bytes) -> float:
     """How sure it is that this is an Audio2Face export of blendshapes."""
-    return 0.95 if b'"facsNames"' in content and b'"weightMat"' in content else 0.0
+    names = (b'"facsNames"', b'"weightMat"')
+    return 0.95 if looks_like_json(content) and all(name in content for name in names) else 0.0
 
 
 def read(path: Path, content: bytes, fps: float | None) -> Take:

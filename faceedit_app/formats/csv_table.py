@@ -84,7 +84,8 @@ class Table:
         """Index and cells of each row; lines without content are none."""
         for line in range(self.header + 1, len(self.lines)):
             cells = self.cells(line)
-            if any(cell.strip() for cell in cells) and self.mark in (None, cells[0].strip()):
+            is_row = cells[0] == self.mark if self.mark else any(map(bytes.strip, cells))
+            if is_row:
                 yield line, cells
 
     def read(
@@ -111,16 +112,15 @@ class Table:
         lines: list[int] = []
         zero: list[bool] = []
         flat = array("d")
-        nothing = array("d", [np.nan]) * len(number_columns)
+        nothing, width = array("d", [np.nan]) * len(number_columns), len(self.names)
         for line, cells in self.rows():
-            if len(cells) != len(self.names) and not self._fits(line, cells, number_columns, count):
-                flat.extend(nothing)
-            else:
+            if len(cells) == width or self._fits(line, cells, number_columns, count):
                 flat.extend(self._numbers(line, cells, number_columns))
-            zero.append(count is not None and count < len(cells) and _is_zero(cells[count]))
-            texts.append(
-                tuple(plain_text(cells[k]) if k < len(cells) else "" for k in text_columns)
-            )
+            else:
+                flat.extend(nothing)
+                cells += [b""] * (width - len(cells))
+            zero.append(count is not None and _is_zero(cells[count]))
+            texts.append(tuple([plain_text(cells[k]) for k in text_columns]))
             lines.append(line)
         if not texts:
             raise self.error("has a header but no frames", "export the take again", self.header)
@@ -271,4 +271,4 @@ def _is_missing(cell: bytes) -> bool:
 
 def _is_zero(cell: bytes) -> bool:
     """Whether a count is 0, which some tools write as `0.0`."""
-    return plain_text(cell).removesuffix(".0") == "0"
+    return cell.strip(b' "') in (b"0", b"0.0")

@@ -16,7 +16,6 @@ from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
 
-METAHUMAN = "CTRL_expressions_"
 _COUNTS = ("blendshapecount", "numproperties")
 _NAMES = {
     "timecode": "CSV with timecodes",
@@ -31,11 +30,7 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How sure it is that this is a CSV file with ARKit channels."""
-    names = first_rows(content)[0]
-    # MetaHuman's own curves are not ARKit's, though some are called so.
-    if any(name.startswith(METAHUMAN) for name in names):
-        return 0.0
-    return 0.5 if any(map(canonical_channel, names)) else 0.0
+    return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
 
 
 def read(path: Path, content: bytes, fps: float | None) -> Take:

@@ -8,10 +8,14 @@ from dataclasses import dataclass
 
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text
-from faceedit_app.formats.csv_take import METAHUMAN
 
 _HEAD = 1 << 16
 _FEWEST_COLUMNS = 20  # of numbers without names before they look like a face
+# MetaHuman's own curves: some are called like ARKit's and mean something else.
+_METAHUMAN = re.compile(
+    rb"CTRL_expressions_|mouthCornerPull[LR]\b|mouthLipsTogether[UD][LR]\b|browRaiseIn[LR]\b"
+)
+_MATRIX = re.compile(rb"\s*\[\s*\[\s*-?[0-9]")
 _STREAM = re.compile(rb"\w+[-&]\d{1,3}\|\w+[-&]\d{1,3}\|")
 _SAVE_AS_CSV = "save it as CSV with a line of ARKit names at the top"
 
@@ -34,6 +38,11 @@ class Foreign:
 def recognise_foreign(content: bytes) -> Foreign | None:
     """What a file is that is no take, if that can be seen."""
     return next((kind for kind in _FOREIGN if kind.sniff(content)), None)
+
+
+def has_metahuman_curves(content: bytes) -> bool:
+    """Whether a file names MetaHuman's control curves, some of which are called like ARKit's."""
+    return _METAHUMAN.search(content[:_HEAD]) is not None
 
 
 def _has(*texts: bytes) -> Callable[[bytes], bool]:
@@ -74,7 +83,7 @@ def _is_transposed(content: bytes) -> bool:
 _FOREIGN: tuple[Foreign, ...] = (
     Foreign("holds MetaHuman control curves, which are not ARKit's",
             "apply ARKit Remap in Unreal and export a Live Link Face CSV",
-            _has(METAHUMAN.encode())),
+            has_metahuman_curves),
     Foreign("holds the emotions of an Audio2Face export, not its blendshapes",
             "open the file with facsNames that was exported with it",
             lambda content: b'"emotionNames"' in content or b'"emotionKeys"' in content),
@@ -96,6 +105,9 @@ _FOREIGN: tuple[Foreign, ...] = (
             _is_archive_of(b".npy")),
     Foreign("holds numbers without the names of their channels", _SAVE_AS_CSV,
             _starts(b"\x93NUMPY")),
+    Foreign("holds numbers without the names of their channels",
+            'write it as {"names": [...], "frames": [...]} with ARKit names',
+            lambda content: _MATRIX.match(content) is not None),
     Foreign("holds numbers without the names of their channels",
             "write the ARKit names of the columns in a line at the top", _is_nameless),
     Foreign("has a line for each channel, not for each frame",

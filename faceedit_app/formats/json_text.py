@@ -104,6 +104,11 @@ class JsonText:
         return b"".join([*pieces, self.content[done:]])
 
 
+def looks_like_json(content: bytes) -> bool:
+    """Whether a file begins as a JSON object or list does."""
+    return content[:64].removeprefix(BOM).lstrip()[:1] in (b"{", b"[")
+
+
 def read_json(path: Path, content: bytes) -> JsonText:
     """Read a JSON file.
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.formats.json_take import JsonFrames, json_take
-from faceedit_app.formats.json_text import as_list, as_object, read_json
+from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 
 FORMAT = "MediaPipe JSON"
@@ -25,7 +25,7 @@ _NAMES = ("name", "categoryName")
 
 def sniff(content: bytes) -> float:
     """How sure it is that this is a recording of MediaPipe's categories."""
-    return 0.7 if _FRAME.search(content) else 0.0
+    return 0.7 if looks_like_json(content) and _FRAME.search(content) else 0.0
 
 
 def read(path: Path, content: bytes, fps: float | None) -> Take:

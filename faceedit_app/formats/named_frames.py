@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from faceedit_app.formats.json_take import JsonFrames, json_take
-from faceedit_app.formats.json_text import as_list, as_object, read_json
+from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 
 FORMAT = "JSON with names and frames"
@@ -22,6 +22,8 @@ _RATES = ("fps", "frame_rate", "frameRate")
 
 def sniff(content: bytes) -> float:
     """How sure it is that this is a file of names and frames."""
+    if not looks_like_json(content):
+        return 0.0
     return 0.8 if _NAMES.search(content) and _FRAMES.search(content) else 0.0
 
 

@@ -23,7 +23,7 @@ from faceedit_app.formats import (
     named_frames,
 )
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
-from faceedit_app.formats.foreign import recognise_foreign
+from faceedit_app.formats.foreign import has_metahuman_curves, recognise_foreign
 from faceedit_app.formats.take import Take
 
 
@@ -100,6 +100,8 @@ def recognise(path: Path, content: bytes) -> Format:
 
 def find_format(content: bytes) -> Format | None:
     """The format of a file's content, or None."""
+    if has_metahuman_curves(content):
+        return None
     sure = [(form.sniff(content), form) for form in FORMATS]
     best = max(sure, key=lambda one: one[0], default=(0.0, None))
     return best[1] if best[0] > 0 else None

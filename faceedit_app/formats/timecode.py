@@ -79,17 +79,18 @@ def parse_timecodes(texts: Sequence[str]) -> Stamps:
     Raises:
         BadTimecode: one of them is none.
     """
-    fields = np.zeros((4, len(texts)))
+    rows: list[tuple[int, int, int, int]] = []
     width, drop = 9, False
     for row, text in enumerate(texts):
         match = _FRAMES.fullmatch(text)
         if match is None:
             raise BadTimecode(row, text)
         fraction = match[6] or ""
-        fields[:, row] = _clock(match, row), int(match[5]), int(fraction or 0), len(fraction)
+        rows.append((_clock(match, row), int(match[5]), int(fraction or 0), len(fraction)))
         width = min(width, len(match[5]))
         drop = drop or match[4] == ";"
-    return Stamps(_past_midnight(fields[0]), fields[1], fields[2], fields[3], width, drop)
+    clock, last, part, digits = np.array(rows, np.float64).T
+    return Stamps(_past_midnight(clock), last, part, digits, width, drop)
 
 
 def clock_times(texts: Sequence[str]) -> Timing:

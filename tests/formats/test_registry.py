@@ -138,6 +138,8 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
         (b"mouthSmile_R-0|eyeLookOut_L-12|=head#1,2", "raw stream of iFacialMocap", "record"),
         (b"frame,CTRL_expressions_jawOpen\n0,0.1\n", "MetaHuman control curves", "ARKit Remap"),
         (b'[{"curves": {"CTRL_expressions_jawOpen": 1}}]', "MetaHuman", "ARKit Remap"),
+        (b"time_s,jawOpen,mouthCornerPullL\n0,0.1,0.2\n", "MetaHuman", "ARKit Remap"),
+        (b"[[0.1, 0.2], [0.3, 0.4]]", "without the names", "ARKit names"),
         (b"\x93NUMPY\x01\x00", "without the names", "CSV"),
         (b"PK\x03\x04 weights.npy", "without the names", "CSV"),
         (b"PK\x03\x04 xl/workbook.xml", "workbook", "CSV"),
