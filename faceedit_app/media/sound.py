@@ -30,7 +30,8 @@ _HOLE = 0.02  # seconds without packets that are filled with silence rather than
 
 def extremes_of(samples: Samples) -> Extremes:
     """The lowest and highest of (N, C) samples, by channel."""
-    return Extremes(lambda rows: samples[rows], *samples.shape, np.int16, BLOCK)
+    length, channels = samples.shape
+    return Extremes(lambda rows: samples[rows], length, channels, np.int16, BLOCK)
 
 
 @dataclass(frozen=True)
