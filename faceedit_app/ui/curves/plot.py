@@ -114,6 +114,7 @@ class CurvePlot(pg.PlotWidget, Mouse):
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
         self.setMinimumHeight(style.ROW_HEIGHT)
+        self.setAcceptDrops(False)  # files are the window's
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
         self.view.setCursor(Qt.CursorShape.SizeVerCursor)
         self.view.values_chosen.connect(self._choose_values)

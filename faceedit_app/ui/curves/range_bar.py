@@ -106,6 +106,7 @@ class RangeBar(pg.GraphicsView, Mouse):
         self.view.menu_asked.connect(lambda _x, _y, place: self.menu_asked.emit(place))
         self.setFixedHeight(HEIGHT)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setAcceptDrops(False)
         self.setObjectName("range_bar")
         self.setAccessibleName("Time selection")
         self.setAccessibleDescription(_TIP)

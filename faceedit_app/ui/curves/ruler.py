@@ -58,6 +58,7 @@ class Ruler(pg.GraphicsView, Mouse):
         timeline.clock.changed.connect(self._renew)
         self.setFixedHeight(style.RULER_HEIGHT)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setAcceptDrops(False)
         self.setObjectName("ruler")
         self.setAccessibleName("Time ruler")
         self.setAccessibleDescription("Drag to scrub; Shift and drag to select a time range.")
