@@ -43,6 +43,8 @@ def open_panel(qtbot: QtBot, session: EditSession, width: int = 900) -> CurvesPa
     qtbot.waitExposed(panel)
     timeline.open(session.take.clip)
     panel.set_session(session)
+    session.previewed.connect(panel.refresh)
+    session.changed.connect(panel.refresh)
     QApplication.processEvents()
     return panel
 

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from support.curves import drag
 from support.windows import Bench, drag_curve
 
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.resources import shipped
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow

@@ -30,7 +30,7 @@ from support.curves import (
 from support.rigs import tiny_session
 
 from faceedit_app.core.clip import Gap
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves import CurvesPanel, style
 from faceedit_app.ui.curves.header import Layout
@@ -53,7 +53,7 @@ def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, pause:
     plot, session = panel.plots[index], session_of(panel)
     per_pixel = plot.current_scale.mm_per_pixel
     committed: list[int] = []
-    panel.committed.connect(lambda: committed.append(1))
+    session.changed.connect(lambda: committed.append(1))
     start = place(plot, 1.5)
     drag(plot, start, start + QPoint(4, -12), pause=pause)
     assert len(session.edits) == 1
@@ -78,7 +78,7 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
     frame = session.take.clip.frame_at(2.1)
     before = float(session.asked[frame, 0])
     steps: list[float] = []
-    panel.edited.connect(lambda: steps.append(float(session.asked[frame, 0])))
+    session.previewed.connect(lambda: steps.append(float(session.asked[frame, 0])))
     start = place(plot, 2.1)
     drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
     wanted = pytest.approx(before + 20 * plot.current_scale.mm_per_pixel, abs=0.01)
@@ -94,7 +94,7 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
 def test_many_moves_are_few_previews_and_the_last_counts(panel: CurvesPanel) -> None:
     plot, session = panel.plots[0], session_of(panel)
     steps: list[int] = []
-    panel.edited.connect(lambda: steps.append(1))
+    session.previewed.connect(lambda: steps.append(1))
     start, per_pixel = place(plot, 2.1), plot.current_scale.mm_per_pixel
     QTest.mousePress(surface(plot), LEFT, NONE, start)
     for i in range(200):
@@ -211,7 +211,7 @@ def test_a_hand_asks_for_no_more_than_a_face_can_do(
     frame = session.take.clip.frame_at(1.5)
     start, per_pixel = place(plot, 1.5), plot.current_scale.mm_per_pixel
     drag(plot, start, start + QPoint(0, way), release=False, pause=20)
-    qtbot.waitUntil(lambda: session.is_floating)
+    qtbot.waitUntil(lambda: session.is_previewing)
     assert session.asked[frame, index] == pytest.approx(high if way < 0 else low, abs=1e-3)
     move_with(plot, start + QPoint(0, way // 1000))
     wanted = session.tracked[frame, index] - way // 1000 * per_pixel

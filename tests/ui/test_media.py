@@ -14,6 +14,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 from support.curves import let_go, move_with, place, surface
+from support.faces import random_engine
 from support.films import make_broadcast_wav, make_film, make_wav, number_of
 from support.takes import make_livelink_csv
 from support.windows import Bench, drag_curve, drop, trigger
@@ -678,7 +679,7 @@ def test_a_dropped_drag_of_the_sound_is_no_step(bench: Bench, devices: list[Fake
     before, wave = session.state, editor_of(window).sound.waveform
     mouse(wave, QEvent.Type.MouseButtonPress, 50, Qt.KeyboardModifier.AltModifier)
     mouse(wave, QEvent.Type.MouseMove, 150, Qt.KeyboardModifier.AltModifier)
-    window.document.changed.emit()  # a wide edit was computed meanwhile: the drag goes on
+    session.use_engine(random_engine(3))  # the networks are loaded meanwhile: the drag goes on
     assert window.media.placement.sound != Kept(bench.folder / "voice.wav")
     QTest.keyClick(wave, Qt.Key.Key_Escape)
     assert session.state == before
@@ -740,11 +741,11 @@ def test_a_sound_that_arrives_during_a_drag_leaves_the_drag_alone(
     start = plot.rect().center()
     QTest.mousePress(surface(plot), Qt.MouseButton.LeftButton, pos=start)
     move_with(plot, start - QPoint(0, 30))
-    bench.qtbot.waitUntil(lambda: session.is_floating)
+    bench.qtbot.waitUntil(lambda: session.is_previewing)
     window.media.add(make_wav(bench.folder / "voice.wav"))
     settle(bench, window)
     assert window.media.sound is not None
-    assert session.is_floating
+    assert session.is_previewing
     assert not session.can_undo
     let_go(plot, start - QPoint(0, 30))
     assert len(session.edits) == 1

@@ -16,7 +16,7 @@ from support.takes import make_livelink_csv
 from support.windows import Bench, drag_curve, drop, open_path, trigger
 
 from faceedit_app import render
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.ui.state import background as loading
 
@@ -103,7 +103,7 @@ def test_missing_networks_are_told_without_being_in_the_way(bench: Bench) -> Non
 def test_networks_answer_once_they_are_loaded(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(loading, "load_engine", random_engine)
+    monkeypatch.setattr(loading, "load_engine", lambda rig: random_engine())
     window = bench.editing()
     assert window.document.session is not None
     assert window.document.session.has_engine

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.rigs import tiny_session
 
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.visible_curves import Polyline, VisibleCurves, run_of, visible_rows
 

@@ -12,9 +12,10 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
@@ -68,7 +69,7 @@ class Desk:
 
     def open(self, take: Take, size: int = 640) -> EditSession:
         """Put a take on the screen, and the middle of it in view."""
-        self.window.document.adopt(EditSession(take, self.rig, self.engine))
+        self.window.document.adopt(open_session(take, self.rig, self.engine))
         viewport = self.editor.face.viewport
         if not viewport.can_draw:
             viewport.open(self.rig)
@@ -89,7 +90,7 @@ class Desk:
     # --- the mouse -----------------------------------------------------------------------------
 
     def plot(self, control: str) -> CurvePlot:
-        """One of the eight."""
+        """The plot of a control."""
         return self.editor.curves.plots[CONTROL_IDS.index(control)]
 
     def choose(self, *controls: str) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
+from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.scale import Interval
 

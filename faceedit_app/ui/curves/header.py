@@ -15,7 +15,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from faceedit_app.core.regions import Control
+from faceedit_app.core.controls import Control
 from faceedit_app.ui.curves import style
 
 _BAR = 3  # pixels of region colour
@@ -153,7 +153,7 @@ class Header(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Bar, name, value."""
         layout = Layout.of(self, self.control.label)
-        color = style.control_color(self.control)
+        color = self.control.color
         with QPainter(self) as painter:
             ground = style.PLOT_ACTIVE if self._active else style.PLOT
             painter.fillRect(self.rect(), style.color(ground))

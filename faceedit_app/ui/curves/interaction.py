@@ -7,13 +7,13 @@ from time import monotonic
 
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
-from faceedit_app.core.regions import CONTROL_INDEX
-from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves.gestures import (
-    CurveDrag,
     Pointer,
     Span,
+    clamped,
     moved_together,
     span_at,
     stepped_falloff,
@@ -26,7 +26,7 @@ from faceedit_app.ui.state.tools import Tool, Tooling
 
 # Seconds between two previews: a mouse can report a thousand moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016
-NUDGE_MS = 900  # key presses closer together than this are one undo step
+_NOTHING = 1e-9  # mm: nudges up and down that lead back
 CURSORS = {
     Tool.MOVE: Qt.CursorShape.SizeVerCursor,
     Tool.SCALE: Qt.CursorShape.SizeVerCursor,
@@ -41,13 +41,9 @@ class Interaction(QObject):
     """What the left button does on the plots.
 
     Signals:
-        previewed(): the session shows another floating edit, or none any more.
-        committed(): a gesture ended in one more undo step.
         changed(): the pointer or the drag are elsewhere; nothing in the session changed.
     """
 
-    previewed = Signal()
-    committed = Signal()
     changed = Signal()
 
     def __init__(
@@ -71,8 +67,6 @@ class Interaction(QObject):
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.timeout.connect(self._preview)
-        self._nudges = QTimer(self, singleShot=True, interval=NUDGE_MS)
-        self._nudges.timeout.connect(self._finish)
         timeline.falloff_changed.connect(self._falloff_changed)
 
     @property
@@ -116,7 +110,6 @@ class Interaction(QObject):
 
     def press(self, plot: CurvePlot, pointer: Pointer) -> None:
         """Grab an edge of the selection, else begin an edit or a click."""
-        self.settle()
         if self.session is None or self.is_held:
             return
         self._enter(plot, pointer)
@@ -133,7 +126,7 @@ class Interaction(QObject):
         elif self._edges.is_dragging:
             self._edges.move(plot.current_scale, pointer)
             self.changed.emit()
-        elif self.drag is not None and not self._nudges.isActive():
+        elif self.drag is not None:
             self._drag_to(pointer)
             if self.is_dragging:
                 self._preview_soon()  # and marks with it: all plots are painted once, not twice
@@ -144,7 +137,7 @@ class Interaction(QObject):
         """Keep the edit, or take a press that never moved for a click."""
         if self._edges.is_dragging:
             self._edges.release()
-        elif self.drag is not None and not self._nudges.isActive():
+        elif self.drag is not None:
             self._drag_to(pointer)
             self._finish()
         if not plot.view.rect().contains(pointer.x, pointer.y):
@@ -165,7 +158,7 @@ class Interaction(QObject):
     def let_go(self) -> None:
         """The button went up where nobody saw it: keep what was dragged until then."""
         self._edges.release()
-        if self.drag is None or self._nudges.isActive():
+        if self.drag is None:
             return
         if self.drag.moving:
             self._finish()
@@ -193,12 +186,10 @@ class Interaction(QObject):
         """Drop the drag in progress: curves, edges and playhead go back to where they were."""
         drag, self.drag = self.drag, None
         self._timer.stop()
-        self._nudges.stop()
         self._edges.cancel()
         if drag is not None and drag.moving and self.session is not None:
             self.session.cancel()
             self._timeline.go_to_frame(self._came_from)
-            self.previewed.emit()
         self.changed.emit()
 
     # --- the edit --------------------------------------------------------------------------
@@ -238,28 +229,18 @@ class Interaction(QObject):
     # --- the keyboard ----------------------------------------------------------------------
 
     def nudge(self, plot: CurvePlot, millimetres: float) -> None:
-        """Move a curve at the playhead, or the selection it stands in; close nudges are one."""
-        if self.session is None or self._edges.is_dragging:
+        """Move a curve at the playhead, or the selection it stands in; nudges in a row are one."""
+        session, line = self.session, self._timeline
+        if session is None or self.is_held:
             return
-        drag, line = self.drag, self._timeline
-        mine = isinstance(drag, CurveDrag) and drag.control == plot.control.id
-        if not self._nudges.isActive() or not mine or drag is None or drag.time != line.time:
-            self.settle()
-            if self.drag is not None:  # the mouse is at it
-                return
-            self.plot, self._x = plot, plot.current_scale.x_of(line.time)
-            drag = move(self._press(plot, line.time, (0.0, 0.0)))
-            self._came_from = line.frame
-        assert isinstance(drag, CurveDrag)
-        self.drag = replace(drag, value=drag.amount + millimetres, moving=True)
-        self._nudges.start()
-        self._preview()
-
-    def settle(self) -> None:
-        """Keep what the keyboard nudged."""
-        if self._nudges.isActive():
-            self._nudges.stop()
-            self._finish()
+        self.plot, self._x = plot, plot.current_scale.x_of(line.time)
+        press = self._press(plot, line.time, (0.0, 0.0))
+        millimetres = clamped(millimetres, move(press).limits)
+        edit = press.span.edit(press.controls, Op.OFFSET, millimetres)
+        edits, key = session.edits, ("nudge", replace(edit, value=0.0))
+        if session.extends(key):
+            edits, edit = edits[:-1], replace(edit, value=edits[-1].value + millimetres)
+        session.put(edits if abs(edit.value) < _NOTHING else (*edits, edit), merge=key)
 
     def _drag_to(self, pointer: Pointer) -> None:
         assert self.drag is not None
@@ -287,10 +268,9 @@ class Interaction(QObject):
         self._timer.stop()
         edit = self._edit()
         if edit is not None:
+            self.drag = None
             session.preview(edit)
             session.commit()
-            self.drag = None
-            self.committed.emit()
         elif drag.moving:
             self.cancel()
         else:
@@ -315,4 +295,3 @@ class Interaction(QObject):
                 self._timeline.go_to_time(self._shown)
             self.session.preview(self._edit())
             self._last_preview = monotonic()
-            self.previewed.emit()

@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QFontMetricsF, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.ui.curves import style
 
 _SAMPLE = 22.0  # pixels of line
@@ -41,7 +41,7 @@ class Legend(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
         font = style.scaled_font(self, 0.9)
         painter.setFont(font)
-        colors = dict.fromkeys(style.control_color(control) for control in CONTROLS)
+        colors = dict.fromkeys(control.color for control in CONTROLS)
         faces = tuple(style.face_pen(color) for color in colors)
         x = 12.0
         x = self._sample(painter, x, (style.tracked_pen(),), "as tracked")

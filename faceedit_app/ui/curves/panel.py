@@ -6,7 +6,7 @@ from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
 
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import CurveDrag, span_at
@@ -41,12 +41,10 @@ _IDLE_HINTS = {
 class CurvesPanel(QWidget):
     """The controls' curves on one time axis; dragging them edits the session.
 
-    The window opens the clip on the timeline and gives the session; the panel shows both and
-    repaints itself while it is dragged. Call `refresh` when anything else changed the session.
+    The window opens the clip on the timeline and gives the session; the panel shows both. Call
+    `refresh` when the session announces that it shows something else, in a drag as well.
 
     Signals:
-        edited(): each step of a drag, also when it is cancelled: the face must be redrawn.
-        committed(): a gesture ended in `session.commit()`: one more undo step.
         reshaped(): an edge of the selection is being dragged.
         reshape_ended(): it was released.
         curve_menu_asked(place): a right click on the curve that has the focus now.
@@ -54,8 +52,6 @@ class CurvesPanel(QWidget):
         time_menu_asked(place): on the ruler, or on the bar under it.
     """
 
-    edited = Signal()
-    committed = Signal()
     reshaped = Signal()
     reshape_ended = Signal()
     curve_menu_asked = Signal(QPoint)
@@ -134,8 +130,6 @@ class CurvesPanel(QWidget):
         self._edges.moved.connect(self.reshaped)
         self._edges.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
-        self._mouse.previewed.connect(self._previewed)
-        self._mouse.committed.connect(self._committed)
 
     # --- what the window uses --------------------------------------------------------------
 
@@ -163,10 +157,6 @@ class CurvesPanel(QWidget):
         """Move the curve that has the focus, at the playhead or in the selection there."""
         index = CONTROL_INDEX.get(self._mouse.focused or "", 0)
         self._mouse.nudge(self.plots[index], millimetres)
-
-    def settle(self) -> None:
-        """Bring a gesture of the keyboard to its end."""
-        self._mouse.settle()
 
     @property
     def is_reshaping(self) -> bool:
@@ -253,14 +243,6 @@ class CurvesPanel(QWidget):
         plot.setFocus(Qt.FocusReason.MouseFocusReason)
         self._mouse.focused = plot.control.id
 
-    def _previewed(self) -> None:
-        self.edited.emit()  # first: the face is drawn while the curves are painted
-        self.refresh()
-
-    def _committed(self) -> None:
-        self.refresh()
-        self.committed.emit()
-
     def _show_view(self) -> None:
         """Value axes follow a zoom; a pan only makes them room, so that it does not shake."""
         first, last = self.timeline.view
@@ -296,7 +278,7 @@ class CurvesPanel(QWidget):
             return
         if self.is_dragging:
             self._follow_hand(session)
-        elif session.is_floating or not session.live.is_complete:
+        elif session.is_previewing or not session.live.is_complete:
             self._axes.make_room()
         else:
             self._axes.fit()

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QSizePolicy
 
-from faceedit_app.core.regions import Control
+from faceedit_app.core.controls import Control
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import GridLines, ValueAxis
 from faceedit_app.ui.curves.gestures import Pointer, Span
@@ -128,7 +128,7 @@ class CurvePlot(pg.PlotWidget, Mouse):
 
     def _fill(self, axis: ValueAxis) -> None:
         """Put in what is seen, from the back to the front."""
-        color = style.control_color(self.control)
+        color = self.control.color
         self._selection, self._edit = selection_region(), edit_region()
         self._gaps, self._lines = Gaps(_GAP_ALPHA), CurveLines(color)
         self._playhead = Playhead()
@@ -201,7 +201,7 @@ class CurvePlot(pg.PlotWidget, Mouse):
         self.handle = handle
         self._handle_dot.setVisible(handle is not None)
         if handle is not None:
-            color = style.control_color(self.control)
+            color = self.control.color
             self._handle_dot.fill(color if handle.held else style.PLOT)
             self._handle_dot.setPos(handle.time, handle.value)
             self._numbers.show_beside(handle.time, handle.value, handle.text)

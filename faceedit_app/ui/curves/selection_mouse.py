@@ -51,8 +51,8 @@ class SelectionMouse(QObject):
         """Put all edges somewhere, as numbers say."""
         self._placing = True
         self._show(span)
-        self._placing = False
         self.ended.emit()
+        self._placing = False
 
     @property
     def held(self) -> Edge | None:

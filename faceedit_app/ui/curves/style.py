@@ -11,7 +11,6 @@ from functools import lru_cache
 from PySide6.QtGui import QColor, QFont, QPen
 from PySide6.QtWidgets import QWidget
 
-from faceedit_app.core.regions import Control
 from faceedit_app.ui.look import palette
 
 BACKGROUND = palette.BACKGROUND
@@ -23,7 +22,6 @@ TEXT = palette.TEXT
 MUTED = palette.MUTED
 FAINT = palette.FAINT
 LABEL = "#b4b9c2"  # names of the curves
-REGION_COLORS = {"lower": palette.ACCENT, "upper": "#009e73", "eyelids": palette.ORANGE}
 TRACKED = "#9aa0aa"
 ASKED = "#f4f5f7"
 PLAYHEAD = "#ffffff"
@@ -80,11 +78,6 @@ def tracked_pen() -> QPen:
 def asked_pen() -> QPen:
     """What the user asked for: dashed."""
     return _pen(ASKED, 1.0, (4.0, 3.0))
-
-
-def control_color(control: Control) -> str:
-    """A control's curve and name: one colour a region."""
-    return REGION_COLORS[control.region]
 
 
 def face_pen(color: str) -> QPen:
