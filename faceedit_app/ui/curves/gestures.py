@@ -32,7 +32,6 @@ class Pointer:
         fine: Shift: ten times as steady.
         snap: Ctrl: to frames, to the tracked curve, to touching.
         one_side: Alt: this side only, of the face or of the falloffs.
-        is_held: whether a button is down.
     """
 
     x: float
@@ -40,7 +39,6 @@ class Pointer:
     fine: bool = False
     snap: bool = False
     one_side: bool = False
-    is_held: bool = True
 
 
 @dataclass(frozen=True)

@@ -117,13 +117,8 @@ class Interaction(QObject):
             self._begin(plot, pointer)
 
     def drag_to(self, plot: CurvePlot, pointer: Pointer) -> None:
-        """Go on with the gesture; if the button is up, it ended where nobody saw it."""
-        if self.session is None:
-            return
-        if not pointer.is_held:
-            self.let_go()
-            self.hover(plot, pointer)
-        elif self._edges.is_dragging:
+        """Go on with the gesture."""
+        if self._edges.is_dragging:
             self._edges.move(plot.current_scale, pointer)
             self.changed.emit()
         elif self.drag is not None:

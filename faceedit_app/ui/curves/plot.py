@@ -48,6 +48,9 @@ class CurveMouse(Protocol):
     def release(self, plot: CurvePlot, pointer: Pointer) -> None:
         """The left button went up."""
 
+    def let_go(self) -> None:
+        """It went up where nobody saw it."""
+
     def hover(self, plot: CurvePlot, pointer: Pointer) -> None:
         """The pointer moved without a button."""
 
@@ -236,6 +239,10 @@ class CurvePlot(pg.PlotWidget, Mouse):
     def released(self, pointer: Pointer) -> None:
         """The left button went up."""
         self._mouse.release(self, pointer)
+
+    def let_go(self) -> None:
+        """The left button went up where nobody saw it."""
+        self._mouse.let_go()
 
     def hovered(self, pointer: Pointer) -> None:
         """The pointer moved without a button."""

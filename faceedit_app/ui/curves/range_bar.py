@@ -160,9 +160,7 @@ class RangeBar(pg.GraphicsView, Mouse):
     def dragged(self, pointer: Pointer) -> None:
         """Go on with it."""
         scale = self.current_scale
-        if not pointer.is_held:
-            self.let_go()
-        elif self._selecting is not None:
+        if self._selecting is not None:
             seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
             self._timeline.select(self._selecting.selection(self._timeline.snap(seconds)))
         elif self._edges.is_dragging:

@@ -116,12 +116,6 @@ class Ruler(pg.GraphicsView, Mouse):
 
     def dragged(self, pointer: Pointer) -> None:
         """Go on with what the press began."""
-        if pointer.is_held:
-            self._drag_to(pointer)
-        else:
-            self.let_go()
-
-    def _drag_to(self, pointer: Pointer) -> None:
         if self._drag is None:
             return
         # Beyond the edges it stays in view, so that scrubbing does not turn pages.
@@ -134,7 +128,7 @@ class Ruler(pg.GraphicsView, Mouse):
 
     def released(self, pointer: Pointer) -> None:
         """The end of it."""
-        self._drag_to(pointer)
+        self.dragged(pointer)
         self.let_go()
 
     def double_clicked(self, _pointer: Pointer) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pyqtgraph as pg
-from PySide6.QtCore import QPoint, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, Qt, Signal
 from PySide6.QtWidgets import (
     QGraphicsSceneHoverEvent,
     QGraphicsSceneMouseEvent,
@@ -42,10 +42,13 @@ class Mouse:
         self.pressed(pointer)
 
     def dragged(self, pointer: Pointer) -> None:
-        """The pointer moved since then; if nothing is held, the release was lost."""
+        """The pointer moved since then."""
 
     def released(self, pointer: Pointer) -> None:
         """The left button went up."""
+
+    def let_go(self) -> None:
+        """It went up where nobody saw it."""
 
     def hovered(self, pointer: Pointer) -> None:
         """The pointer moved without a button."""
@@ -127,8 +130,7 @@ class TimeView(pg.ViewBox):
             self.mousePressEvent(event)
 
     def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """Go on with what the press began; without a button, its release was lost."""
-        self._is_held = bool(event.buttons() & LEFT)
+        """Go on with what the press began."""
         self._mouse.dragged(_pointer(event))
 
     def mouseReleaseEvent(self, event: QGraphicsSceneMouseEvent) -> None:
@@ -136,6 +138,13 @@ class TimeView(pg.ViewBox):
         if event.button() == LEFT:
             self._is_held = False
             self._mouse.released(_pointer(event))
+
+    def ungrabMouseEvent(self, event: QEvent) -> None:
+        """Qt noticed that the button is up although no release came."""
+        if self._is_held:
+            self._is_held = False
+            self._mouse.let_go()
+        super().ungrabMouseEvent(event)
 
     def hoverMoveEvent(self, event: QGraphicsSceneHoverEvent) -> None:
         """Show what a press would do."""
@@ -192,12 +201,10 @@ def _pointer(
 ) -> Pointer:
     """The event's place and keys."""
     keys, key = event.modifiers(), Qt.KeyboardModifier
-    is_held = not isinstance(event, QGraphicsSceneHoverEvent) and bool(event.buttons())
     return Pointer(
         event.pos().x(),
         event.pos().y(),
         fine=bool(keys & key.ShiftModifier),
         snap=bool(keys & key.ControlModifier),
         one_side=bool(keys & key.AltModifier),
-        is_held=is_held,
     )
