@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -27,11 +28,12 @@ from support.curves import (
     surface,
     turn,
 )
-from support.rigs import tiny_session
+from support.rigs import tiny_rig, tiny_session, tiny_take
 
 from faceedit_app.core.clip import Gap
-from faceedit_app.core.controls import CONTROLS
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, MOUTH_WIDTH
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.opening import open_session
 from faceedit_app.ui.curves import CurvesPanel, style
 from faceedit_app.ui.curves.header import Layout
 from faceedit_app.ui.state.timeline import Timeline
@@ -552,3 +554,18 @@ def test_a_long_take_is_drawn_from_few_points(qtbot: QtBot) -> None:
         assert plot.lines is not None
         for line in (plot.lines.tracked, plot.lines.face, plot.lines.asked):
             assert len(line.x) <= 3 * plot.width() + 4
+
+
+def test_a_curve_that_the_character_lacks_is_disabled_and_says_why(qtbot: QtBot) -> None:
+    rig = tiny_rig()
+    pairs = rig.control_pairs.copy()
+    pairs[CONTROL_INDEX[MOUTH_WIDTH]] = -1
+    panel = CurvesPanel(Timeline())
+    qtbot.addWidget(panel)
+    panel.set_session(open_session(tiny_take(), replace(rig, control_pairs=pairs)))
+    able = {plot.control.id: plot.isEnabled() for plot in panel.plots}
+    assert able.pop(MOUTH_WIDTH) is False
+    assert all(able.values())
+    assert "no vertices" in panel.headers[CONTROL_INDEX[MOUTH_WIDTH]].toolTip()
+    panel.set_session(open_session(tiny_take(), rig))
+    assert panel.plots[CONTROL_INDEX[MOUTH_WIDTH]].isEnabled()

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QFont, QLinearGradient, QPainter, QPen
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span, clamped
@@ -90,7 +90,7 @@ class SpanRegion(pg.LinearRegionItem):
 def _stops(span: Span) -> list[tuple[float, float]]:
     """(position 0..1, strength 0..1) along a span."""
     # The edit's own mask, so that the picture cannot tell another story than the result.
-    mask = span.edit(CONTROL_IDS[:1], Op.OFFSET)
+    mask = span.edit((LIP_OPENING,), Op.OFFSET)
     first, last = span.ends
     ramp = np.linspace(0.0, 1.0, 7)
     times = np.concatenate([first + ramp * span.falloff, span.end + ramp * span.fade_out])

@@ -192,8 +192,18 @@ class CurvesPanel(QWidget):
         for plot in self.plots:
             plot.show_gaps(gaps)
             plot.values_chosen = plot.close_up = False
+        self._show_missing_controls()
         self._width = 0.0
         self._show_view()
+
+    def _show_missing_controls(self) -> None:
+        """Curves that this character cannot have take no mouse, and say why."""
+        rig = self.session.rig if self.session is not None else None
+        missing = rig.missing_controls if rig is not None else ()
+        for plot, header in zip(self.plots, self.headers, strict=True):
+            lacks = plot.control.id in missing
+            plot.setEnabled(not lacks)
+            header.show_missing(rig.missing_note if rig is not None and lacks else "")
 
     def refresh(self) -> None:
         """The session's arrays changed: draw them; axes fit once no gesture is in progress."""
