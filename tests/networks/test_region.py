@@ -20,7 +20,7 @@ from support.networks import as_model, random_content, random_description, rando
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import EYELIDS
 from faceedit_app.networks.description import KEY
-from faceedit_app.networks.graph import LARGEST, read_graph
+from faceedit_app.networks.graph import LARGEST, OPERATORS, read_graph
 from faceedit_app.networks.region import RegionAnswer, read_region
 
 INPUTS, OUTPUTS = len(EYELIDS.controls), len(EYELIDS.channels)
@@ -393,3 +393,42 @@ def test_description_stands_in_the_file_as_plain_text() -> None:
     (entry,) = model.metadata_props
     assert entry.key == KEY
     assert json.loads(entry.value)["region"] == EYELIDS.id
+
+
+# --- files that chance has damaged -------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_damaged_file_is_refused_or_answers(seed: int) -> None:
+    random, whole = np.random.default_rng(seed), content_of(graph())
+    for _ in range(40):
+        content = bytearray(whole)
+        for place in random.integers(len(content), size=random.integers(1, 6)):
+            content[place] = random.integers(256)
+        cut = random.integers(len(content)) if random.random() < 0.2 else len(content)
+        try:
+            answer = RegionAnswer(bytes(content[:cut]), Path("x.onnx"))
+        except FileError as error:
+            assert len(str(error).splitlines()) == 1  # noqa: PT017
+            continue
+        curves = np.full((answer.description.scale, len(answer.columns)), 9.0, np.float32)
+        assert np.isfinite(answer(curves, 0.5)).all()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_graph_of_other_operators_is_refused_or_answers(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    for _ in range(40):
+        changed = graph()
+        names = [name for node in changed.node for name in node.output]
+        for _ in range(random.integers(1, 4)):
+            node = changed.node[random.integers(len(changed.node))]
+            if random.random() < 0.5:
+                node.op_type = str(random.choice(sorted(OPERATORS)))
+            else:
+                node.input[random.integers(len(node.input))] = str(random.choice(names))
+        try:
+            answer = RegionAnswer(content_of(changed), Path("x.onnx"))
+        except FileError:
+            continue
+        assert np.isfinite(answer(np.full((8, INPUTS), 9.0, np.float32), 0.5)).all()
