@@ -9,6 +9,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from faceedit_app.formats.registry import offered_endings
+
 Entry = tuple[str, str, str]  # PyInstaller's: name in the bundle, file or link's target, kind
 
 # Chosen by name at run time, where PyInstaller cannot see it.
@@ -222,10 +224,10 @@ def macos_properties(version: str) -> dict[str, Any]:
                 "LSItemContentTypes": ["org.faceedit.project"],
             },
             {
-                "CFBundleTypeName": "Facial animation (CSV)",
+                "CFBundleTypeName": "Facial animation",
                 "CFBundleTypeRole": "Editor",
                 "LSHandlerRank": "Alternate",
-                "LSItemContentTypes": ["public.comma-separated-values-text"],
+                "CFBundleTypeExtensions": [ending.lstrip(".") for ending in offered_endings()],
             },
         ],
     }

@@ -12,6 +12,7 @@ import onnxruntime as ort
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.fields import FieldError
 from faceedit_app.networks.description import KEY, REMEDY, Description
 from faceedit_app.networks.graph import INPUT, LARGEST, read_graph
 
@@ -47,6 +48,8 @@ class RegionAnswer:
             self._try_out()
         except FileError:
             raise
+        except FieldError as error:
+            raise FileError(path, f"is no FaceEdit model: {error}", REMEDY) from error
         except Exception as error:  # the runtime's own have no class in common
             raise FileError(path, "is no FaceEdit model, or is damaged", REMEDY) from error
 

@@ -40,7 +40,7 @@ def complaint(path: Path) -> str:
 
 def refused(content: bytes) -> str:
     """Why a file is refused before the runtime sees it."""
-    with pytest.raises(FileError, match="is no FaceEdit model, or is damaged") as caught:
+    with pytest.raises(FileError, match="is no FaceEdit model") as caught:
         RegionAnswer(content, Path("x.onnx"))
     assert isinstance(caught.value.__cause__, ValueError), caught.value.__cause__
     return str(caught.value.__cause__)
@@ -339,6 +339,22 @@ SAYS: dict[str, dict[str, Any]] = {
         "natural": {"mean": [0.0], "precision": [[1.0]], "limit": 1.0}
     },
     "no region": {"region": None},
+    "a region without end": {"region": "x" * 5_000},
+    "a text as version": {"version": "9" * 5_000},
+    "a character that is moved by words": {
+        "made_for": {
+            "name": "x",
+            "controls": {c: {"rest": ["a", 0, 0], "channels": {}} for c in EYELIDS.controls},
+        }
+    },
+    "a character with other channels": {
+        "made_for": {
+            "name": "x",
+            "controls": {
+                c: {"rest": [0, 0, 0], "channels": {"noseUp": [0, 0, 0]}} for c in EYELIDS.controls
+            },
+        }
+    },
     "nothing as version": {"version": None},
 }
 
@@ -360,7 +376,7 @@ def test_description_that_is_none_is_refused(tmp_path: Path, text: str) -> None:
     assert "no FaceEdit model" in complaint(tmp_path / "x")
 
 
-@pytest.mark.parametrize("entry", list(json.loads(TEXT)))
+@pytest.mark.parametrize("entry", [name for name in json.loads(TEXT) if name != "natural"])
 def test_description_without_an_entry_is_refused(tmp_path: Path, entry: str) -> None:
     known = json.loads(TEXT)
     del known[entry]
@@ -372,10 +388,9 @@ def test_description_without_an_entry_is_refused(tmp_path: Path, entry: str) -> 
     ("entry", "words"),
     [
         ({"version": 3}, ["version 3", "update FaceEdit"]),
-        ({"version": "9" * 5_000}, ["version 999", "update FaceEdit"]),
         ({"controls": ["left_eyelid", "nose"]}, ["'nose'", "update FaceEdit"]),
         ({"channels": [*EYELIDS.channels[:-1], "noseUp"]}, ["'noseUp'", "update FaceEdit"]),
-        ({"controls": ["left_eyelid", "n" * 5_000]}, ["nnn", "update FaceEdit"]),
+        ({"controls": ["left_eyelid", "n" * 500]}, ["nnn", "update FaceEdit"]),
         ({"rate": 30.0}, ["30 frames a second", "faceedit train"]),
     ],
 )
