@@ -86,6 +86,19 @@ class Solver:
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
         self._answers = Answers(engine, self.grid) if engine else None
+        self.limits = self._limits()
+
+    def _limits(self) -> list[tuple[float, float]]:
+        """Lowest and highest mm of each control that a face, or this take, can do.
+
+        A hand need not ask for more. Where no networks say how low people go, it is down to 0.
+        """
+        high = np.where(np.isfinite(self._high), self._high, self.distances.farthest)
+        low = np.where(np.isfinite(self._low), self._low, 0.0)
+        low = np.maximum(low - BEYOND * (high - low), 0.0)
+        low = np.minimum(low, self.controls.min(axis=0))
+        high = np.maximum(high, self.controls.max(axis=0))
+        return list(zip(low.tolist(), high.tolist(), strict=True))
 
     def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
         """What has to be computed to answer edits, by chunk."""
