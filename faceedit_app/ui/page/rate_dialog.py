@@ -10,7 +10,7 @@ from PySide6.QtWidgets import (
     QDoubleSpinBox,
     QHBoxLayout,
     QLabel,
-    QPushButton,
+    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -67,9 +67,9 @@ class RateDialog(QDialog):
         row = QHBoxLayout()
         self.group = QButtonGroup(self)
         for rate in _SHOWN_RATES:
-            button = QPushButton(format_rate(rate).removesuffix(" fps"))
+            button = QToolButton()
+            button.setText(format_rate(rate).removesuffix(" fps"))
             button.setCheckable(True)
-            button.setAutoDefault(False)
             button.setAccessibleName(format_rate(rate))
             button.clicked.connect(lambda _checked=False, chosen=rate: self.spin.setValue(chosen))
             self.group.addButton(button)
