@@ -31,7 +31,7 @@ from faceedit_app.editing.edits.edit import (
     Edit,
     Op,
 )
-from faceedit_app.editing.edits.media import Media, Placement
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.help.clipboard import Copied, copy_range
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import load_presets
@@ -147,7 +147,7 @@ class Editing(RuleBasedStateMachine):
 
     @rule(sound=st.none() | st.floats(-9, 9), film=st.none() | st.floats(-9, 9))
     def place_media(self, sound: float | None, film: float | None) -> None:
-        media = [None if at is None else Media(Path("/a.mov"), at) for at in (sound, film)]
+        media = [None if at is None else MediaFile(Path("/a.mov"), at) for at in (sound, film)]
         before = self.exported()
         self.session.place(Placement(*media))
         assert self.exported() == before

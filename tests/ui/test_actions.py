@@ -81,7 +81,7 @@ def test_space_plays_whatever_has_the_focus(bench: Bench, window: MainWindow) ->
 def test_every_focusable_widget_has_a_name_for_screen_readers(window: MainWindow) -> None:
     assert window.editor is not None
     for widget in (
-        window.editor.strip.natural,
+        window.editor.settings_bar.natural,
         window.editor.curves.fields.fade_in,
         window.editor.transport.speed,
         window.editor.face.viewport,
@@ -106,7 +106,7 @@ def test_arrows_move_the_playhead(window: MainWindow) -> None:
 
 def test_arrows_move_a_slider_that_has_the_focus(window: MainWindow) -> None:
     assert window.editor is not None
-    slider = window.editor.strip.natural
+    slider = window.editor.settings_bar.natural
     slider.setFocus(Qt.FocusReason.TabFocusReason)
     press(window, Qt.Key.Key_Left)
     assert slider.value() == 99

@@ -50,7 +50,7 @@ class Monkey:
             action.trigger()
 
     def drag(self) -> None:
-        self.window.tooling.choose(self.random.choice(list(Tool)))
+        self.window.tools.choose(self.random.choice(list(Tool)))
         seconds = self.random.uniform(*self.window.timeline.view)
         drag_curve(self.window, self.random.randrange(8), seconds, self.random.randint(-25, 25))
 
@@ -71,7 +71,7 @@ class Monkey:
             self.editor.edits.select(self.random.randrange(count))
 
     def weaken(self) -> None:
-        slider = self.random.choice((self.editor.edits.strength, self.editor.strip.natural))
+        slider = self.random.choice((self.editor.edits.strength, self.editor.settings_bar.natural))
         if slider.isEnabled():
             slider.setSliderDown(True)
             slider.setSliderPosition(self.random.randrange(slider.maximum()))

@@ -32,7 +32,7 @@ def session_of(window: MainWindow) -> EditSession:
     return window.document.session
 
 
-def parts(window: MainWindow) -> solving.Solving:
+def parts(window: MainWindow) -> solving.BackgroundSolving:
     assert window.editor is not None
     return window.editor.solving
 

@@ -110,7 +110,7 @@ def turn(
 @pytest.mark.parametrize("pause", [0, 20])
 @pytest.mark.parametrize("index", [0, 2, 6])
 def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, pause: int) -> None:
-    panel.tooling.link(False)
+    panel.tools.link(False)
     plot, session = panel.plots[index], session_of(panel)
     per_pixel = plot.current_scale.mm_per_pixel
     committed: list[int] = []
@@ -275,7 +275,7 @@ def test_a_dropped_drag_leaves_the_value_axis_as_it_was(panel: CurvesPanel) -> N
 def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
     span = plot.span
-    panel.tooling.choose(Tool.DRAW)
+    panel.tools.choose(Tool.DRAW)
     start = place(plot, 1.5)
     drag(plot, start, start + QPoint(20, -300), release=False, pause=20)
     assert panel.is_dragging
@@ -287,7 +287,7 @@ def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> Non
 def test_the_face_follows_a_pen_and_a_brush(panel: CurvesPanel, qtbot: QtBot, tool: Tool) -> None:
     """And Esc puts the playhead back where it was."""
     plot, line = panel.plots[0], panel.timeline
-    panel.tooling.choose(tool)
+    panel.tools.choose(tool)
     line.go_to_frame(3)
     start, stop = place(plot, 1.5), place(plot, 2.5)
     drag(plot, start, stop, release=False, pause=20)

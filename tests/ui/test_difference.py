@@ -11,9 +11,9 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QToolButton
 from support.faces import shipped_rig
+from support.rigs import ball
 from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, drag_curve, open_path, trigger
-from test_render import ball
 
 from faceedit_app import render
 from faceedit_app.core.errors import Unavailable
@@ -286,12 +286,12 @@ def test_asking_for_it_brings_the_edited_face(window: MainWindow) -> None:
 
 def test_it_is_remembered(bench: Bench, window: MainWindow) -> None:
     trigger(window, "show_difference")
-    assert bench.store().difference()
+    assert bench.preferences().difference()
     again = bench.editing()
     assert again.actions_["show_difference"].isChecked()
     assert face_of(again).shows_difference
     trigger(again, "show_difference")
-    assert not bench.store().difference()
+    assert not bench.preferences().difference()
 
 
 def test_nothing_of_the_last_take_stays(bench: Bench, window: MainWindow) -> None:

@@ -43,10 +43,10 @@ def test_the_window_is_painted_before_anything_heavy_is_imported() -> None:
 import sys, tempfile
 from PySide6.QtCore import QSettings, QTimer
 from faceedit_app.ui.start.app import application
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 from faceedit_app.ui.start.window import MainWindow
 app = application()
-window = MainWindow(Store(QSettings(tempfile.mktemp(), QSettings.Format.IniFormat)))
+window = MainWindow(Preferences(QSettings(tempfile.mktemp(), QSettings.Format.IniFormat)))
 window.after_first_paint(app.quit)
 window.show()
 app.exec()
@@ -190,7 +190,7 @@ def test_a_bad_first_file_leaves_a_window_that_works(bench: Bench) -> None:
 
 
 def test_open_a_recent_take(bench: Bench) -> None:
-    bench.store().add_recent(bench.take)
+    bench.preferences().add_recent(bench.take)
     window = bench.window()
     recent = [b for b in window.start_page.findChildren(QPushButton) if b.text() == "take.csv"]
     bench.qtbot.mouseClick(recent[0], Qt.MouseButton.LeftButton)
@@ -208,7 +208,7 @@ def test_open_the_demo(bench: Bench) -> None:
     trigger(window, "open_demo")
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     assert open_path(window) == shipped("assets/demo_take.csv")
-    assert bench.store().recent() == []
+    assert bench.preferences().recent() == []
 
 
 @pytest.mark.parametrize("kind", ["empty", "picture", "folder", "missing"])

@@ -12,7 +12,7 @@ LARGEST = 1e6  # seconds
 
 
 @dataclass(frozen=True)
-class Media:
+class MediaFile:
     """Sound or film of the take.
 
     Attributes:
@@ -28,14 +28,14 @@ class Media:
 class Placement:
     """The sound and the film of a take, if any."""
 
-    sound: Media | None = None
-    film: Media | None = None
+    sound: MediaFile | None = None
+    film: MediaFile | None = None
 
 
 def to_json(placement: Placement | None) -> dict[str, Any] | None:
     """For the journal; `None` is what lies beside the take by itself."""
 
-    def entry(media: Media | None) -> dict[str, Any] | None:
+    def entry(media: MediaFile | None) -> dict[str, Any] | None:
         return None if media is None else {"path": str(media.path), "offset": media.offset}
 
     if placement is None:
@@ -50,12 +50,12 @@ def from_json(entry: Mapping[str, Any] | None) -> Placement | None:
         ValueError, KeyError, TypeError: it is damaged.
     """
 
-    def media(entry: Mapping[str, Any] | None) -> Media | None:
+    def media(entry: Mapping[str, Any] | None) -> MediaFile | None:
         if entry is None:
             return None
         offset = float(entry["offset"])
         if not math.isfinite(offset) or abs(offset) > LARGEST:
             raise ValueError("its offset is no number of seconds")
-        return Media(Path(entry["path"]), offset)
+        return MediaFile(Path(entry["path"]), offset)
 
     return None if entry is None else Placement(media(entry["sound"]), media(entry["film"]))

@@ -16,7 +16,7 @@ from typing import Any
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.editing.edits.edit import from_json, to_json
-from faceedit_app.editing.edits.media import LARGEST, Media
+from faceedit_app.editing.edits.media import LARGEST, MediaFile
 from faceedit_app.editing.files.documents import read_document
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
@@ -32,7 +32,7 @@ SUFFIX = ".faceedit"
 
 
 @dataclass(frozen=True)
-class View:
+class ViewState:
     """How the take was being looked at; all times in seconds of the take.
 
     Attributes:
@@ -57,9 +57,9 @@ class Project:
     take: Path
     fingerprint: Fingerprint
     state: EditState = field(default_factory=EditState)
-    view: View = field(default_factory=View)
-    audio: Media | None = None
-    film: Media | None = None
+    view: ViewState = field(default_factory=ViewState)
+    audio: MediaFile | None = None
+    film: MediaFile | None = None
 
 
 def write_project(path: Path | str, project: Project) -> None:
@@ -145,9 +145,9 @@ def settings_from_json(entry: Any) -> Settings:
     return Settings(mode, **numbers)
 
 
-def _view(entry: Any) -> View:
+def _view(entry: Any) -> ViewState:
     entry = _object(entry, "view", {"playhead", "visible", "selection", "falloff", "ui"})
-    return View(
+    return ViewState(
         playhead=_number(entry.get("playhead", 0.0), "playhead"),
         visible=_range(entry.get("visible"), "visible"),
         selection=_range(entry.get("selection"), "selection"),
@@ -156,11 +156,11 @@ def _view(entry: Any) -> View:
     )
 
 
-def _media(document: Mapping[str, Any], name: str, path: Path) -> Media | None:
+def _media(document: Mapping[str, Any], name: str, path: Path) -> MediaFile | None:
     if document.get(name) is None:
         return None
     entry = _object(document[name], name, {"path", "offset"})
-    return Media(_absolute(entry, path, name), _number(entry.get("offset", 0.0), "offset"))
+    return MediaFile(_absolute(entry, path, name), _number(entry.get("offset", 0.0), "offset"))
 
 
 def _relative(file: Path, project: Path) -> str:

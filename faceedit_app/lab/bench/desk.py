@@ -25,7 +25,7 @@ from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.app import keep_for_good
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 
 RATE = 25.0  # the paper's: each frame is one of the networks' own
 VIEW = 8.0  # seconds of curves on screen
@@ -52,7 +52,7 @@ class Desk:
     def __init__(self, app: QApplication, folder: Path, rig: Rig, engine: Engine) -> None:
         self.app, self.rig, self.engine = app, rig, engine
         settings = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
-        self.window = MainWindow(Store(settings))
+        self.window = MainWindow(Preferences(settings))
         self.window.document.engine = engine
         self.window.resize(1440, 900)
         self.window.show()

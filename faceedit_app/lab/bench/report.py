@@ -28,7 +28,7 @@ PACKAGES = ("numpy", "scipy", "PySide6_Essentials", "pyqtgraph", "pyrender2", "P
 
 
 @dataclass(frozen=True)
-class Plan:
+class BenchPlan:
     """How much is measured."""
 
     repetitions: int = 200
@@ -40,10 +40,10 @@ class Plan:
     compared: bool = True
 
 
-QUICK = Plan(6, (202, 1_000), (640,), (1_000, 20), 0.5, 1, False)
+QUICK = BenchPlan(6, (202, 1_000), (640,), (1_000, 20), 0.5, 1, False)
 
 
-def run(plan: Plan, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
     """Measure everything; about two minutes on two cores.
 
     Args:
@@ -80,7 +80,7 @@ def run(plan: Plan, say: Callable[[str], None] = lambda _: None) -> dict[str, An
     return found
 
 
-def _starts(plan: Plan) -> tuple[dict[str, float], dict[str, float]]:
+def _starts(plan: BenchPlan) -> tuple[dict[str, float], dict[str, float]]:
     runs = [starting.start() for _ in range(plan.starts)]
     start = {
         key: float(np.median([run[key] for run in runs])) for key in ("window", "face", "edit")
@@ -92,7 +92,7 @@ def _starts(plan: Plan) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def _compared(
-    plan: Plan,
+    plan: BenchPlan,
     rig: Rig,
     engine: Engine,
     found: dict[str, Any],

@@ -14,7 +14,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.state import background as loading
 from faceedit_app.ui.state.document import Document
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -38,11 +38,15 @@ class FileCommands(QObject):
     told = Signal(str)
 
     def __init__(
-        self, window: QWidget, document: Document, store: Store, background: loading.Background
+        self,
+        window: QWidget,
+        document: Document,
+        preferences: Preferences,
+        background: loading.Background,
     ) -> None:
         super().__init__(window)
         self._window, self._document = window, document
-        self._store, self._background = store, background
+        self._preferences, self._background = preferences, background
         self._rig: Rig | None = None
         self._wanted: Path | None = None
         self._prepare: Callable[[EditSession], None] | None = None
@@ -57,7 +61,7 @@ class FileCommands(QObject):
     def ask_open(self) -> None:
         """File > Open."""
         if self.may_close():
-            path = dialogs.ask_open(self._window, self._store.folder("take"))
+            path = dialogs.ask_open(self._window, self._preferences.folder("take"))
             if path is not None:
                 self.open(path)
 
@@ -124,9 +128,9 @@ class FileCommands(QObject):
         self.reading.emit("")
         if self._then is not None:
             self._then()
-        self._store.set_folder("take", path.resolve().parent)
+        self._preferences.set_folder("take", path.resolve().parent)
         if not _is_shipped(path) and self._project is None:
-            self._store.add_recent(path)
+            self._preferences.add_recent(path)
 
     def _failed(self, path: Path, error: Exception) -> None:
         if path != self._wanted:
@@ -157,7 +161,7 @@ class FileCommands(QObject):
     def fill_recent(self, menu: QMenu) -> None:
         """List the takes and projects that were opened last and still exist."""
         menu.clear()
-        for path in self._store.recent():
+        for path in self._preferences.recent():
             action = menu.addAction(path.name)
             action.setToolTip(str(path))
             action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
@@ -165,7 +169,7 @@ class FileCommands(QObject):
             menu.addAction("No recent takes").setEnabled(False)
             return
         menu.addSeparator()
-        menu.addAction("Clear").triggered.connect(self._store.clear_recent)
+        menu.addAction("Clear").triggered.connect(self._preferences.clear_recent)
 
     # --- write -------------------------------------------------------------------------------
 
@@ -181,7 +185,7 @@ class FileCommands(QObject):
 
     def ask_load_edits(self) -> None:
         """File > Load edits."""
-        path = dialogs.ask_load_edits(self._window, self._store.folder("edits"))
+        path = dialogs.ask_load_edits(self._window, self._preferences.folder("edits"))
         if path is not None:
             self.load_edits(path)
 
@@ -195,7 +199,7 @@ class FileCommands(QObject):
         except FaceEditError as error:
             dialogs.show_error(self._window, error)
             return False
-        self._store.set_folder(kind, path.resolve().parent)
+        self._preferences.set_folder(kind, path.resolve().parent)
         self.told.emit(f"{done} {path}")
         return True
 
@@ -203,7 +207,7 @@ class FileCommands(QObject):
         """A file name beside the take; the demo's folder belongs to the installation."""
         take = self._document.path
         assert take is not None
-        folder = self._store.folder(kind) if _is_shipped(take) else take.parent
+        folder = self._preferences.folder(kind) if _is_shipped(take) else take.parent
         return folder / f"{take.stem}{tail}{ending}"
 
     # --- close -------------------------------------------------------------------------------

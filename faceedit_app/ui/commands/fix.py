@@ -65,7 +65,7 @@ class FixCommands(QObject):
         """What to do for each of these `Command.id`s."""
         return {
             **{f"fix_{fix}": partial(self.fix, fix) for fix in FIXES},
-            "mood": self.mood,
+            "expression": self.expression,
             "save_preset": self.save_preset,
             "previous_problem": lambda: self.step(-1),
             "next_problem": lambda: self.step(1),
@@ -111,17 +111,17 @@ class FixCommands(QObject):
         self._finish()
         return apply_preset(session, preset, self.range_meant(), line.time, line.falloff)
 
-    def mood(self) -> None:
+    def expression(self) -> None:
         """Let a slider from sad to smiling be tried out."""
         from faceedit_app.editing.help.presets import load_presets
-        from faceedit_app.ui.edits.expression_dialog import MoodDialog
+        from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
 
         if self._document.session is None:
             return
         presets = {preset.id: preset for preset in load_presets()[0]}
         span = self.range_meant()
         where = "in the whole take" if span is None else f"from {span[0]:.2f} to {span[1]:.2f} s"
-        MoodDialog(
+        ExpressionDialog(
             self._window,
             self._document,
             lambda name: self.edits_of(presets[name]),

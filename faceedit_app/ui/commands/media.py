@@ -12,29 +12,33 @@ from faceedit_app.editing.edits.media import Placement
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.media.sound_player import Sounding
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.sound_player import SoundPlayer
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.actions import Actions
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 
 
 class MediaCommands(QObject):
     """The commands behind the menus, and the files that are dropped."""
 
-    def __init__(self, window: QWidget, media: Media, sounding: Sounding, store: Store) -> None:
+    def __init__(
+        self, window: QWidget, media: TakeMedia, sound_player: SoundPlayer, preferences: Preferences
+    ) -> None:
         super().__init__(window)
-        self._window, self._store = window, store
-        self._media, self._sounding = media, sounding
+        self._window, self._preferences = window, preferences
+        self._media, self._sound_player = media, sound_player
         self._actions: Actions | None = None
         self._dropped: list[Path] = []  # to be added when the take that came with them is open
-        volume, muted = store.volume()
-        sounding.set_volume(volume)
-        sounding.set_muted(muted)
+        volume, muted = preferences.volume()
+        sound_player.set_volume(volume)
+        sound_player.set_muted(muted)
         media.sound_changed.connect(self._sync)
         media.film_changed.connect(self._sync)
         media.turned.connect(self._sync)
-        sounding.changed.connect(self._sync)
-        sounding.settled.connect(lambda: store.set_volume(sounding.volume, sounding.muted))
+        sound_player.changed.connect(self._sync)
+        sound_player.settled.connect(
+            lambda: preferences.set_volume(sound_player.volume, sound_player.muted)
+        )
 
     def handlers(self) -> dict[str, Callable[[], None]]:
         """What to do for each command."""
@@ -43,7 +47,7 @@ class MediaCommands(QObject):
             "remove_sound": self._media.remove_sound,
             "remove_film": self._media.remove_film,
             "mirror_film": lambda: self._media.mirror(not self._media.mirrored),
-            "mute": lambda: self._sounding.set_muted(not self._sounding.muted),
+            "mute": lambda: self._sound_player.set_muted(not self._sound_player.muted),
         }
 
     def attach(self, actions: Actions) -> None:
@@ -60,13 +64,13 @@ class MediaCommands(QObject):
         self._actions["mirror_film"].setEnabled(self._media.film is not None)
         self._actions["mirror_film"].setChecked(self._media.mirrored)
         self._actions["mute"].setEnabled(has_sound)
-        self._actions["mute"].setChecked(self._sounding.muted)
+        self._actions["mute"].setChecked(self._sound_player.muted)
 
     def ask_add(self) -> None:
         """File > Add sound or film."""
-        path = dialogs.ask_media(self._window, self._store.folder("media"))
+        path = dialogs.ask_media(self._window, self._preferences.folder("media"))
         if path is not None:
-            self._store.set_folder("media", path.resolve().parent)
+            self._preferences.set_folder("media", path.resolve().parent)
             self._media.add(path)
 
     def follow(self, take: Take, placement: Placement | None) -> None:

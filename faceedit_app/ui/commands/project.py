@@ -14,15 +14,15 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.file import PROJECT, FileCommands
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.document import Document
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 from faceedit_app.ui.state.timeline import Timeline
 
 if TYPE_CHECKING:
     from faceedit_app.editing.files.journal import Pending
-    from faceedit_app.editing.files.project import Located, Project, View
+    from faceedit_app.editing.files.project import Located, Project, ViewState
     from faceedit_app.editing.session import EditSession
 
 
@@ -42,14 +42,14 @@ class ProjectCommands(QObject):
         window: QWidget,
         document: Document,
         timeline: Timeline,
-        media: Media,
+        media: TakeMedia,
         files: FileCommands,
         background: Background,
-        store: Store,
+        preferences: Preferences,
     ) -> None:
         super().__init__(window)
         self._window, self._document, self._timeline = window, document, timeline
-        self._media, self._files, self._store = media, files, store
+        self._media, self._files, self._preferences = media, files, preferences
         self._background = background
         files.open_project, files.save_project = self.open, self.save
 
@@ -72,16 +72,16 @@ class ProjectCommands(QObject):
         except FaceEditError as error:
             dialogs.show_error(self._window, error)
             return False
-        self._store.set_folder("project", path.resolve().parent)
-        self._store.add_recent(path)
+        self._preferences.set_folder("project", path.resolve().parent)
+        self._preferences.add_recent(path)
         self.told.emit(f"Saved {path}")
         return True
 
-    def _view(self) -> View:
-        from faceedit_app.editing.files.project import View
+    def _view(self) -> ViewState:
+        from faceedit_app.editing.files.project import ViewState
 
         line = self._timeline
-        return View(
+        return ViewState(
             line.time,
             line.view,
             line.selection,
@@ -137,7 +137,7 @@ class ProjectCommands(QObject):
                 session.mark_saved()
 
         self._files.read(take, prepare, lambda: self._opened(project), path)
-        self._store.add_recent(path)
+        self._preferences.add_recent(path)
 
     def _opened(self, project: Project) -> None:
         """Look at the take as it was looked at."""

@@ -12,8 +12,8 @@ from faceedit_app.ui.commands.help import about_dialog, shortcuts_dialog
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.clock import Clock, Unit
-from faceedit_app.ui.state.preferences import Store
-from faceedit_app.ui.state.tools import Tool, Tooling
+from faceedit_app.ui.state.preferences import Preferences
+from faceedit_app.ui.state.tools import Tool, Tools
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -27,29 +27,29 @@ class ViewCommands:
         editor: that page.
         rig: the character, once it is loaded.
         finish: brings gestures elsewhere in the window to their end.
-        store: remembers what is chosen until the next start.
+        preferences: remembers what is chosen until the next start.
     """
 
     def __init__(
         self,
         window: QWidget,
-        tooling: Tooling,
+        tools: Tools,
         clock: Clock,
         editor: Callable[[], Editor | None],
         rig: Callable[[], Rig | None],
         finish: Callable[[], None],
-        store: Store,
+        preferences: Preferences,
     ) -> None:
-        self._window, self._tooling, self._clock = window, tooling, clock
+        self._window, self._tools, self._clock = window, tools, clock
         self._editor, self._rig, self._finish = editor, rig, finish
-        self._store = store
+        self._preferences = preferences
 
     def handlers(self) -> dict[str, Callable[[], None]]:
         """What to do for each of these `Command.id`s."""
         return {
-            **{f"tool_{tool}": partial(self._tooling.choose, tool) for tool in Tool},
+            **{f"tool_{tool}": partial(self._tools.choose, tool) for tool in Tool},
             **{f"unit_{unit}": partial(self._clock.choose, unit) for unit in Unit},
-            "link": lambda: self._tooling.link(not self._tooling.linked),
+            "link": lambda: self._tools.link(not self._tools.linked),
             "toggle_edit": self._on_edits(EditsPanel.toggle),
             "rename_edit": self._on_edits(EditsPanel.rename),
             "edit_up": self._on_edits(lambda edits: edits.bring(-1)),
@@ -91,7 +91,7 @@ class ViewCommands:
     def _toggle_difference(self, editor: Editor) -> None:
         wanted = not editor.face.shows_difference
         editor.face.show_difference(wanted)
-        self._store.set_difference(wanted)
+        self._preferences.set_difference(wanted)
 
     def glance(self, glancing: bool) -> None:
         """Show the tracked face while a key is held."""

@@ -26,7 +26,7 @@ from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.ruler import turn_wheel
 from faceedit_app.ui.curves.tools import Gesture, Press, begin
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tool, Tooling
+from faceedit_app.ui.state.tools import Tool, Tools
 
 # Seconds between two previews: a mouse can report a thousand moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016
@@ -60,10 +60,10 @@ class Interaction(QObject):
     changed = Signal()
 
     def __init__(
-        self, timeline: Timeline, tooling: Tooling, band: BandMouse, parent: QObject | None = None
+        self, timeline: Timeline, tools: Tools, band: BandMouse, parent: QObject | None = None
     ) -> None:
         super().__init__(parent)
-        self._timeline, self._tooling, self._band = timeline, tooling, band
+        self._timeline, self._tools, self._band = timeline, tools, band
         self.session: EditSession | None = None
         self.drag: Gesture | None = None
         self.plot: CurvePlot | None = None  # that the pointer is on, or that is dragged
@@ -107,7 +107,7 @@ class Interaction(QObject):
 
     def edited_from(self, control: str, one_side: bool = False) -> tuple[str, ...]:
         """The curves that a gesture on one of them edits."""
-        linked = self._tooling.linked and not one_side
+        linked = self._tools.linked and not one_side
         return moved_together(control, self.chosen, linked)
 
     # --- the mouse (see plot.Mouse) --------------------------------------------------------
@@ -234,7 +234,7 @@ class Interaction(QObject):
     def _show_cursor(self, plot: CurvePlot) -> None:
         edge = self._band.edge_under(plot.current_scale, self._pointer.x())
         plot.setCursor(
-            Qt.CursorShape.SizeHorCursor if edge is not None else CURSORS[self._tooling.tool]
+            Qt.CursorShape.SizeHorCursor if edge is not None else CURSORS[self._tools.tool]
         )
 
     def _begin(self, plot: CurvePlot, event: QMouseEvent) -> None:
@@ -255,7 +255,7 @@ class Interaction(QObject):
             float(self.session.asked[frame, column]),
             float(self.session.tracked[frame, column]),
         )
-        self.drag = begin(self._tooling.tool, press, self._tooling.smooth)
+        self.drag = begin(self._tools.tool, press, self._tools.smooth)
         if self.drag.moving:
             self._show_edited_frame()
             self._preview_soon()

@@ -30,7 +30,7 @@ from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.curves.sight import Sight
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tool, Tooling
+from faceedit_app.ui.state.tools import Tool, Tools
 
 _APART = 0.05  # mm between two lines from which on the header mentions it
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
@@ -63,11 +63,11 @@ class CurvesPanel(QWidget):
     reshape_ended = Signal()
 
     def __init__(
-        self, timeline: Timeline, tooling: Tooling | None = None, parent: QWidget | None = None
+        self, timeline: Timeline, tools: Tools | None = None, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.timeline = timeline
-        self.tooling = tooling or Tooling(self)
+        self.tools = tools or Tools(self)
         self.session: EditSession | None = None
         self._gaps: tuple[tuple[float, float], ...] = ()
         self._width = 0.0  # seconds in view
@@ -75,7 +75,7 @@ class CurvesPanel(QWidget):
         self._columns = 0  # of pixels
         self._resting: tuple[Span, ...] = ()  # value axes as they were before the drag
         self._band = BandMouse(timeline, self)
-        self._mouse = Interaction(timeline, self.tooling, self._band, self)
+        self._mouse = Interaction(timeline, self.tools, self._band, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
         self.range_bar, self.fields = (
             RangeBar(timeline, self._band),
@@ -131,7 +131,7 @@ class CurvesPanel(QWidget):
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
         self.timeline.falloff_changed.connect(self._show_state)
-        self.tooling.changed.connect(self._show_state)
+        self.tools.changed.connect(self._show_state)
         self._band.moved.connect(self.reshaped)
         self._band.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
@@ -367,7 +367,7 @@ class CurvesPanel(QWidget):
             return f"Falloff {seconds:.2f} s (wheel) · Shift fine · Ctrl snap · Esc cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
-        return _IDLE_HINTS[self.tooling.tool]
+        return _IDLE_HINTS[self.tools.tool]
 
 
 def _note(tracked: float, asked: float, face: float) -> str:

@@ -30,7 +30,7 @@ from faceedit_app import render
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.render.difference import tint_of
 from faceedit_app.ui.face.camera_keys import moved_by_key
-from faceedit_app.ui.face.difference_legend import Legend
+from faceedit_app.ui.face.difference_legend import DifferenceLegend
 from faceedit_app.ui.look.palette import ACCENT, BORDER, PANEL, TEXT
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class Viewport(QWidget):
         self._note.setObjectName("caption")
         # The remedy is a command to be copied.
         self._note.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.legend = Legend(self)
+        self.legend = DifferenceLegend(self)
         self._rig: Rig | None = None
         self._renderer: FaceRenderer | None = None
         self._weights: Floats | None = None

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QMenu, QSizePolicy, QToolB
 from faceedit_app.ui.look.drawings import GRID
 from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.look.palette import MUTED
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
 _LEAST = 48  # pixels below which a name is not begun
@@ -80,7 +80,7 @@ class Name(QLabel):
 
 
 def placing_actions(
-    menu: QMenu, media: Media, move: Callable[[float], None], timeline: Timeline
+    menu: QMenu, media: TakeMedia, move: Callable[[float], None], timeline: Timeline
 ) -> None:
     """The places that a sound or a film is put to by one click."""
 

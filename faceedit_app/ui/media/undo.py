@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QTimer
 
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.document import Document
 
 if TYPE_CHECKING:  # the window is there before it is imported
@@ -18,7 +18,7 @@ NUDGE_MS = 900  # changes of an offset closer together than this are one undo st
 class MediaSteps(QObject):
     """Keeps the media's placement as steps of the document, and follows its undo and redo."""
 
-    def __init__(self, document: Document, media: Media) -> None:
+    def __init__(self, document: Document, media: TakeMedia) -> None:
         super().__init__(document)
         self._document, self._media = document, media
         self._waits = False  # for the end of a gesture on the curves, which no step may cut

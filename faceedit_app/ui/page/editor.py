@@ -1,4 +1,4 @@
-"""The page with an open take: strip, curves and face side by side, transport."""
+"""The page with an open take: settings, curves and face side by side, transport."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.face.pane import FacePane
 from faceedit_app.ui.media.film_pane import FilmPane
-from faceedit_app.ui.media.sound_player import Sounding
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.sound_player import SoundPlayer
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
-from faceedit_app.ui.media.waveform import SoundStrip
+from faceedit_app.ui.media.waveform import SoundRow
 from faceedit_app.ui.page.first_steps import HintLayer, Step
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.proposal_bar import ProposalBar
-from faceedit_app.ui.page.settings_bar import SettingsStrip
+from faceedit_app.ui.page.settings_bar import SettingsBar
 from faceedit_app.ui.page.toolbar import ToolBar
 from faceedit_app.ui.page.transport import Transport
 from faceedit_app.ui.state.actions import Actions
-from faceedit_app.ui.state.background_solving import Solving
+from faceedit_app.ui.state.background_solving import BackgroundSolving
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tooling
+from faceedit_app.ui.state.tools import Tools
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
 _SIDE = (560, 170)  # of the height beside the curves: face, edits
@@ -45,15 +45,15 @@ class Editor(QWidget):
         document: Document,
         timeline: Timeline,
         playback: Playback,
-        tooling: Tooling,
-        media: Media,
-        sounding: Sounding,
+        tools: Tools,
+        media: TakeMedia,
+        sound_player: SoundPlayer,
     ) -> None:
         super().__init__()
         self._document, self._timeline, self._playback = document, timeline, playback
-        self.strip = SettingsStrip(actions, document)
-        self.tools = ToolBar(actions, tooling)
-        self.curves = CurvesPanel(timeline, tooling)
+        self.settings_bar = SettingsBar(actions, document)
+        self.tool_bar = ToolBar(actions, tools)
+        self.curves = CurvesPanel(timeline, tools)
         self.face = FacePane(
             document,
             timeline,
@@ -64,11 +64,11 @@ class Editor(QWidget):
             actions["reset_camera"],
         )
         self.transport = Transport(actions, timeline, playback)
-        self.transport.extras.addWidget(Volume(actions["mute"], media, sounding))
+        self.transport.extras.addWidget(Volume(actions["mute"], media, sound_player))
         self.panes = QSplitter(Qt.Orientation.Horizontal)
         self.panes.setChildrenCollapsible(False)
         self.panes.setHandleWidth(6)
-        self.sound = SoundStrip(media, timeline)
+        self.sound = SoundRow(media, timeline)
         self.panes.addWidget(_stacked(self.curves, self.sound))
         self.problems = ProblemsBar(document, timeline)
         self.proposal = ProposalBar(actions, document)
@@ -94,16 +94,16 @@ class Editor(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
-        column.addWidget(self.strip)
+        column.addWidget(self.settings_bar)
         # A proposal lies over the tools: below them it would push curves and face about.
         row = QGridLayout()
-        row.addWidget(self.tools, 0, 0)
+        row.addWidget(self.tool_bar, 0, 0)
         row.addWidget(self.proposal, 0, 0)
         column.addLayout(row)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
         self.hints = HintLayer(self, self._first_steps())
-        self.solving = Solving(document, timeline, self)
+        self.solving = BackgroundSolving(document, timeline, self)
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)
         self.curves.edited.connect(self._dragged)
@@ -128,7 +128,7 @@ class Editor(QWidget):
                 "Close lips, Blink and Smile are one click. Marks under the curves show lips that"
                 " stay open, half blinks and shaking: press ↓ to go to the next one and P to see"
                 " the fix before you accept it.",
-                (self.tools,),
+                (self.tool_bar,),
             ),
             Step(
                 "3  Change your mind, then export",
@@ -149,7 +149,7 @@ class Editor(QWidget):
         self.transport.set_clip(clip)
         self.problems.restart()
         self.solving.watch()
-        self.strip.sync()
+        self.settings_bar.sync()
         self.edits.refresh()
         self.proposal.gave_way()
         self.face.refresh()
@@ -167,7 +167,7 @@ class Editor(QWidget):
 
     def settle(self) -> None:
         """Bring gestures on the sliders to their end."""
-        self.strip.settle()
+        self.settings_bar.settle()
         self.edits.settle()
 
     def _previewed(self) -> None:

@@ -1,4 +1,4 @@
-"""The strip above the curves: undo, reset, and how edits are answered."""
+"""The bar above the curves: undo, reset, and how edits are answered."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ REACH_TIP = (
 )
 
 
-class SettingsStrip(QWidget):
+class SettingsBar(QWidget):
     """Undo, redo, reset; mode, naturalness and reach; how much was edited."""
 
     def __init__(self, actions: Actions, document: Document) -> None:

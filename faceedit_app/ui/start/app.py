@@ -15,7 +15,7 @@ from faceedit_app import __version__
 from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.start import crash
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 
 
 def application() -> QApplication:
@@ -50,7 +50,7 @@ def run(take: Path | None, demo: bool = False) -> int:
     app = application()
     crash.install()
     _quit_on_interrupt(app)
-    window = MainWindow(Store())
+    window = MainWindow(Preferences())
     window.settled.connect(keep_for_good)
     window.after_first_paint(lambda: window.start(take, demo))
     if folder := os.environ.get("FACEEDIT_SMOKE"):  # a test of an installed FaceEdit

@@ -60,9 +60,9 @@ def _open_window(settings: Path) -> MainWindow:
     from PySide6.QtCore import QSettings
 
     from faceedit_app.ui.start.window import MainWindow
-    from faceedit_app.ui.state.preferences import Store
+    from faceedit_app.ui.state.preferences import Preferences
 
-    window = MainWindow(Store(QSettings(str(settings), QSettings.Format.IniFormat)))
+    window = MainWindow(Preferences(QSettings(str(settings), QSettings.Format.IniFormat)))
     window.resize(*SIZE)
     window.show()
     window.open_demo_now()

@@ -25,21 +25,21 @@ from faceedit_app.ui.commands.media import MediaCommands
 from faceedit_app.ui.commands.project import ProjectCommands
 from faceedit_app.ui.commands.view import ViewCommands
 from faceedit_app.ui.look.icons import app_icon
-from faceedit_app.ui.media.sound_player import Sounding
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.sound_player import SoundPlayer
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.undo import MediaSteps
 from faceedit_app.ui.page.banner import Banner
 from faceedit_app.ui.page.keys import KeyArbiter
 from faceedit_app.ui.page.start_page import StartPage
-from faceedit_app.ui.page.status_bar import StatusLine
+from faceedit_app.ui.page.status_bar import StatusBar
 from faceedit_app.ui.start.window_base import WindowBase
 from faceedit_app.ui.state import background as loading
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tooling
+from faceedit_app.ui.state.tools import Tools
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -60,9 +60,9 @@ class MainWindow(WindowBase):
 
     settled = Signal()
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, preferences: Preferences) -> None:
         super().__init__()
-        self._store = store
+        self._preferences = preferences
         self._rig: Rig | None = None
         self._face_wanted = False
         self._journal_note = ""  # that was told
@@ -70,9 +70,9 @@ class MainWindow(WindowBase):
         self.document = Document(self)
         self.timeline = Timeline(self)
         self.playback = Playback(self.timeline, parent=self)
-        self.tooling = Tooling(self)
+        self.tools = Tools(self)
         self._background = loading.Background(self)
-        self.files = FileCommands(self, self.document, store, self._background)
+        self.files = FileCommands(self, self.document, preferences, self._background)
         self.edits = EditCommands(
             self.document,
             self.timeline,
@@ -86,24 +86,30 @@ class MainWindow(WindowBase):
         )
         self.views = ViewCommands(
             self,
-            self.tooling,
+            self.tools,
             self.timeline.clock,
             lambda: self.editor,
             lambda: self._rig,
             self.edits.finish,
-            store,
+            preferences,
         )
-        self.media = Media(self._background, self)
+        self.media = TakeMedia(self._background, self)
         self.media_steps = MediaSteps(self.document, self.media)
-        self.sounding = Sounding(self.media, self.timeline, self.playback, self._background)
-        self.media_commands = MediaCommands(self, self.media, self.sounding, store)
+        self.sound_player = SoundPlayer(self.media, self.timeline, self.playback, self._background)
+        self.media_commands = MediaCommands(self, self.media, self.sound_player, preferences)
         self.projects = ProjectCommands(
-            self, self.document, self.timeline, self.media, self.files, self._background, store
+            self,
+            self.document,
+            self.timeline,
+            self.media,
+            self.files,
+            self._background,
+            preferences,
         )
         self.actions_ = Actions(self, self._handlers())
         self.start_page = StartPage(self.actions_)
         self.banner = Banner()
-        self.status = StatusLine()
+        self.status = StatusBar()
         self.keys = KeyArbiter(self)
         self._show_error = partial(dialogs.show_error, self)
         self._lay_out()
@@ -151,9 +157,9 @@ class MainWindow(WindowBase):
         self.setCentralWidget(central)
         self.setStatusBar(self.status)
         self.setMinimumSize(1000, 600)
-        if not self._store.restore_window(self):
+        if not self._preferences.restore_window(self):
             self._take_first_size()
-        self.start_page.show_recent(self._store.recent())
+        self.start_page.show_recent(self._preferences.recent())
 
     def _take_first_size(self) -> None:
         """As large as is useful, or as fits on the screen with the title bar."""
@@ -225,15 +231,15 @@ class MainWindow(WindowBase):
                 self.document,
                 self.timeline,
                 self.playback,
-                self.tooling,
+                self.tools,
                 self.media,
-                self.sounding,
+                self.sound_player,
             )
             self._pages.addWidget(self.editor)
             self.editor.problems.picked.connect(self.fixes.go_to)
             self.editor.hints.closed.connect(self.editor.curves.setFocus)
-            self._store.restore_panes(self.editor.panes, self.editor.side)
-            self.editor.face.show_difference(self._store.difference())
+            self._preferences.restore_panes(self.editor.panes, self.editor.side)
+            self.editor.face.show_difference(self._preferences.difference())
             solving = self.editor.solving
             solving.advanced.connect(self.status.show_work)
             solving.finished.connect(self.status.show_work)
@@ -285,11 +291,11 @@ class MainWindow(WindowBase):
         editor.curves.setFocus()
         self._mark_modified()
         self._open_face()
-        if self.document.keeps_journal and self._store.hints_wanted():
-            self._store.set_hints_seen()
+        if self.document.keeps_journal and self._preferences.hints_wanted():
+            self._preferences.set_hints_seen()
             QTimer.singleShot(0, editor.hints.begin)  # once all has its place
         self.media_commands.follow(session.take, session.state.media)
-        if problem := self._store.problem():
+        if problem := self._preferences.problem():
             self.banner.say(problem, problem)
 
     def _mark_modified(self) -> None:
@@ -355,14 +361,14 @@ class MainWindow(WindowBase):
             event.ignore()
             return
         if self.editor is not None:
-            self._store.save_layout(self, self.editor.panes, self.editor.side)
+            self._preferences.save_layout(self, self.editor.panes, self.editor.side)
         self.leave()
         super().closeEvent(event)
 
     def leave(self) -> None:
         """Stop what is running and free the graphics memory."""
         self.playback.pause()
-        self.sounding.close()
+        self.sound_player.close()
         self.media.clear()
         self._background.close()
         self.document.close_journal()

@@ -143,7 +143,7 @@ COMMANDS: tuple[Command, ...] = (
             starts_group=True),
     Command("fix_sad_mouth", "Fix", "S&ad mouth", ("Ctrl+5",),
             "Lower the mouth corners: in the selection, else in the whole take", "sad"),
-    Command("mood", "Fix", "Smile or sad by a slider…", ("Ctrl+0",),
+    Command("expression", "Fix", "Smile or sad by a slider…", ("Ctrl+0",),
             "Set how happy the mouth is: in the selection, else in the whole take"),
     Command("fix_pucker", "Fix", "&Pucker", ("Ctrl+6",), "Purse the lips"),
     Command("fix_widen", "Fix", "&Widen", ("Ctrl+7",), "Draw the mouth wide"),
