@@ -21,10 +21,10 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
+from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.page.editor import Editor
-from faceedit_app.ui.start.app import application
+from faceedit_app.ui.start.application import application
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.actions import help_rows
 from faceedit_app.ui.state.preferences import Preferences
 
 DOCS = Path(__file__).parent
@@ -175,7 +175,7 @@ def go_to(window: MainWindow, editor: Editor, kind: str) -> None:
     """The first problem of a kind."""
     editor.problems.search()
     kinds = [problem.kind.value for problem in editor.problems.problems]
-    window.fixes.go_to(kinds.index(kind))
+    window.commands.fix.go_to(kinds.index(kind))
 
 
 def do(window: MainWindow, command: str) -> None:

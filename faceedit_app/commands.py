@@ -1,4 +1,7 @@
-"""The commands of `faceedit`, on the same code as the window."""
+"""The commands of `faceedit`, on the same code as the window.
+
+What needs numpy is imported by the command that needs it: `--help` and `--version` answer at once.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +9,13 @@ import json
 import sys
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import Annotated, Optional
 
 import typer
 
 from faceedit_app import __version__
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
-from faceedit_app.core.resources import shipped
-
-if TYPE_CHECKING:
-    from faceedit_app.core.rig import Rig
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.networks.engine import Engine
 
 USAGE_ERROR = 2
 # The laboratory's commands. They are named here because the installed application leaves it out.
@@ -89,6 +86,7 @@ def apply(
     models: ModelsOption = None,
 ) -> None:
     """Apply edits to a take and export it in its own format."""
+    from faceedit_app.editing.opening import load_engine, open_session
     from faceedit_app.editing.solving.solver import Mode, Settings
 
     if mode not in list(Mode):
@@ -96,7 +94,7 @@ def apply(
     for name, value in (("naturalness", naturalness), ("reach", reach)):
         if not 0 <= value <= 1:
             raise FaceEditError(f"--{name} {value:g}: must be from 0 to 1")
-    session = _session(take, _engine(models))
+    session = open_session(take, engine=load_engine(models))
     session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
     session.export(output)
@@ -119,10 +117,11 @@ def render(
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take."""
+    from faceedit_app.editing.opening import load_engine, open_session
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
-    session = _session(take, _engine(models) if edits else None)
+    session = open_session(take, engine=load_engine(models) if edits else None)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
@@ -157,22 +156,3 @@ def _add_laboratory() -> None:
 
 def _left_out() -> None:
     require("faceedit_app.lab", extra="training")
-
-
-def _rig() -> Rig:
-    from faceedit_app.characters.glb import read_rig
-
-    return read_rig(shipped("assets/character.glb"))
-
-
-def _engine(models: Path | None) -> Engine:
-    from faceedit_app.networks.engine import Engine
-
-    return Engine.load(models if models is not None else shipped("models"))
-
-
-def _session(take: Path, engine: Engine | None) -> EditSession:
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.formats.opening import open_take
-
-    return EditSession(open_take(take), _rig(), engine)

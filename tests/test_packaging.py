@@ -26,10 +26,9 @@ from faceedit_app.core import optional
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.optional import require
 from faceedit_app.ui.start import smoke
-from faceedit_app.ui.state import background as loading
+from faceedit_app.ui.state import loading
 
 ROOT = Path(__file__).resolve().parent.parent
-START = ROOT / "faceedit_app/ui/start/app.py"
 PACKAGING = ROOT / "packaging"
 LINUX = PACKAGING / "linux"
 Tool = Callable[[str], ModuleType]
@@ -206,9 +205,7 @@ def test_the_smoke_test_reads_what_the_window_writes(tool: Tool) -> None:
     test = tool("smoke_test")
     for name in ("EDITED", "EDITS", "PICTURE", "REPORT"):
         assert getattr(test, name) == getattr(smoke, name)
-    assert f'"{smoke.VARIABLE}"' in (ROOT / "faceedit_app/ui/start/app.py").read_text(
-        encoding="utf-8"
-    )
+    assert f'"{smoke.VARIABLE}"' in (PACKAGING / "smoke_test.py").read_text(encoding="utf-8")
 
 
 def test_the_smoke_test_sees_no_source_tree_and_no_virtual_environment(

@@ -21,7 +21,7 @@ from faceedit_app.editing.files import journal
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state import background as loading
+from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.preferences import Preferences
 from support.faces import shipped_rig
 from support.takes import make_livelink_csv

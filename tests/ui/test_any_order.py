@@ -97,7 +97,7 @@ def test_undo_all_and_redo_all(bench: Bench, monkeypatch: pytest.MonkeyPatch, se
     monkey = Monkey(window, seed)
     for _ in range(STEPS):
         monkey.act()
-    window.edits.finish()
+    window.workspace.finish()
     reached, steps = exported(window), 0
     state = session.state
     while session.can_undo:

@@ -298,7 +298,7 @@ def test_nothing_of_the_last_take_stays(bench: Bench, window: MainWindow) -> Non
     trigger(window, "show_difference")
     other = make_livelink_csv(bench.folder / "other.csv", seconds=2.0)
     bench.answers["unsaved"] = dialogs.Unsaved.DISCARD
-    window.files.open_if_saved(other)
+    window.commands.file.open_if_saved(other)
     bench.qtbot.waitUntil(lambda: open_path(window) == other)
     (tint,) = tints(bench, window)
     assert tint is not None

@@ -17,7 +17,6 @@ from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.commands.fix import FIXES
 from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.page.problems_bar import ProblemsHead
@@ -54,7 +53,7 @@ def trigger(window: MainWindow, *names: str) -> None:
 def test_every_fix_is_one_step_and_ready_to_be_weakened(window: MainWindow) -> None:
     session = session_of(window)
     window.timeline.go_to_time(4.8)
-    for fix in FIXES:
+    for fix in (preset.id for preset in presets.shipped_presets()):
         trigger(window, f"fix_{fix}")
         assert session.edits, fix
         assert editor_of(window).edits.rows == list(range(len(session.edits)))
@@ -225,7 +224,7 @@ def test_another_gesture_drops_a_proposal(window: MainWindow) -> None:
 def test_a_preset_is_saved_applied_and_deleted(
     window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session, menu = session_of(window), window.actions_.presets_menu
+    session, menu = session_of(window), window.actions_.submenu("presets")
     window.timeline.select((2.0, 3.0))
     trigger(window, "fix_smile")
     monkeypatch.setattr(dialogs, "ask_preset_name", lambda _w: "My smile")

@@ -212,7 +212,7 @@ def test_what_lies_beside_a_take_is_opened_with_it_and_goes_with_it(
     assert window.media.film is not None
     assert window.status.currentMessage() == "Opened take.mov, found beside the take"
     other = make_livelink_csv(bench.folder / "another.csv", seconds=1.0)
-    window.files.open(other)
+    window.commands.file.open(other)
     bench.qtbot.waitUntil(lambda: window.document.path == other)
     assert window.media.film is None
     assert window.media.sound is None
@@ -233,7 +233,7 @@ def test_a_bad_file_beside_the_take_does_not_get_in_the_way(bench: Bench) -> Non
     window = bench.editing()
     other = make_livelink_csv(bench.folder / "another.csv", seconds=1.0)
     other.with_suffix(".wav").write_bytes(b"RIFF nonsense")
-    window.files.open(other)
+    window.commands.file.open(other)
     bench.qtbot.waitUntil(lambda: window.document.path == other)
     settle(bench, window)
     assert not bench.errors
@@ -372,7 +372,7 @@ def test_a_mirrored_film_is_shown_as_in_a_mirror_and_kept_in_the_project(
     assert again.media.mirrored
     assert again.actions_["mirror_film"].isChecked()
     other = make_livelink_csv(bench.folder / "another.csv", seconds=1.0)
-    again.files.open(other)
+    again.commands.file.open(other)
     bench.qtbot.waitUntil(lambda: again.document.path == other)
     assert not again.media.mirrored
 

@@ -2,7 +2,10 @@
 
 A preset file is JSON: `name`, `hint`, `edits` as in an edits file with times from 0 to `seconds`,
 and how it is placed: `find` (a place that the take itself names), `stretch` (a selection takes
-the place of `seconds`) and `alone` (where it goes without a selection).
+the place of `seconds`) and `alone` (where it goes without a selection). One that ships also says
+how it stands in the Fix menu: `menu` (its text there, “&” before the letter that chooses it),
+`keys`, `icon` and `toolbar` (whether it has a button of its own). The number before a file's name
+gives its place, and the first digit of the number its group.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +57,7 @@ class Preset:
         find, stretch, alone: how it is placed.
         path: its file.
         own: the user made it.
+        menu, keys, icon, toolbar: how one that ships stands in the Fix menu.
     """
 
     id: str
@@ -65,11 +70,30 @@ class Preset:
     alone: Alone
     path: Path
     own: bool
+    menu: str = ""
+    keys: str = ""
+    icon: str = ""
+    toolbar: bool = False
+
+    @property
+    def group(self) -> str:
+        """Those of one group stand together in the menu."""
+        return self.path.name[0]
 
 
 def own_folder() -> Path:
     """Where the user's presets are."""
     return Path(platformdirs.user_data_dir("FaceEdit", appauthor=False)) / "presets"
+
+
+@cache
+def shipped_presets() -> tuple[Preset, ...]:
+    """The one-click fixes, in the order of the Fix menu.
+
+    Raises:
+        FileError: one of them is damaged.
+    """
+    return tuple(read_preset(path) for path in sorted(SHIPPED.glob("*.json")))
 
 
 def load_presets(folder: Path | None = None) -> tuple[list[Preset], list[str]]:
@@ -81,14 +105,13 @@ def load_presets(folder: Path | None = None) -> tuple[list[Preset], list[str]]:
     Returns:
         The presets, and a line on each file of the user's that is none.
     """
-    found = [read_preset(path) for path in sorted(SHIPPED.glob("*.json"))]
     own, notes = [], []
     for path in sorted((folder or own_folder()).glob("*.json")):
         try:
             own.append(read_preset(path, own=True))
         except FaceEditError as error:
             notes.append(str(error))
-    return found + sorted(own, key=lambda preset: preset.name.lower()), notes
+    return [*shipped_presets(), *sorted(own, key=lambda preset: preset.name.lower())], notes
 
 
 def read_preset(path: Path, own: bool = False) -> Preset:
@@ -128,6 +151,8 @@ def _from_document(document: dict[str, Any], path: Path, own: bool) -> Preset:
         alone=Alone(document.get("alone", Alone.FROM_PLAYHEAD)),
         path=path,
         own=own,
+        **{key: str(document[key]) for key in ("menu", "keys", "icon") if key in document},
+        toolbar=bool(document.get("toolbar", False)),
     )
 
 

@@ -15,14 +15,13 @@ import numpy as np
 from threadpoolctl import threadpool_info
 
 from faceedit_app import __version__
-from faceedit_app.characters.glb import read_rig
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import load_engine, shipped_rig
 from faceedit_app.lab.bench import busy, references, starting, window
 from faceedit_app.lab.bench.clocks import Times
 from faceedit_app.lab.bench.desk import Desk
 from faceedit_app.networks.engine import Engine
-from faceedit_app.ui.start.app import application
+from faceedit_app.ui.start.application import application
 
 PACKAGES = ("numpy", "scipy", "PySide6_Essentials", "pyqtgraph", "pyrender2", "PyOpenGL", "torch")
 
@@ -51,7 +50,7 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
         say: told what is being measured.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-    rig, engine = read_rig(shipped("assets/character.glb")), Engine.load(shipped("models"))
+    rig, engine = shipped_rig(), load_engine()
     found: dict[str, Any] = {"machine": machine()}
     say("starting")
     found["start_s"], found["peak_mb"] = _starts(plan)

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.benchmark import GOALS, Outcome, run_benchmark
 from faceedit_app.lab.evaluation.metrics import (
@@ -156,7 +155,7 @@ def evaluate_takes(
         FileError: a model is missing or damaged.
         FaceEditError: the takes are too short.
     """
-    rig = read_rig(shipped("assets/character.glb"))
+    rig = shipped_rig()
     systems = Systems.load(models)
     figures = measure_systems(performances, systems, rig)
     takes = [open_take(take.path) for take in performances if take.path is not None]

@@ -12,12 +12,11 @@ from pathlib import Path
 import torch
 from rich.progress import Progress
 
-from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.regions import REGIONS
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Distances
+from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.lab.training.card import model_card
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.data import Performance, load_performances
@@ -132,7 +131,7 @@ def train_models(plan: TrainingPlan, progress: Progress) -> Iterator[Path]:
     except OSError as error:
         raise FileError(plan.output, "cannot be made", "choose another folder") from error
     performances = load_performances(plan.folders, plan.exclude)
-    distances = read_rig(shipped("assets/character.glb")).arkit_distances
+    distances = shipped_rig().arkit_distances
     fitted = []
     for region in REGIONS:
         report = _reporter(progress, region.label, _epochs(settings, plan.baseline))

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import Enum, auto
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
+from faceedit_app.editing.files.journal import Pending
 from faceedit_app.media import ENDINGS
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.files.journal import Pending
 
 TAKES = "Takes (*.csv);;All files (*)"
 OPENED = "Takes and projects (*.csv *.faceedit);;All files (*)"

@@ -1,7 +1,8 @@
-"""The two dialogs of the Help menu."""
+"""The Help menu: the first steps, the list of shortcuts, and whose work FaceEdit is."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from html import escape
 from itertools import groupby
 
@@ -16,8 +17,11 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app import __version__
+from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.palette import ACCENT, MUTED, TEXT
-from faceedit_app.ui.state.actions import help_rows
+from faceedit_app.ui.state.actions import Command, Menu
+
+Rows = Iterable[tuple[str, str, str]]  # section, keys or gesture, what it does
 
 ABOUT = (
     "Edit tracked facial animation by dragging eight plain curves.",
@@ -32,10 +36,35 @@ LICENCES = (
 )
 
 
-def shortcuts_html() -> str:
-    """All shortcuts and gestures as a table."""
+class HelpCommands:
+    """Shows how FaceEdit is used, and what it is.
+
+    Args:
+        rows: all shortcuts and gestures.
+    """
+
+    def __init__(self, workspace: Workspace, rows: Callable[[], Rows]) -> None:
+        self._workspace, self._rows = workspace, rows
+
+    def first_steps(self) -> None:
+        """Show where things are and what they are for."""
+        if self._workspace.page is not None:
+            self._workspace.page.hints.begin()
+
+    def shortcuts(self) -> None:
+        """List all shortcuts and gestures."""
+        shortcuts_dialog(self._workspace.window, self._rows()).show()
+
+    def about(self) -> None:
+        """Say what this is, and whose work is in it."""
+        rig = self._workspace.rig
+        about_dialog(self._workspace.window, rig.attribution if rig is not None else "").show()
+
+
+def shortcuts_html(rows: Rows) -> str:
+    """Shortcuts and gestures as a table."""
     parts = ["<table cellspacing='0' cellpadding='3' width='100%'>"]
-    for section, rows in groupby(help_rows(), key=lambda row: row[0]):
+    for section, some in groupby(rows, key=lambda row: row[0]):
         parts.append(
             f"<tr><td colspan='2' style='color:{ACCENT}; padding-top:10px'>"
             f"<b>{escape(section)}</b></td></tr>"
@@ -43,14 +72,14 @@ def shortcuts_html() -> str:
         parts += [
             f"<tr><td width='38%' style='color:{TEXT}'>{escape(keys)}</td>"
             f"<td style='color:{MUTED}'>{escape(text)}</td></tr>"
-            for _, keys, text in rows
+            for _, keys, text in some
         ]
     return "".join([*parts, "</table>"])
 
 
-def shortcuts_dialog(parent: QWidget) -> QDialog:
-    """Every shortcut, generated from the table of commands."""
-    label = QLabel(shortcuts_html())
+def shortcuts_dialog(parent: QWidget, rows: Rows) -> QDialog:
+    """Every shortcut, from the tables of commands."""
+    label = QLabel(shortcuts_html(rows))
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
     label.setWordWrap(True)
     label.setContentsMargins(8, 0, 8, 8)
@@ -89,3 +118,13 @@ def _dialog(parent: QWidget, title: str, content: QWidget, size: tuple[int, int]
     column.addWidget(buttons)
     dialog.resize(*size)
     return dialog
+
+
+# fmt: off
+MENU: Menu[HelpCommands] = Menu("Help", (
+    Command("first_steps", "&First steps", HelpCommands.first_steps, (),
+            "Show where things are and what they are for"),
+    Command("shortcuts", "&Shortcuts", HelpCommands.shortcuts, ("F1",), needs_take=False),
+    Command("about", "&About FaceEdit", HelpCommands.about, needs_take=False),
+))
+# fmt: on

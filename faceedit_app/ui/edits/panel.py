@@ -6,7 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt, QTimer
+from PySide6.QtCore import (
+    QItemSelection,
+    QItemSelectionModel,
+    QSignalBlocker,
+    Qt,
+    QTimer,
+    Signal,
+)
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -42,7 +49,13 @@ MENU = ("toggle_edit", "rename_edit", "edit_up", "edit_down", "delete_edit")
 
 
 class EditsPanel(QWidget):
-    """List and strength; the edit that is selected shows its range on the curves."""
+    """List and strength; the edit that is selected shows its range on the curves.
+
+    Signals:
+        selected(): perhaps other edits are selected.
+    """
+
+    selected = Signal()
 
     def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
@@ -249,8 +262,7 @@ class EditsPanel(QWidget):
 
     def _sync(self) -> None:
         row = self.current
-        for name in MENU:
-            self._actions[name].setEnabled(row is not None)
+        self.selected.emit()
         self.strength.setEnabled(row is not None)
         if self.strength.isSliderDown() or self._gesture.isActive():
             return

@@ -71,7 +71,7 @@ class TakeMedia(QObject):
         placed(): an offset changed.
         turned(): the film is mirrored, or no longer.
         acted(): a gesture of the user's is over: something was added, removed or put elsewhere.
-        told(str): something went well, for the status bar.
+        message(str): something went well, for the status bar.
         failed(object): a FaceEditError about a file that the user named.
         missed(object): a FaceEditError about a file that was found or remembered.
     """
@@ -81,7 +81,7 @@ class TakeMedia(QObject):
     placed = Signal()
     turned = Signal()
     acted = Signal()
-    told = Signal(str)
+    message = Signal(str)
     failed = Signal(object)
     missed = Signal(object)
 
@@ -240,7 +240,7 @@ class TakeMedia(QObject):
     def _tell(self) -> None:
         """What is there now, when the last file is read."""
         if not self.pending and self._found:
-            self.told.emit(self._found)
+            self.message.emit(self._found)
             self._found = ""
 
     def _run(
@@ -268,7 +268,7 @@ class TakeMedia(QObject):
     def add(self, path: Path) -> None:
         """Read a file that the user named; what is in it takes the place of its like at once."""
         path, job = path.absolute(), self._job
-        self.told.emit(f"Opening {path.name}…")
+        self.message.emit(f"Opening {path.name}…")
 
         def read() -> _Found:
             has_sound, has_film = _contents(path)
@@ -288,7 +288,7 @@ class TakeMedia(QObject):
                 self.failed.emit(error)
             if found.film is not None or found.sound is not None:
                 self._add(path, found)
-                self.told.emit(f"Added {path.name}")
+                self.message.emit(f"Added {path.name}")
                 self.acted.emit()
 
         self._run(read, done, self.failed.emit)

@@ -53,41 +53,29 @@ class Editor(QWidget):
         self._document, self._timeline, self._playback = document, timeline, playback
         self.settings_bar = SettingsBar(actions, document)
         self.tool_bar = ToolBar(actions, tools)
+        self.proposal = ProposalBar(actions, document)
         self.curves = CurvesPanel(timeline, tools)
-        self.face = FacePane(
-            document,
-            timeline,
-            actions["show_edited"],
-            actions["show_tracked"],
-            actions["show_both"],
-            actions["show_difference"],
-            actions["reset_camera"],
-        )
+        self.problems = ProblemsBar(document, timeline)
+        self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
+        self.sound = SoundRow(media, timeline)
+        self.film = FilmPane(media, timeline)
+        self.face = FacePane(actions, document, timeline)
+        self.edits = EditsPanel(actions, document, timeline)
         self.transport = Transport(actions, timeline, playback)
         self.transport.extras.addWidget(Volume(actions["mute"], media, sound_player))
-        self.panes = QSplitter(Qt.Orientation.Horizontal)
-        self.panes.setChildrenCollapsible(False)
-        self.panes.setHandleWidth(6)
-        self.sound = SoundRow(media, timeline)
-        self.panes.addWidget(_stacked(self.curves, self.sound))
-        self.problems = ProblemsBar(document, timeline)
-        self.proposal = ProposalBar(actions, document)
-        self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
-        self.edits = EditsPanel(actions, document, timeline)
-        self.side = QSplitter(Qt.Orientation.Vertical)
-        self.side.setChildrenCollapsible(False)
-        self.side.setHandleWidth(6)
-        self.film = FilmPane(media, timeline)
-        self.stage = QSplitter(Qt.Orientation.Horizontal)
-        self.stage.setChildrenCollapsible(False)
-        self.stage.setHandleWidth(6)
-        self.stage.addWidget(self.film)
-        self.stage.addWidget(self.face)
-        self.side.addWidget(self.stage)
-        self.side.addWidget(self.edits)
+        self.solving = BackgroundSolving(document, timeline, self)
+        self._lay_out()
+        self.hints = HintLayer(self, self._first_steps())
+        self._connect(actions)
+
+    def _lay_out(self) -> None:
+        self.stage = _splitter(Qt.Orientation.Horizontal, self.film, self.face)
+        self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.edits)
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)
-        self.panes.addWidget(self.side)
+        self.panes = _splitter(
+            Qt.Orientation.Horizontal, _stacked(self.curves, self.sound), self.side
+        )
         self.panes.setSizes(_SHARES)
         self.panes.setStretchFactor(0, 3)
         self.panes.setStretchFactor(1, 2)
@@ -102,17 +90,22 @@ class Editor(QWidget):
         column.addLayout(row)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
-        self.hints = HintLayer(self, self._first_steps())
-        self.solving = BackgroundSolving(document, timeline, self)
-        self.solving.advanced.connect(self._previewed)
-        self.solving.finished.connect(self._solved)
+
+    def _connect(self, actions: Actions) -> None:
+        document = self._document
+        document.changed.connect(self.curves.refresh)
+        document.previewed.connect(self._previewed)
         self.curves.edited.connect(self._dragged)
         self.curves.committed.connect(document.changed)
-        document.changed.connect(self.curves.refresh)
-        self.edits.reshaping = lambda: self.curves.is_reshaping
-        document.previewed.connect(self._previewed)
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self._end_reshape)
+        self.edits.reshaping = lambda: self.curves.is_reshaping
+        self.solving.advanced.connect(self._previewed)
+        self.solving.finished.connect(self._solved)
+        self.edits.selected.connect(actions.refresh)
+        self.problems.found.connect(actions.refresh)
+        self.proposal.toggled.connect(actions.refresh)
+        self.face.switched.connect(actions.refresh)
 
     def _first_steps(self) -> tuple[Step, ...]:
         return (
@@ -211,3 +204,13 @@ def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
     column.addWidget(stretched, 1)
     column.addWidget(fixed)
     return box
+
+
+def _splitter(orientation: Qt.Orientation, *parts: QWidget) -> QSplitter:
+    """Parts that share their room as the user wants."""
+    splitter = QSplitter(orientation)
+    splitter.setChildrenCollapsible(False)
+    splitter.setHandleWidth(6)
+    for part in parts:
+        splitter.addWidget(part)
+    return splitter

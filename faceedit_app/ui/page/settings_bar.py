@@ -83,15 +83,6 @@ class SettingsBar(QWidget):
 
     def sync(self) -> None:
         """Show what the open take is answered by."""
-        session = self._document.session
-        self._actions["undo"].setEnabled(session is not None and session.can_undo)
-        self._actions["redo"].setEnabled(session is not None and session.can_redo)
-        has_edits = session is not None and bool(session.edits)
-        for name in ("reset_range", "reset_curve"):
-            self._actions[name].setEnabled(has_edits)
-        resynthesizes = session is not None and session.settings.mode == "resynthesize"
-        self._actions["preserve"].setChecked(not resynthesizes)
-        self._actions["resynthesize"].setChecked(resynthesizes)
         for slider in self.sliders:
             slider.sync()
         self._count()

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
-from PySide6.QtGui import QResizeEvent
+from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import QLayout, QMenu, QSlider, QToolButton, QWidget
 
+from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.look.widgets import bar_row, caption, divider, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.tools import SMOOTH_RANGE, Tool, Tools
-
-TOOL_COMMANDS = {f"tool_{tool}": tool for tool in Tool}
 
 
 class ToolBar(QWidget):
@@ -18,22 +17,20 @@ class ToolBar(QWidget):
 
     def __init__(self, actions: Actions, tools: Tools) -> None:
         super().__init__()
-        self._actions, self._tools = actions, tools
+        self._tools = tools
         self.smooth = self._slider()
         self._row = row = bar_row(self, "tools")
-        self.tool_buttons = [
-            icon_button(actions[name], "tool", _SHORT[name]) for name in TOOL_COMMANDS
-        ]
+        self.tool_buttons = [_spelled(actions[f"tool_{tool}"]) for tool in Tool]
         for button in self.tool_buttons:
             row.addWidget(button)
         self._strength = caption("Strength", self.smooth)
         row.addWidget(self._strength)
         row.addWidget(self.smooth)
         row.addWidget(divider())
-        row.addWidget(icon_button(actions["link"], "tool", "Left = right"))
+        row.addWidget(_spelled(actions["link"]))
         row.addWidget(divider())
         self.fix_buttons = [
-            icon_button(actions[name], "tool", text) for name, text in _FIXES.items()
+            _spelled(actions[f"fix_{preset.id}"]) for preset in shipped_presets() if preset.toolbar
         ]
         for button in self.fix_buttons:
             row.addWidget(button)
@@ -58,11 +55,12 @@ class ToolBar(QWidget):
     def _more(actions: Actions) -> QToolButton:
         """The fixes that have no button of their own, and the user's presets."""
         menu = QMenu()
-        for name in ("open_eyes", "sad_mouth", "pucker", "widen"):
-            menu.addAction(actions[f"fix_{name}"])
+        for preset in shipped_presets():
+            if not preset.toolbar:
+                menu.addAction(actions[f"fix_{preset.id}"])
         menu.addAction(actions["expression"])
         menu.addSeparator()
-        menu.addMenu(actions.presets_menu)
+        menu.addMenu(actions.submenu("presets"))
         menu.addAction(actions["save_preset"])
         button = QToolButton()
         button.setObjectName("tool")
@@ -96,9 +94,6 @@ class ToolBar(QWidget):
 
     def sync(self) -> None:
         """Show what is chosen."""
-        for name, tool in TOOL_COMMANDS.items():
-            self._actions[name].setChecked(tool is self._tools.tool)
-        self._actions["link"].setChecked(self._tools.linked)
         smooths = self._tools.tool is Tool.SMOOTH
         self._strength.setVisible(smooths)
         self.smooth.setVisible(smooths)
@@ -108,18 +103,6 @@ class ToolBar(QWidget):
         self.smooth.setToolTip(f"Smooths over {1000 * self._tools.smooth:.0f} ms")
 
 
-_SHORT = {
-    "tool_move": "Move",
-    "tool_draw": "Draw",
-    "tool_smooth": "Smooth",
-    "tool_scale": "Scale",
-    "tool_flatten": "Flatten",
-    "tool_restore": "Back to tracked",
-}
-_FIXES = {
-    "fix_close_lips": "Close lips",
-    "fix_blink": "Blink",
-    "fix_smile": "Smile",
-    "fix_calm_down": "Calm down",
-    "fix_exaggerate": "Exaggerate",
-}
+def _spelled(action: QAction) -> QToolButton:
+    """A button with the words of the menu."""
+    return icon_button(action, "tool", action.text().replace("&", ""))
