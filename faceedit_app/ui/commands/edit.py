@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
+from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.editing.help.clipboard import Clipboard, Copied, copy_range
 from faceedit_app.editing.solving.solver import Mode
 from faceedit_app.ui.commands.workspace import Workspace
@@ -105,8 +105,7 @@ class EditCommands:
         if session is None or selection is None:
             return
         self._workspace.finish()
-        sides = [name for name in CONTROL_IDS if MIRRORED_CONTROL[name] != name]
-        copied = copy_range(session, *selection, sides, Copied.CURVE)
+        copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
         self._put(copied.mirrored(), selection[0], "Mirrored")
 
     def _selection(self, what: str) -> tuple[float, float] | None:

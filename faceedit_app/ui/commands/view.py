@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.face.pane import FacePane
 from faceedit_app.ui.state.actions import Command, Menu
@@ -136,7 +136,8 @@ MENU: Menu[ViewCommands] = Menu("View", (
             checked=lambda do: do.face is not None and do.face.shows_difference),
     *(
         Command(f"curve_{index + 1}", f"&{index + 1} {control.label}",
-                partial(ViewCommands.focus_curve, index=index), (str(index + 1),),
+                partial(ViewCommands.focus_curve, index=index),
+                (control.key,) if control.key else (),
                 f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")
         for index, control in enumerate(CONTROLS)
     ),

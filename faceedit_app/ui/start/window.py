@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
+from faceedit_app.core.rig import Rig
 from faceedit_app.media import is_media
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import Commands
@@ -179,8 +180,10 @@ class MainWindow(WindowBase):
         self.actions_.refresh()
         return page
 
-    def _prepare_face(self) -> None:
+    def _prepare_face(self, rig: Rig) -> None:
         """The character is there: have it drawn, then load the networks."""
+        if rig.missing_note:
+            self.banner.say(rig.missing_note)
 
         def prepared(_: None) -> None:
             self._can_draw = True
