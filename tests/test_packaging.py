@@ -151,6 +151,7 @@ def test_the_bundle_holds_what_a_window_needs(tool: Tool) -> None:
     for name in (
         "faceedit_app/shipped/models/lower.safetensors",
         "faceedit_app/render/shaders/face.frag",
+        "faceedit_app/ui/look/icons/play.svg",
         f"{plugins}/platforms/libqxcb.so",
         f"{plugins}/platforms/libqwayland.so",
         f"{plugins}/platforms/libqoffscreen.so",

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.ui.look.drawings import GRID
+from faceedit_app.ui.look.icons import SIZE
 from faceedit_app.ui.look.palette import FAINT, TEXT
 from faceedit_app.ui.look.theme import GAP, MARGIN
 
@@ -103,7 +103,7 @@ def icon_button(action: QAction, name: str = "icon", text: str = "") -> QToolBut
         action.setIconText(text)
     button.setObjectName(name)
     button.setDefaultAction(action)
-    button.setIconSize(QSize(GRID, GRID))
+    button.setIconSize(QSize(SIZE, SIZE))
     style = Qt.ToolButtonStyle
     button.setToolButtonStyle(style.ToolButtonTextBesideIcon if text else style.ToolButtonIconOnly)
     button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
