@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
 from faceedit_app.core.rig import Rig
 
 FIELD_OF_VIEW = math.radians(22.0)  # vertical; a portrait lens, which flatters the nose
@@ -84,6 +86,44 @@ def projection(aspect: float) -> Doubles:
     matrix[2, 3] = 2.0 * FAR * NEAR / (NEAR - FAR)
     matrix[3, 2] = -1.0
     return matrix
+
+
+class Aim(StrEnum):
+    """What the camera can be pointed at."""
+
+    FRONT = "front"
+    LEFT = "left"  # the character's left side
+    RIGHT = "right"
+    MOUTH = "mouth"
+    EYES = "eyes"
+
+
+# Controls between whose points a detail lies, and how many times as wide the view is.
+_DETAILS = {Aim.MOUTH: ((MOUTH_WIDTH,), 2.4), Aim.EYES: (LIDS, 2.2)}
+_LOW = 0.7  # height that a detail needs, of the width
+_SIDES = {Aim.LEFT: math.pi / 2, Aim.RIGHT: -math.pi / 2}
+
+
+def aimed_camera(rig: Rig, aim: Aim, aspect: float = 1.0) -> Camera:
+    """The whole head from one side, or a detail from the front, in a view of `aspect`.
+
+    The front, where the character lacks the controls that say where the detail is.
+    """
+    if aim in _SIDES:
+        return replace(default_camera(rig, aspect), yaw=_SIDES[aim])
+    if aim not in _DETAILS:
+        return default_camera(rig, aspect)
+    names, share = _DETAILS[aim]
+    pairs = rig.control_pairs[[CONTROL_INDEX[name] for name in names]]
+    points = rig.neutral[pairs[pairs.min(axis=1) >= 0].ravel()]
+    if not len(points):
+        return default_camera(rig, aspect)
+    low, high = points.min(axis=0), points.max(axis=0)
+    width = share * float(high[0] - low[0])
+    half = _half_height(aspect)
+    distance = max(width / aspect, _LOW * width) / (2.0 * half)
+    x, y, z = ((low + high) / 2.0).tolist()
+    return Camera(distance=_clamp(distance, *DISTANCE_LIMITS), target=(x, y, z))
 
 
 def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:

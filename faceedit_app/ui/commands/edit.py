@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.editing.help.clipboard import Clipboard, Copied, copy_range
 from faceedit_app.editing.solving.solver import Mode
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.state.actions import Command, Menu
+
+if TYPE_CHECKING:  # comes with the page, after the first paint
+    from faceedit_app.ui.edits.panel import EditsPanel
 
 
 class EditCommands:
@@ -196,10 +199,12 @@ MENU: Menu[EditCommands] = Menu("Edit", (
             "Put there what was copied, left and right changing places"),
     Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
             "Left and right change places in the selection"),
-    Command("toggle_edit", "Switch edit &on / off", lambda do: do.on_list(EditsPanel.toggle),
-            ("E",), "Switch the edit that is selected in the list on or off",
+    Command("toggle_edit", "Switch edit &on / off",
+            lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),
+            "Switch the edit that is selected in the list on or off",
             enabled=lambda do: do.has_selected_edit, starts_group=True),
-    Command("rename_edit", "Re&name edit", lambda do: do.on_list(EditsPanel.rename), ("F2",),
+    Command("rename_edit", "Re&name edit",
+            lambda do: do.on_list(lambda edits: edits.rename()), ("F2",),
             "Give the edit that is selected in the list another name",
             enabled=lambda do: do.has_selected_edit),
     Command("edit_up", "Move edit up", lambda do: do.on_list(lambda edits: edits.bring(-1)),
@@ -208,7 +213,8 @@ MENU: Menu[EditCommands] = Menu("Edit", (
     Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.bring(1)),
             ("Alt+Down",), "Move the edit that is selected down the list: it acts later",
             enabled=lambda do: do.has_selected_edit),
-    Command("delete_edit", "&Delete edit", lambda do: do.on_list(EditsPanel.delete), ("Del",),
+    Command("delete_edit", "&Delete edit",
+            lambda do: do.on_list(lambda edits: edits.delete()), ("Del",),
             "Delete the edit that is selected in the list", "trash",
             enabled=lambda do: do.has_selected_edit),
     Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),

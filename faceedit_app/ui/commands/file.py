@@ -108,7 +108,7 @@ class FileCommands:
     def save_as(self) -> bool:
         """Save the project under a name that the user chooses; False as for `save`."""
         self._workspace.finish()
-        suggestion = self._document.project or self.suggest("project", "", SUFFIX)
+        suggestion = self._document.project or self._workspace.suggest("project", "", SUFFIX)
         path = dialogs.ask_save_project(self._window, suggestion)
         return path is not None and self._save(path)
 
@@ -122,13 +122,15 @@ class FileCommands:
     def export(self) -> bool:
         """Export the take; False if the user thought better of it, or it failed."""
         self._workspace.finish()
-        path = dialogs.ask_export(self._window, self.suggest("export", "_edited", ".csv"))
+        suggestion = self._workspace.suggest("export", "_edited", ".csv")
+        path = dialogs.ask_export(self._window, suggestion)
         return path is not None and self._write(self._document.export, path, "export", "Exported")
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user thought better of it, or it failed."""
         self._workspace.finish()
-        path = dialogs.ask_save_edits(self._window, self.suggest("edits", "_edits", ".json"))
+        suggestion = self._workspace.suggest("edits", "_edits", ".json")
+        path = dialogs.ask_save_edits(self._window, suggestion)
         return path is not None and self._write(self._document.save_edits, path, "edits", "Saved")
 
     def ask_load_edits(self) -> None:
@@ -150,13 +152,6 @@ class FileCommands:
         self._preferences.set_folder(kind, path.resolve().parent)
         self._workspace.message.emit(f"{done} {path}")
         return True
-
-    def suggest(self, kind: str, tail: str, ending: str) -> Path:
-        """A file name beside the take; the demo's folder belongs to the installation."""
-        take = self._document.path
-        assert take is not None
-        folder = self._preferences.folder(kind) if is_demo_take(take) else take.parent
-        return folder / f"{take.stem}{tail}{ending}"
 
     # --- close -------------------------------------------------------------------------------
 

@@ -22,6 +22,7 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Selection bar", "Wheel", "Change both falloffs"),
     ("Face", "Drag", "Turn around the face"),
     ("Face", "Middle or right drag", "Move the view"),
+    ("Face", "Right click", "What can be done with the face"),
     ("Face", "Wheel", "Zoom"),
     ("Face", "Double click", "Reset the camera"),
     ("Face", "Arrows, after 9", "Turn around the face; with Shift move the view"),

@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice
+from PySide6.QtGui import QGuiApplication, QImage
+
+from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROLS
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.render import Aim
+from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.face.pane import FacePane
 from faceedit_app.ui.state.actions import Command, Menu
 from faceedit_app.ui.state.clock import Unit
 
+if TYPE_CHECKING:  # comes with the page, after the first paint
+    from faceedit_app.ui.face.pane import FacePane
+
+CAMERA = "Ca&mera"  # the menu inside the menu
 ZOOM = 0.7  # of the time in view, per step
 MARGIN = 0.1  # of the selection, on either side of it
 
@@ -60,6 +71,43 @@ class ViewCommands:
         if self.face is not None:
             self.face.viewport.reset_camera()
 
+    def aim(self, aim: Aim) -> None:
+        """Point the camera at the face from a side, or at a part of it."""
+        if self.face is not None:
+            self.face.viewport.aim(aim)
+
+    def copy_picture(self) -> None:
+        """Put the picture of the face on the clipboard, as it is shown."""
+        if (picture := self._picture()) is not None:
+            QGuiApplication.clipboard().setImage(picture)
+            self._workspace.message.emit("Copied the picture of the face")
+
+    def save_picture(self) -> None:
+        """Save the picture of the face, as it is shown."""
+        workspace, frame = self._workspace, self._timeline.frame + 1
+        picture = self._picture()
+        if picture is None:
+            return
+        suggestion = workspace.suggest("picture", f"_frame_{frame}", ".png")
+        path = dialogs.ask_save_picture(workspace.window, suggestion)
+        if path is None:
+            return
+        try:
+            write_atomically(path, _png(picture))
+        except FaceEditError as error:
+            dialogs.show_error(workspace.window, error)
+            return
+        workspace.preferences.set_folder("picture", path.resolve().parent)
+        workspace.message.emit(f"Saved {path}")
+
+    def _picture(self) -> QImage | None:
+        return self.face.viewport.picture() if self.face is not None else None
+
+    @property
+    def has_picture(self) -> bool:
+        """Whether there is a picture of the face."""
+        return self.face is not None and self.face.viewport.can_draw
+
     def show_edited(self) -> None:
         """Show the face with the edits."""
         if self.face is not None:
@@ -100,6 +148,14 @@ class ViewCommands:
             self.face.viewport.setFocus()
 
 
+def _png(picture: QImage) -> bytes:
+    data = QByteArray()
+    buffer = QBuffer(data)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    picture.save(buffer, "PNG")  # type: ignore[call-overload]  # PySide's hints ask for bytes
+    return bytes(data.data())
+
+
 def _shows_edited(do: ViewCommands) -> bool:
     return do.face is None or not (do.face.shows_tracked or do.face.shows_both)
 
@@ -108,6 +164,14 @@ def _shows_edited(do: ViewCommands) -> bool:
 MENU: Menu[ViewCommands] = Menu("View", (
     Command("reset_camera", "&Reset camera", ViewCommands.reset_camera, ("0",),
             "Look at the face from the front", "camera", needs_take=False),
+    Command("camera_left", "&Left side", lambda do: do.aim(Aim.LEFT), ("Shift+L",),
+            "Look at the character's left side", submenu=CAMERA),
+    Command("camera_right", "&Right side", lambda do: do.aim(Aim.RIGHT), ("Shift+R",),
+            "Look at the character's right side", submenu=CAMERA),
+    Command("camera_mouth", "&Mouth", lambda do: do.aim(Aim.MOUTH), ("Shift+M",),
+            "Look at the mouth from near", submenu=CAMERA),
+    Command("camera_eyes", "&Eyes", lambda do: do.aim(Aim.EYES), ("Shift+E",),
+            "Look at the eyes from near", submenu=CAMERA),
     Command("fit", "&Zoom to fit", ViewCommands.fit, ("F",),
             "Show the whole take, or the selection", "fit"),
     Command("zoom_in", "Zoom &in", lambda do: do.zoom(ZOOM), ("+", "="),
@@ -143,5 +207,11 @@ MENU: Menu[ViewCommands] = Menu("View", (
     ),
     Command("focus_face", "Look around by &keys", ViewCommands.focus_face, ("9",),
             "Give the keyboard to the face: arrows turn it, + and - zoom; Esc gives it back"),
+    Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,
+            tip="Put the picture of the face on the clipboard, as it is shown",
+            enabled=lambda do: do.has_picture, starts_group=True),
+    Command("save_picture", "Sa&ve picture…", ViewCommands.save_picture,
+            tip="Save the picture of the face as PNG, as it is shown",
+            enabled=lambda do: do.has_picture),
 ))
 # fmt: on

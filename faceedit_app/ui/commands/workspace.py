@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
+from faceedit_app.core.resources import is_demo_take
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
@@ -71,6 +73,18 @@ class Workspace(QObject):
     def rig(self) -> Rig | None:
         """The character, once it is loaded."""
         return self.opener.rig
+
+    def suggest(self, kind: str, tail: str, ending: str) -> Path:
+        """A file name beside the take; the demo's folder belongs to the installation.
+
+        Args:
+            kind: of the file, see `Preferences.folder`.
+            tail, ending: what follows the take's own name.
+        """
+        take = self.document.path
+        assert take is not None
+        folder = self.preferences.folder(kind) if is_demo_take(take) else take.parent
+        return folder / f"{take.stem}{tail}{ending}"
 
     def add_edits(self, edits: tuple[Edit, ...], name: str) -> None:
         """Make edits: one undo step. They are selected, ready to be weakened."""

@@ -21,7 +21,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QListView,
-    QMenu,
     QSlider,
     QStackedWidget,
     QVBoxLayout,
@@ -31,7 +30,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.ui.edits.delegate import EditsDelegate
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.look.theme import GAP, MARGIN
-from faceedit_app.ui.look.widgets import caption, icon_button
+from faceedit_app.ui.look.widgets import caption, context_menu, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -340,7 +339,5 @@ class EditsPanel(QWidget):
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """What can be done with the edit under the pointer."""
         if self.current is not None:
-            menu = QMenu(self)
-            menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-            menu.addActions([self._actions[name] for name in MENU])
+            menu = context_menu(self, [self._actions[name] for name in MENU])
             menu.popup(event.globalPos())

@@ -6,26 +6,33 @@ from PySide6.QtCore import QPoint, QRect, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
+from faceedit_app.render import Aim
 from faceedit_app.ui.face.viewport import Viewport
 from faceedit_app.ui.look.theme import GAP, MARGIN
-from faceedit_app.ui.look.widgets import icon_button, segments
+from faceedit_app.ui.look.widgets import context_menu, icon_button, segments
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
+
+MENU = (
+    ("reset_camera", *(f"camera_{aim}" for aim in Aim if aim is not Aim.FRONT), "focus_face"),
+    ("show_edited", "show_tracked", "show_both", "show_difference"),
+    ("copy_picture", "save_picture"),
+)
 
 
 class FacePane(QWidget):
     """Shows the frame under the playhead, as edited or as tracked.
 
     Signals:
-        switched(): another face, or a tint, is shown.
+        switched(): another face, a tint, or none is shown.
     """
 
     switched = Signal()
 
     def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
-        self._document, self._timeline = document, timeline
+        self._actions, self._document, self._timeline = actions, document, timeline
         self._tracked, self._glancing, self._both = False, False, False
         self._difference = False
         self.viewport = Viewport(self)
@@ -48,6 +55,8 @@ class FacePane(QWidget):
         self.viewport.covered_by = (*self._switches, self.viewport.legend)
         # Only its buttons take the mouse: the face between them can be turned.
         self._overlay.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+        self.viewport.opened.connect(self.switched)
+        self.viewport.menu_asked.connect(self._show_menu)
         timeline.playhead_moved.connect(self.refresh)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
@@ -107,6 +116,11 @@ class FacePane(QWidget):
                 beside=tracked if self.shows_both else None,
                 against=tracked if compares else None,
             )
+
+    def _show_menu(self, at: QPoint) -> None:
+        """What can be done with the face."""
+        groups = [[self._actions[name] for name in group] for group in MENU]
+        context_menu(self, *groups).popup(at)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the switches at the top, and the legend between or below them."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QAction, QColor, QKeyEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import (
@@ -9,6 +11,7 @@ from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
+    QMenu,
     QSizePolicy,
     QToolButton,
     QWidget,
@@ -120,6 +123,17 @@ def caption(text: str, buddy: QWidget | None = None) -> QLabel:
         label.setToolTip(buddy.toolTip())
         buddy.setAccessibleName(text)
     return label
+
+
+def context_menu(parent: QWidget, *groups: Iterable[QAction]) -> QMenu:
+    """A menu of actions, with lines between the groups, that is gone when it is closed."""
+    menu = QMenu(parent)
+    menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    for group in groups:
+        if not menu.isEmpty():
+            menu.addSeparator()
+        menu.addActions(list(group))
+    return menu
 
 
 def divider() -> QFrame:
