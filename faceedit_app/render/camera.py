@@ -110,7 +110,7 @@ def aimed_camera(rig: Rig, aim: Aim, aspect: float = 1.0) -> Camera:
     The front, where the character lacks the controls that say where the detail is.
     """
     if aim in _SIDES:
-        return replace(default_camera(rig, aspect), yaw=_SIDES[aim])
+        return _portrait(rig, aspect, _SIDES[aim])
     if aim not in _DETAILS:
         return default_camera(rig, aspect)
     names, share = _DETAILS[aim]
@@ -131,6 +131,12 @@ def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
 
     The face is what the blendshapes move, so that a bust or body below it does not count.
     """
+    return _portrait(rig, aspect, 0.0)
+
+
+def _portrait(rig: Rig, aspect: float, yaw: float) -> Camera:
+    """See `default_camera`; from the front or, a quarter turn away, from a side."""
+    across, along = (0, 2) if yaw == 0.0 else (2, 0)
     moving = np.abs(rig.deltas).max(axis=(0, 2)) > _MOVING
     face = rig.neutral[moving] if moving.any() else rig.neutral
     chin = float(face[:, 1].min())
@@ -138,16 +144,15 @@ def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
     height = crown - chin
     top, bottom = crown + _HEADROOM * height, chin - _NECKROOM * height
     head = rig.neutral[rig.neutral[:, 1] >= chin]
-    left, right = float(head[:, 0].min()), float(head[:, 0].max())
+    left, right = float(head[:, across].min()), float(head[:, across].max())
     # What stands nearest to the camera looks largest: measure at the widest part, mid-depth.
-    depth = float(np.mean(head[:, 2]))
+    depth = float(np.mean(head[:, along]))
     half = _half_height(aspect)
     width_needed = (1.0 + _HEADROOM) * (right - left) / (2.0 * half * aspect)
     distance = max((top - bottom) / (2.0 * half), width_needed)
-    return Camera(
-        distance=_clamp(distance, *DISTANCE_LIMITS),
-        target=((left + right) / 2.0, (top + bottom) / 2.0, depth),
-    )
+    middle, height = (left + right) / 2.0, (top + bottom) / 2.0
+    target = (middle, height, depth) if across == 0 else (depth, height, middle)
+    return Camera(yaw, distance=_clamp(distance, *DISTANCE_LIMITS), target=target)
 
 
 def _half_height(aspect: float) -> float:

@@ -392,6 +392,10 @@ def test_sides_are_the_characters_own() -> None:
     assert left[0] > 0.2, "+X is the character's left"
     assert right[0] < -0.2
     assert aimed_camera(rig, Aim.FRONT) == default_camera(rig)
+    head = rig.neutral[rig.neutral[:, 1] > 0.0]
+    for aim in (Aim.LEFT, Aim.RIGHT):
+        across = np.array([seen(aimed_camera(rig, aim), point, 1.0)[0] for point in head[::40]])
+        assert -1.0 < across.min() < 0.0 < across.max() < 1.0
 
 
 def test_a_character_without_the_controls_of_a_detail_is_seen_from_the_front() -> None:
