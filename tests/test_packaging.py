@@ -199,6 +199,17 @@ def test_every_file_in_the_bundle_needs_a_licence(tool: Tool, tmp_path: Path) ->
         licences._origin(stray)
 
 
+def test_the_bundle_says_what_is_in_it_and_only_that(tool: Tool) -> None:
+    sources = [Path(str(importlib.util.find_spec(name).origin)) for name in ("numpy", "av")]  # type: ignore[union-attr]
+    entries = tool("licences").metadata_of([*sources, ROOT / "faceedit_app/cli.py"])
+    names = [name.partition("-")[0] for name, _, _ in entries]
+    assert names == ["av", "numpy"]
+    for name, source, kind in entries:
+        assert name.endswith(".dist-info/METADATA")
+        assert "License" in Path(source).read_text(encoding="utf-8")
+        assert kind == "DATA"
+
+
 # --- the smoke test --------------------------------------------------------------------------
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from importlib.metadata import version
 
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QToolButton, QWidget
-from support.windows import Bench
+from PySide6.QtWidgets import QApplication, QDialog, QLabel, QToolButton, QWidget
+from support.windows import Bench, trigger
 
 from faceedit_app.ui.commands.help import about_dialog, shortcuts_dialog
 from faceedit_app.ui.commands.menus import MENUS, help_rows
@@ -51,6 +52,19 @@ def test_the_help_names_every_shortcut(bench: Bench, window: MainWindow) -> None
     assert "Ctrl+Z" in text
     assert "Hold B" in text
     dialog.close()
+
+
+def test_about_cites_the_paper_and_lists_the_libraries_that_are_installed(
+    window: MainWindow,
+) -> None:
+    trigger(window, "about")
+    text = next(d for d in window.findChildren(QDialog) if d.isVisible()).findChild(QLabel).text()
+    assert "A Robust Interactive Facial Animation Editing System" in text
+    assert "Barrielle" in text
+    for name in ("numpy", "PySide6_Essentials", "av"):
+        assert f"{name} {version(name)}" in text
+    for name in ("pytest", "torch", "ruff"):  # for those who work on FaceEdit
+        assert f">{name} " not in text
 
 
 def test_about_names_whose_work_the_character_is(window: MainWindow) -> None:

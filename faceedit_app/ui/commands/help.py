@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app import __version__
+from faceedit_app.core.licences import libraries, texts_file
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.palette import ACCENT, MUTED, TEXT
 from faceedit_app.ui.state.actions import Command, Menu
@@ -25,14 +26,12 @@ Rows = Iterable[tuple[str, str, str]]  # section, keys or gesture, what it does
 
 ABOUT = (
     "Edit tracked facial animation by dragging eight plain curves.",
-    "After “Intuitive Facial Animation Editing Based On A Generative RNN Framework”"
-    " (Berson, Soladié, Stoiber, 2020).",
+    "After “A Robust Interactive Facial Animation Editing System”"
+    " (Berson, Soladié, Barrielle, Stoiber; MIG 2019).",
 )
-LICENCES = (
-    "FaceEdit is free software under the MIT licence. It stands on PySide6 (LGPL-3.0),"
-    " pyqtgraph (MIT), NumPy and SciPy (BSD-3-Clause), PyAV (BSD-3-Clause) with FFmpeg (GPL-2.0),"
-    " pyrender (MIT), PyOpenGL (BSD), trimesh (MIT), pygltflib (MIT), safetensors (Apache-2.0)"
-    " and platformdirs (MIT)."
+LICENCE = (
+    "FaceEdit is free software under the MIT licence. It uses the libraries below, each under its"
+    " own licence; some of them, such as PySide6 with Qt and av with FFmpeg, contain others."
 )
 
 
@@ -79,7 +78,36 @@ def shortcuts_html(rows: Rows) -> str:
 
 def shortcuts_dialog(parent: QWidget, rows: Rows) -> QDialog:
     """Every shortcut, from the tables of commands."""
-    label = QLabel(shortcuts_html(rows))
+    return _dialog(parent, "Shortcuts", shortcuts_html(rows), (660, 640))
+
+
+def about_html(attribution: str) -> str:
+    """What this is, whose work is in it, and under which licences."""
+    texts = texts_file()
+    paragraphs = [
+        f"<span style='font-size:18pt; font-weight:600'>FaceEdit</span> {escape(__version__)}",
+        *map(escape, ABOUT),
+        f"<b>Character.</b> {escape(attribution)}" if attribution else "",
+        f"<b>Licences.</b> {escape(LICENCE)}",
+        f"All texts are in {escape(str(texts))}." if texts is not None else "",
+    ]
+    rows = [
+        f"<tr><td style='color:{TEXT}'>{escape(library.name)} {escape(library.version)}</td>"
+        f"<td style='color:{MUTED}'>{escape(library.licence)}</td></tr>"
+        for library in libraries()
+    ]
+    table = "".join(["<table cellspacing='0' cellpadding='2' width='100%'>", *rows, "</table>"])
+    return "".join(f"<p>{paragraph}</p>" for paragraph in paragraphs if paragraph) + table
+
+
+def about_dialog(parent: QWidget, attribution: str) -> QDialog:
+    """What FaceEdit is."""
+    return _dialog(parent, "About FaceEdit", about_html(attribution), (580, 520))
+
+
+def _dialog(parent: QWidget, title: str, html: str, size: tuple[int, int]) -> QDialog:
+    """A text to be read, scrolled and copied."""
+    label = QLabel(html)
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
     label.setWordWrap(True)
     label.setContentsMargins(8, 0, 8, 8)
@@ -88,33 +116,13 @@ def shortcuts_dialog(parent: QWidget, rows: Rows) -> QDialog:
     area.setWidget(label)
     area.setWidgetResizable(True)
     area.setFrameShape(QScrollArea.Shape.NoFrame)
-    return _dialog(parent, "Shortcuts", area, (660, 640))
-
-
-def about_dialog(parent: QWidget, attribution: str) -> QDialog:
-    """What this is, whose work is in it, and under which licences."""
-    paragraphs = [
-        f"<span style='font-size:18pt; font-weight:600'>FaceEdit</span> {escape(__version__)}",
-        *map(escape, ABOUT),
-        f"<b>Character.</b> {escape(attribution)}" if attribution else "",
-        f"<b>Licences.</b> {escape(LICENCES)}",
-    ]
-    label = QLabel("".join(f"<p>{p}</p>" for p in paragraphs if p))
-    label.setWordWrap(True)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    label.setContentsMargins(8, 0, 8, 8)
-    label.setAlignment(Qt.AlignmentFlag.AlignTop)
-    return _dialog(parent, "About FaceEdit", label, (540, 340))
-
-
-def _dialog(parent: QWidget, title: str, content: QWidget, size: tuple[int, int]) -> QDialog:
     dialog = QDialog(parent)
     dialog.setWindowTitle(title)
     dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
     buttons.rejected.connect(dialog.reject)
     column = QVBoxLayout(dialog)
-    column.addWidget(content, 1)
+    column.addWidget(area, 1)
     column.addWidget(buttons)
     dialog.resize(*size)
     return dialog
