@@ -65,12 +65,11 @@ def metadata_of(sources: Iterable[Path]) -> list[tuple[str, str, str]]:
 
     About lists their licences (`core/licences.py`): what is left out of the bundle is not named.
     """
-    names = {
-        _owners().get(source.absolute()) or _owners().get(source.resolve()) for source in sources
-    }
+    places = {place for source in sources for place in (source.absolute(), source.resolve())}
+    names = {name for place, name in _owners().items() if place in places}
     entries = []
-    for name in sorted(names - {None}, key=str):
-        for file in metadata.distribution(str(name)).files or []:
+    for name in sorted(names):
+        for file in metadata.distribution(name).files or []:
             if file.name == "METADATA" and file.parent.suffix == ".dist-info":
                 entries.append((file.as_posix(), str(file.locate()), "DATA"))
     return entries

@@ -38,9 +38,8 @@ def test_what_is_needed_is_followed_and_what_is_absent_left_out(
         'Requires-Dist: developers-only; extra == "dev"',
     )
     install("some.lib", "License-Expression: MIT", "Requires-Dist: deeper (>=1)")
-    install(
-        "deeper", "Classifier: License :: OSI Approved :: BSD License", "Requires-Dist: some-lib"
-    )
+    bsd = "Classifier: License :: OSI Approved :: BSD License"
+    install("deeper", bsd, "Requires-Dist: some-lib")
     install("developers-only", "License: GPL")
     found = licences.libraries()
     assert [(library.name, library.licence) for library in found] == [
