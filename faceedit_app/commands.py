@@ -86,7 +86,7 @@ def apply(
     models: ModelsOption = None,
 ) -> None:
     """Apply edits to a take and export it in its own format."""
-    from faceedit_app.editing.opening import load_engine, open_session
+    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.editing.solving.solver import Mode, Settings
 
     if mode not in list(Mode):
@@ -94,7 +94,8 @@ def apply(
     for name, value in (("naturalness", naturalness), ("reach", reach)):
         if not 0 <= value <= 1:
             raise FaceEditError(f"--{name} {value:g}: must be from 0 to 1")
-    session = open_session(take, engine=load_engine(models))
+    rig = shipped_rig()
+    session = open_session(take, rig, load_engine(rig, models))
     session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
     session.export(output)
@@ -117,11 +118,12 @@ def render(
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take."""
-    from faceedit_app.editing.opening import load_engine, open_session
+    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
-    session = open_session(take, engine=load_engine(models) if edits else None)
+    rig = shipped_rig()
+    session = open_session(take, rig, load_engine(rig, models) if edits else None)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")

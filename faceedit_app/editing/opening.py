@@ -22,13 +22,13 @@ def shipped_rig() -> Rig:
     return read_rig(shipped("assets/character.glb"))
 
 
-def load_engine(models: Path | None = None) -> Engine:
-    """The networks of a folder; of those that ship with FaceEdit if none is given.
+def load_engine(rig: Rig, models: Path | None = None) -> Engine:
+    """The networks of a folder, by default of those that ship, which must be made for the rig.
 
     Raises:
-        FileError: they are missing or damaged.
+        FileError: they are missing or damaged, or for another character.
     """
-    return Engine.load(models if models is not None else shipped("models"))
+    return Engine.load(models if models is not None else shipped("models"), rig)
 
 
 def open_session(

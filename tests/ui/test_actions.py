@@ -34,7 +34,7 @@ def window(bench: Bench) -> MainWindow:
     return window
 
 
-def test_the_tables_are_sound() -> None:
+def test_the_table_is_sound() -> None:
     assert max(Counter(command.id for command in COMMANDS).values()) == 1
     keys = Counter(QKeySequence(k).toString() for command in COMMANDS for k in command.keys)
     assert [key for key, count in keys.items() if count > 1] == []

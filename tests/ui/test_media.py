@@ -13,6 +13,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
+from support.faces import random_engine
 from support.films import make_broadcast_wav, make_film, make_wav, number_of
 from support.takes import make_livelink_csv
 from support.windows import Bench, drag_curve, drop, trigger
@@ -284,13 +285,13 @@ def test_alt_drag_moves_the_sound_and_esc_takes_it_back(
     bench: Bench, devices: list[FakeOutput]
 ) -> None:
     window = with_media(bench, make_wav(bench.folder / "voice.wav"))
-    wave, row = editor_of(window).sound.waveform, editor_of(window).sound
+    wave, strip = editor_of(window).sound.waveform, editor_of(window).sound
     per_pixel = wave.scale.seconds_per_pixel
     alt, shift = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier
     drag(wave, 100, 160, alt)
     assert window.media.sound is not None
     assert window.media.sound.offset == pytest.approx(60 * per_pixel, abs=1e-3)
-    assert row.offset.value() == pytest.approx(60 * per_pixel, abs=1e-3)
+    assert strip.offset.value() == pytest.approx(60 * per_pixel, abs=1e-3)
     assert devices[0].offset == window.media.sound.offset
     drag(wave, 100, 160, alt | shift)
     assert window.media.sound.offset == pytest.approx(66 * per_pixel, abs=1e-3)
@@ -300,7 +301,7 @@ def test_alt_drag_moves_the_sound_and_esc_takes_it_back(
     QTest.keyClick(wave, Qt.Key.Key_Escape)
     assert not wave.is_moving
     assert window.media.sound.offset == pytest.approx(66 * per_pixel, abs=1e-3)
-    row.offset.setValue(-0.25)
+    strip.offset.setValue(-0.25)
     assert window.media.sound.offset == -0.25
 
 
@@ -653,15 +654,15 @@ def test_adding_moving_and_removing_are_one_step_each(
     assert window.isWindowModified()
     added = Placement(MediaFile(film), MediaFile(film))
     assert window.media.placement == added
-    row = editor_of(window).sound
+    strip = editor_of(window).sound
     for _ in range(5):  # the arrows of the number
-        QTest.keyClick(row.offset, Qt.Key.Key_Up)
+        QTest.keyClick(strip.offset, Qt.Key.Key_Up)
     moved = Placement(MediaFile(film, 0.05), MediaFile(film, 0.05))
     assert window.media.placement == moved
     trigger(window, "undo")
     assert window.media.placement == added, "five presses are one step"
     trigger(window, "redo")
-    drag(row.waveform, 100, 160, Qt.KeyboardModifier.AltModifier)
+    drag(strip.waveform, 100, 160, Qt.KeyboardModifier.AltModifier)
     dragged = window.media.placement
     assert dragged != moved
     trigger(window, "remove_film")
@@ -676,7 +677,7 @@ def test_a_dropped_drag_of_the_sound_is_no_step(bench: Bench, devices: list[Fake
     before, wave = session.state, editor_of(window).sound.waveform
     mouse(wave, QEvent.Type.MouseButtonPress, 50, Qt.KeyboardModifier.AltModifier)
     mouse(wave, QEvent.Type.MouseMove, 150, Qt.KeyboardModifier.AltModifier)
-    window.document.changed.emit()  # a wide edit was computed meanwhile: the drag goes on
+    session.use_engine(random_engine(3))  # the networks are loaded meanwhile: the drag goes on
     assert window.media.placement.sound != MediaFile(bench.folder / "voice.wav")
     QTest.keyClick(wave, Qt.Key.Key_Escape)
     assert session.state == before
@@ -742,11 +743,11 @@ def test_a_sound_that_arrives_during_a_drag_leaves_the_drag_alone(
         QEvent.Type.MouseMove, QPointF(start - QPoint(0, 30)), glob, Qt.MouseButton.NoButton,
         Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier,
     ))  # fmt: skip
-    bench.qtbot.waitUntil(lambda: session.is_floating)
+    bench.qtbot.waitUntil(lambda: session.is_previewing)
     window.media.add(make_wav(bench.folder / "voice.wav"))
     settle(bench, window)
     assert window.media.sound is not None
-    assert session.is_floating
+    assert session.is_previewing
     assert not session.can_undo
     QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, pos=start - QPoint(0, 30))
     assert len(session.edits) == 1

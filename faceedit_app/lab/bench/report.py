@@ -15,15 +15,25 @@ import numpy as np
 from threadpoolctl import threadpool_info
 
 from faceedit_app import __version__
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.opening import load_engine, shipped_rig
 from faceedit_app.lab.bench import busy, references, starting, window
 from faceedit_app.lab.bench.clocks import Times
 from faceedit_app.lab.bench.desk import Desk
 from faceedit_app.networks.engine import Engine
 from faceedit_app.ui.start.application import application
 
-PACKAGES = ("numpy", "scipy", "PySide6_Essentials", "pyqtgraph", "pyrender2", "PyOpenGL", "torch")
+PACKAGES = (
+    "numpy",
+    "onnxruntime",
+    "scipy",
+    "PySide6_Essentials",
+    "pyqtgraph",
+    "pyrender2",
+    "PyOpenGL",
+    "torch",
+)
 
 
 @dataclass(frozen=True)
@@ -50,7 +60,8 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
         say: told what is being measured.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-    rig, engine = shipped_rig(), load_engine()
+    rig = read_rig(shipped("assets/character.glb"))
+    engine = Engine.load(shipped("models"), rig)
     found: dict[str, Any] = {"machine": machine()}
     say("starting")
     found["start_s"], found["peak_mb"] = _starts(plan)
@@ -100,7 +111,7 @@ def _compared(
 ) -> tuple[dict[str, Any], dict[str, float | None]]:
     """How many times as long as ours each reference takes."""
     ratio: dict[str, float | None] = dict.fromkeys(
-        ("naive", "holden", "gl_limit", "cpu_limit", "blender")
+        ("naive", "torch", "holden", "gl_limit", "cpu_limit", "blender")
     )
     if not plan.compared:
         return {}, ratio

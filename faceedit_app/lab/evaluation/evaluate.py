@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, Control, control_named
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import LOWER, REGIONS, Region
+from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.benchmark import GOALS, Outcome, run_benchmark
 from faceedit_app.lab.evaluation.metrics import (
@@ -154,8 +155,8 @@ def evaluate_takes(
         FileError: a model is missing or damaged.
         FaceEditError: the takes are too short.
     """
-    rig = shipped_rig()
-    systems = Systems.load(models)
+    rig = read_rig(shipped("assets/character.glb"))
+    systems = Systems.load(models, rig)
     figures = measure_systems(performances, systems, rig)
     takes = [open_take(take.path) for take in performances if take.path is not None]
     figures.outcomes = run_benchmark(takes, rig, systems.engine, progress)
@@ -261,8 +262,8 @@ def _score(
     rig: Rig,
 ) -> Score:
     columns = _columns(region)
-    controls = [CONTROL_INDEX[c] for c in systems.engine.models[region.id].controls]
-    natural = systems.engine.models[region.id].natural
+    model = systems.engine.models[region.id]
+    controls, natural = model.columns, model.description.natural
     squares, vertices, misses, far, wild = [], [], [], [], []
     high, rough = np.zeros(2), np.zeros(2)
     for take, answer in zip(takes, answers, strict=True):

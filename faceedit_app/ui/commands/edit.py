@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
+from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.editing.help.clipboard import Clipboard, Copied, copy_range
-from faceedit_app.editing.solving.solver import Mode
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
@@ -37,6 +37,18 @@ class EditCommands:
         """Whether a step was taken back."""
         session = self._document.session
         return session is not None and session.can_redo
+
+    @property
+    def undo_name(self) -> str:
+        """The step that Undo takes back."""
+        session = self._document.session
+        return session.undo_name if session is not None else ""
+
+    @property
+    def redo_name(self) -> str:
+        """The step that Redo takes again."""
+        session = self._document.session
+        return session.redo_name if session is not None else ""
 
     def undo(self) -> None:
         """Take the last step back; a drag in progress is the last step."""
@@ -68,7 +80,9 @@ class EditCommands:
 
     def _reset(self, controls: tuple[str, ...]) -> None:
         self._workspace.finish()
-        self._document.reset(*self._range_at_hand(), self._timeline.falloff, controls)
+        session = self._document.session
+        if session is not None and session.edits and controls:
+            session.reset(*self._range_at_hand(), controls, self._timeline.falloff)
 
     def _range_at_hand(self) -> tuple[float, float]:
         """The selection, else the playhead with the falloff to either side."""
@@ -95,12 +109,12 @@ class EditCommands:
     def paste(self) -> None:
         """Put what was copied at the playhead."""
         if (copied := self._copied()) is not None:
-            self._put(copied, self._timeline.time, "Pasted")
+            self._put(copied, self._timeline.time, "Pasted", "Paste")
 
     def paste_mirrored(self) -> None:
         """Put what was copied at the playhead, left and right changing places."""
         if (copied := self._copied()) is not None:
-            self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored")
+            self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste mirrored")
 
     def mirror(self) -> None:
         """Let left and right change places in the selection."""
@@ -109,7 +123,7 @@ class EditCommands:
             return
         self._workspace.finish()
         copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
-        self._put(copied.mirrored(), selection[0], "Mirrored")
+        self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
 
     def _selection(self, what: str) -> tuple[float, float] | None:
         selection = self._timeline.selection
@@ -127,11 +141,12 @@ class EditCommands:
             self._workspace.message.emit("Nothing was copied yet")
         return self._clipboard
 
-    def _put(self, source: Clipboard, at: float, name: str) -> None:
+    def _put(self, source: Clipboard, at: float, name: str, step: str) -> None:
         self._workspace.finish()
         edits = source.paste(at, self._timeline.falloff)
         if edits:
-            self._workspace.add_edits(tuple(replace(edit, name=name) for edit in edits), name)
+            named = tuple(replace(edit, name=name) for edit in edits)
+            self._workspace.add_edits(named, name, step)
 
     # --- the list of edits -------------------------------------------------------------------
 
@@ -172,15 +187,16 @@ class EditCommands:
         self._workspace.finish()
         session = self._document.session
         if session is not None:
-            self._document.configure(replace(session.settings, mode=mode))
+            session.configure(replace(session.settings, mode=mode))
 
 
 # fmt: off
 MENU: Menu[EditCommands] = Menu("Edit", (
     Command("undo", "&Undo", EditCommands.undo, ("Ctrl+Z",), "Take the last step back", "undo",
-            enabled=lambda do: do.can_undo),
+            detail=lambda do: do.undo_name, enabled=lambda do: do.can_undo),
     Command("redo", "&Redo", EditCommands.redo, ("Ctrl+Shift+Z", "Ctrl+Y"),
-            "Take the step again", "redo", enabled=lambda do: do.can_redo),
+            "Take the step again", "redo", detail=lambda do: do.redo_name,
+            enabled=lambda do: do.can_redo),
     Command("reset_range", "Reset r&ange", EditCommands.reset_range, ("Ctrl+R",),
             "Back to the take as tracked: in the selection, else around the playhead", "reset",
             enabled=lambda do: do.has_edits, starts_group=True),

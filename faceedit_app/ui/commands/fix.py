@@ -19,6 +19,7 @@ from faceedit_app.editing.help.presets import (
     shipped_presets,
 )
 from faceedit_app.editing.help.problems import Problem
+from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
@@ -148,7 +149,8 @@ class FixCommands:
         page, problem = self._workspace.page, self.problem
         if page is not None and problem is not None and problem.fix:
             self._workspace.finish()
-            page.proposal.offer(f"{problem.message}. Proposed fix is shown.", problem.fix)
+            message = f"{problem.message}. Proposed fix is shown."
+            page.proposal.offer(message, problem.fix, "Fix problem")
 
     def fix_all(self) -> None:
         """Show what would mend all problems."""
@@ -159,7 +161,8 @@ class FixCommands:
         fixable = [problem for problem in self.problems if problem.fix]
         edits = tuple(edit for problem in fixable for edit in problem.fix)
         if edits:
-            page.proposal.offer(f"Proposed fixes of {len(fixable)} problems are shown.", edits)
+            count = counted(len(fixable), "problem")
+            page.proposal.offer(f"Proposed fixes of {count} are shown.", edits, f"Fix {count}")
 
     @property
     def has_proposal(self) -> bool:
@@ -191,7 +194,7 @@ def _fixes() -> Iterator[Command[FixCommands]]:
             f"fix_{preset.id}",
             preset.menu,
             partial(FixCommands.apply, preset=preset),
-            (preset.keys,) if preset.keys else (),
+            (preset.key,) if preset.key else (),
             preset.hint,
             preset.icon,
             starts_group=starts_group,

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.files.journal import Pending
 from faceedit_app.editing.files.project import (
@@ -51,8 +52,11 @@ def view_of(workspace: Workspace) -> ViewState:
 def restore_view(workspace: Workspace, view: ViewState) -> None:
     """Look at the open take as it was looked at."""
     line = workspace.timeline
-    fade_out = view.ui.get("falloff_out", view.falloff)
-    line.set_falloffs(view.falloff, fade_out if isinstance(fade_out, int | float) else view.falloff)
+    try:
+        fade_out = Fields(view.ui).number("falloff_out", view.falloff, 0.0)
+    except FieldError:
+        fade_out = view.falloff
+    line.set_falloffs(view.falloff, fade_out)
     if view.visible is not None:
         line.show_range(*view.visible)
     line.select(view.selection)

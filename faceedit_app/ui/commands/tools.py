@@ -37,7 +37,7 @@ class ToolCommands:
         """Move the curve that has the focus."""
         page = self._workspace.page
         if page is not None:
-            self._workspace.settle_sliders()
+            self._workspace.settle()
             page.curves.nudge(millimetres)
 
 

@@ -86,9 +86,14 @@ class Workspace(QObject):
         folder = self.preferences.folder(kind) if is_demo_take(take) else take.parent
         return folder / f"{take.stem}{tail}{ending}"
 
-    def add_edits(self, edits: tuple[Edit, ...], name: str) -> None:
-        """Make edits: one undo step. They are selected, ready to be weakened."""
-        self.document.act(lambda session: session.add(*edits))
+    def add_edits(self, edits: tuple[Edit, ...], name: str, step: str = "") -> None:
+        """Make edits as one step. They are selected, ready to be weakened.
+
+        Args:
+            name: theirs, and the step's if that has none of its own.
+            step: what Undo and Redo call it.
+        """
+        self.document.act(lambda session: session.add(*edits, name=step or name))
         if self.page is not None:
             self.page.edits.select_new(len(edits))
         start, end = min(e.start for e in edits), max(e.end for e in edits)
@@ -105,17 +110,11 @@ class Workspace(QObject):
             return True
         return self.page.drop()
 
-    def settle_sliders(self) -> None:
+    def settle(self) -> None:
         """Bring gestures outside of the curves to their end."""
         self.media_steps.settle()
         if self.page is not None:
             self.page.settle()
-
-    def settle(self) -> None:
-        """Bring gestures of sliders and keys to their end."""
-        if self.page is not None:
-            self.page.curves.settle()
-        self.settle_sliders()
 
     def finish(self) -> None:
         """Drop a drag in progress and bring other gestures to their end."""

@@ -1,4 +1,4 @@
-"""The bar above the curves: undo, reset, and how edits are answered."""
+"""The strip above the curves: undo, reset, and how edits are answered."""
 
 from __future__ import annotations
 
@@ -78,6 +78,10 @@ class SettingsBar(QWidget):
         """Bring a gesture on a slider to its end now."""
         for slider in self.sliders:
             slider.settle()
+
+    def cancel(self) -> bool:
+        """Drop a drag of a slider; False if there is none."""
+        return any(slider.cancel() for slider in self.sliders)
 
     # --- what it shows -----------------------------------------------------------------------
 

@@ -30,7 +30,9 @@ class ToolBar(QWidget):
         row.addWidget(_spelled(actions["link"]))
         row.addWidget(divider())
         self.fix_buttons = [
-            _spelled(actions[f"fix_{preset.id}"]) for preset in shipped_presets() if preset.toolbar
+            _spelled(actions[f"fix_{preset.id}"])
+            for preset in shipped_presets()
+            if preset.has_button
         ]
         for button in self.fix_buttons:
             row.addWidget(button)
@@ -55,9 +57,9 @@ class ToolBar(QWidget):
     def _more(actions: Actions) -> QToolButton:
         """The fixes that have no button of their own, and the user's presets."""
         menu = QMenu()
-        for preset in shipped_presets():
-            if not preset.toolbar:
-                menu.addAction(actions[f"fix_{preset.id}"])
+        for fix in shipped_presets():
+            if not fix.has_button:
+                menu.addAction(actions[f"fix_{fix.id}"])
         menu.addAction(actions["expression"])
         menu.addSeparator()
         menu.addMenu(actions.submenu("presets"))

@@ -147,7 +147,7 @@ class MainWindow(WindowBase):
         """
         rig = loading.load_character()
         try:
-            self.document.engine = loading.load_engine()
+            self.document.engine = loading.load_engine(rig)
             self.status.set_networks("ready")
         except FaceEditError as error:
             self._do_without_engine(error)
@@ -188,7 +188,9 @@ class MainWindow(WindowBase):
         def prepared(_: None) -> None:
             self._can_draw = True
             self._open_face()
-            self._background.run(loading.load_engine, self._use_engine, self._do_without_engine)
+            self._background.run(
+                lambda: loading.load_engine(rig), self._use_engine, self._do_without_engine
+            )
 
         self._background.run(loading.prepare_renderer, prepared, self._show_error)
 

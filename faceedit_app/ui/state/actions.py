@@ -18,6 +18,7 @@ from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.state.document import Document
 
 Doer = TypeVar("Doer")
+_LONGEST = 40  # letters of a detail
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Command(Generic[Doer]):
         keys: shortcuts, the first of which is shown.
         tip: one sentence for tooltips, the status bar and the list of shortcuts.
         icon: name of its icon, or nothing.
+        detail: what follows the text now, such as the step that Undo takes back.
         enabled: whether it is possible now; None = always.
         checked: whether the state that it switches is on; None = it switches none.
         needs_take: whether it is greyed out while no take is open.
@@ -45,6 +47,7 @@ class Command(Generic[Doer]):
     keys: tuple[str, ...] = ()
     tip: str = ""
     icon: str = ""
+    detail: Callable[[Doer], str] | None = None
     enabled: Callable[[Doer], bool] | None = None
     checked: Callable[[Doer], bool] | None = None
     needs_take: bool = True
@@ -103,6 +106,8 @@ class Actions:
             action.setEnabled(possible and (command.enabled is None or command.enabled(doer)))
             if command.checked is not None:
                 action.setChecked(command.checked(doer))
+            if command.detail is not None:
+                action.setText(f"{command.text} {_in_menu(command.detail(doer))}".rstrip())
 
     def _fill(self, menu: Menu[Any], doer: Any) -> None:
         outer = self._window.menuBar().addMenu(f"&{menu.name}")
@@ -145,6 +150,14 @@ class Actions:
             command.run(doer)
         finally:
             self.refresh()  # Qt has switched what can be switched, whatever came of it
+
+
+def _in_menu(detail: str) -> str:
+    """Words of the user's, as a menu can show them: short, and neither keys nor columns."""
+    words = " ".join(detail.split())
+    if len(words) > _LONGEST:
+        words = words[: _LONGEST - 1].rstrip() + "…"
+    return words.replace("&", "&&")
 
 
 def shown_keys(keys: str) -> str:

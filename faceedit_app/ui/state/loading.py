@@ -49,12 +49,12 @@ def prepare_renderer() -> None:
         return  # opening the renderer meets it again, and says so where it can be shown
 
 
-def load_engine() -> Engine:
+def load_engine(rig: Rig) -> Engine:
     """The shipped networks.
 
     Raises:
-        FileError: they are missing or damaged.
+        FileError: they are missing or damaged, or for another character.
     """
     from faceedit_app.editing import opening
 
-    return opening.load_engine()
+    return opening.load_engine(rig)
