@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Indices
 from faceedit_app.core.rig import Material, Rig
 
 
@@ -143,23 +143,34 @@ class NormalSolver:
 
     Coordinates are kept apart: numpy works on long rows several times as fast as on triples.
 
+    trimesh's are as exact and take two and a half times as long, half a millisecond more in each
+    frame (docs/adr/0011-pyrender.md); where meshes are built, they are what is used.
+
     Args:
         faces: (F, 3) int, counter-clockwise seen from outside.
         vertex_count: V.
+        wanted: (N,) the vertices whose normals are wanted; by default all, and N is V.
     """
 
-    def __init__(self, faces: NDArray[np.int32], vertex_count: int) -> None:
+    def __init__(
+        self, faces: NDArray[np.int32], vertex_count: int, *, wanted: Indices | None = None
+    ) -> None:
+        if wanted is not None:
+            is_wanted = np.zeros(vertex_count, bool)
+            is_wanted[wanted] = True
+            faces = faces[is_wanted[faces].any(axis=1)]
         corners = faces.ravel()
         owners = np.repeat(np.arange(len(faces), dtype=np.int32), 3)
         ones = np.ones(len(corners), np.float32)
-        self._gather = sparse.csr_matrix((ones, (corners, owners)), (vertex_count, len(faces)))
+        gather = sparse.csr_matrix((ones, (corners, owners)), (vertex_count, len(faces)))
+        self._gather = gather if wanted is None else gather[wanted]
         self._corners = np.ascontiguousarray(faces.T, np.intp)
 
     def __call__(self, vertices: Floats) -> Floats:
-        """(V, 3) float32 vertices -> (V, 3) float32 unit normals; zero where no face is."""
+        """(V, 3) float32 vertices -> (N, 3) float32 unit normals; zero where no face is."""
         corners = np.take(np.ascontiguousarray(vertices.T), self._corners, axis=1)  # (3, 3, F)
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        normals = np.empty((3, len(vertices)), np.float32)
+        normals = np.empty((3, self._gather.shape[0]), np.float32)
         for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             # The cross product, whose length is twice the area.
             normals[x] = self._gather @ (u[y] * v[z] - u[z] * v[y])

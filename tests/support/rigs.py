@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.clip import Clip, Floats, Gap
+from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.rig import Material, Rig
+from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
+from support.takes import NoFile
 
 # By control, its distance at rest in mm, and the mm that a channel at weight 1 adds to it.
 _MOVES: dict[str, tuple[float, dict[str, float]]] = {
@@ -61,14 +63,6 @@ def tiny_rig() -> Rig:
     )
 
 
-class NoFile:
-    """A source for takes that no test writes."""
-
-    def encode(self, tracked: Floats, edited: Floats) -> bytes:
-        """Nothing."""
-        return b""
-
-
 def tiny_take(frames: int = 200, rate: float = 50.0, gaps: tuple[Gap, ...] = ()) -> Take:
     """A mouth that opens and closes, and eyes half open."""
     times = np.arange(frames) / rate
@@ -87,7 +81,7 @@ def tiny_take(frames: int = 200, rate: float = 50.0, gaps: tuple[Gap, ...] = ())
 
 def tiny_session(frames: int = 200, gaps: tuple[Gap, ...] = ()) -> EditSession:
     """The tiny take on the tiny rig, edited without networks."""
-    return EditSession(tiny_take(frames, gaps=gaps), tiny_rig())
+    return open_session(tiny_take(frames, gaps=gaps), tiny_rig())
 
 
 def ball(rows: int = 24, columns: int = 32) -> Rig:
