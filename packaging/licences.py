@@ -62,6 +62,21 @@ def collect(sources: Iterable[Path]) -> str:
     return head + "".join(bodies)
 
 
+def metadata_of(sources: Iterable[Path]) -> list[tuple[str, str, str]]:
+    """PyInstaller's entries for what says of each distribution in the bundle what it is.
+
+    About lists their licences (`core/licences.py`): what is left out of the bundle is not named.
+    """
+    places = {place for source in sources for place in (source.absolute(), source.resolve())}
+    names = {name for place, name in _owners().items() if place in places}
+    entries = []
+    for name in sorted(names):
+        for file in metadata.distribution(name).files or []:
+            if file.name == "METADATA" and file.parent.suffix == ".dist-info":
+                entries.append((file.as_posix(), str(file.locate()), "DATA"))
+    return entries
+
+
 def _origin(source: Path) -> tuple[str, Callable[[], str]]:
     """What a file came with, and how to get the text of its licence; "" for our own files."""
     owner = _owners().get(source.absolute()) or _owners().get(source.resolve())

@@ -64,14 +64,14 @@ def train(
     Ctrl+C keeps the best so far; the same command goes on from there.
     """
     require("torch", extra="training")
-    from faceedit_app.lab.training.run import Plan, train_models
+    from faceedit_app.lab.training.run import TrainingPlan, train_models
 
     folders = [*(data or []), *(more or [])]
     if not folders:
         raise FaceEditError("train needs takes to learn from: --data DIR")
     if models is not None and not finetune:
         raise FaceEditError("--models says where --finetune starts: give both or neither")
-    plan = Plan(
+    plan = TrainingPlan(
         tuple(folders),
         output,
         tuple(exclude or ()),
@@ -207,7 +207,7 @@ def bench(
     ] = False,
 ) -> None:
     """Measure the window on this machine: from the mouse to the picture, playback, start."""
-    from faceedit_app.lab.bench.report import QUICK, Plan, run, text
+    from faceedit_app.lab.bench.report import QUICK, BenchPlan, run, text
 
-    found = run(QUICK if quick else Plan(), lambda what: print(f"{what}…", file=sys.stderr))
+    found = run(QUICK if quick else BenchPlan(), lambda what: print(f"{what}…", file=sys.stderr))
     print(json.dumps(found, indent=2) if as_json else text(found))

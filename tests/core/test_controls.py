@@ -24,7 +24,7 @@ from faceedit_app.core.regions import LOWER, REGIONS
 
 PACKAGE = ROOT / "faceedit_app"
 # Where a region's id is also another word: the command that lowers a curve.
-OTHER_WORDS = {"ui/commands/edit.py": {"lower"}, "ui/state/actions.py": {"lower"}}
+OTHER_WORDS = {"ui/commands/tools.py": {"lower"}}
 
 
 @pytest.mark.parametrize("control", CONTROLS, ids=CONTROL_IDS)

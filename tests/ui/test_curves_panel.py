@@ -51,7 +51,7 @@ def panel(qtbot: QtBot) -> CurvesPanel:
 @pytest.mark.parametrize("pause", [0, 20])
 @pytest.mark.parametrize("index", [0, 2, 6])
 def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, pause: int) -> None:
-    panel.tooling.link(False)
+    panel.tools.link(False)
     plot, session = panel.plots[index], session_of(panel)
     per_pixel = plot.current_scale.mm_per_pixel
     committed: list[int] = []
@@ -207,7 +207,7 @@ def test_a_hand_asks_for_no_more_than_a_face_can_do(
     panel: CurvesPanel, qtbot: QtBot, index: int, way: int
 ) -> None:
     """And comes back as it went: the curve is under it again once it is inside."""
-    panel.tooling.link(False)
+    panel.tools.link(False)
     plot, session = panel.plots[index], session_of(panel)
     low, high = session.limits[index]
     frame = session.take.clip.frame_at(1.5)
@@ -225,7 +225,7 @@ def test_a_hand_asks_for_no_more_than_a_face_can_do(
 
 @pytest.mark.parametrize("tool", list(Tool))
 def test_no_drag_however_wild_raises(panel: CurvesPanel, tool: Tool) -> None:
-    panel.tooling.choose(tool)
+    panel.tools.choose(tool)
     plot, session = panel.plots[0], session_of(panel)
     low, high = session.limits[0]
     for way in (QPoint(40, -100_000), QPoint(-90, 100_000), QPoint(30, -100_000)):
@@ -263,7 +263,7 @@ def test_a_dropped_drag_leaves_the_value_axis_as_it_was(panel: CurvesPanel) -> N
 def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
     span = plot.values
-    panel.tooling.choose(Tool.DRAW)
+    panel.tools.choose(Tool.DRAW)
     start = place(plot, 1.5)
     drag(plot, start, start + QPoint(20, -300), release=False, pause=20)
     assert panel.is_dragging
@@ -275,7 +275,7 @@ def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> Non
 def test_the_face_follows_a_pen_and_a_brush(panel: CurvesPanel, qtbot: QtBot, tool: Tool) -> None:
     """And Esc puts the playhead back where it was."""
     plot, line = panel.plots[0], panel.timeline
-    panel.tooling.choose(tool)
+    panel.tools.choose(tool)
     line.go_to_frame(3)
     start, stop = place(plot, 1.5), place(plot, 2.5)
     drag(plot, start, stop, release=False, pause=20)

@@ -73,7 +73,7 @@ def opened(bench: Bench) -> tuple[MainWindow, Editor]:
 def test_a_drag_on_a_curve_is_kept_as_one_step(bench: Bench, lose: Lose, tool: Tool) -> None:
     window, editor = opened(bench)
     add_edit(window)
-    window.tooling.choose(tool)
+    window.tools.choose(tool)
     plot, session = editor.curves.plots[0], window.document.session
     assert session is not None
     hold(plot, QPoint(30, -30))
@@ -177,7 +177,7 @@ def test_a_slider_is_let_go_of(bench: Bench, lose: Lose) -> None:
     add_edit(window)
     session = window.document.session
     assert session is not None
-    for slider in (editor.strip.natural, editor.edits.strength):
+    for slider in (editor.settings_bar.natural, editor.edits.strength):
         editor.edits.select(0)
         slider.setSliderDown(True)
         slider.setSliderPosition(40)

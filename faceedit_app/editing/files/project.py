@@ -16,7 +16,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, Fields, read_document, to_text
 from faceedit_app.editing.edits.edit import edits_from, to_json
-from faceedit_app.editing.edits.media import Media
+from faceedit_app.editing.edits.media import MediaFile
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
@@ -32,7 +32,7 @@ SUFFIX = ".faceedit"
 
 
 @dataclass(frozen=True)
-class View:
+class ViewState:
     """How the take was being looked at; all times in seconds of the take.
 
     Attributes:
@@ -66,9 +66,9 @@ class Project:
     take: Path
     fingerprint: Fingerprint
     state: EditState = field(default_factory=EditState)
-    view: View = field(default_factory=View)
-    audio: Media | None = None
-    film: Media | None = None
+    view: ViewState = field(default_factory=ViewState)
+    audio: MediaFile | None = None
+    film: MediaFile | None = None
     fps: float | None = None
 
 
@@ -149,8 +149,8 @@ def settings_from(fields: Fields) -> Settings:
     return settings
 
 
-def _view(fields: Fields) -> View:
-    view = View(
+def _view(fields: Fields) -> ViewState:
+    view = ViewState(
         playhead=fields.number("playhead", 0.0),
         visible=fields.span("visible"),
         selection=fields.span("selection"),
@@ -161,11 +161,11 @@ def _view(fields: Fields) -> View:
     return view
 
 
-def _media(fields: Fields, name: str, project: Path) -> Media | None:
+def _media(fields: Fields, name: str, project: Path) -> MediaFile | None:
     entry = fields.fields_or_none(name)
     if entry is None:
         return None
-    media = Media(_absolute(entry, project), entry.number("offset", 0.0))
+    media = MediaFile(_absolute(entry, project), entry.number("offset", 0.0))
     entry.finish()
     return media
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:  # the window is there before the solver and the networks are 
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
     from faceedit_app.editing.files.journal import Journal
-    from faceedit_app.editing.files.project import View
+    from faceedit_app.editing.files.project import ViewState
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
 
@@ -151,7 +151,7 @@ class Document(QObject):
             self.session.export(path)
             self._is_saved()
 
-    def save_project(self, path: Path, view: View, media: Placement) -> None:
+    def save_project(self, path: Path, view: ViewState, media: Placement) -> None:
         """Write take, edits, view, sound and film as one project.
 
         Raises:
