@@ -97,4 +97,6 @@ def check_targets(vertices: Sequence[int], targets: Sequence[int]) -> None:
         raise Damaged(f"{sum(vertices)} vertices are more than {MOST_VERTICES}")
     size = sum(12 * v * t for v, t in zip(vertices, targets, strict=True))
     if size > MOST_TARGET_BYTES:
-        raise Damaged(f"its morph targets take {size >> 20} MB, more than {MOST_TARGET_BYTES >> 20}")
+        raise Damaged(
+            f"its morph targets take {size >> 20} MB, more than {MOST_TARGET_BYTES >> 20}"
+        )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +68,19 @@ class Part:
     uv: Floats | None = None
     colors: Floats | None = None
     surface: Surface = field(default_factory=Surface)
+
+    def only(self, kept: NDArray[np.intp]) -> Part:
+        """The part with some of its vertices (in order), which its faces must not go beyond."""
+        place = np.zeros(len(self.neutral), np.int32)
+        place[kept] = np.arange(len(kept), dtype=np.int32)
+        return replace(
+            self,
+            neutral=self.neutral[kept],
+            faces=place[self.faces],
+            targets={name: moves[kept] for name, moves in self.targets.items()},
+            uv=None if self.uv is None else self.uv[kept],
+            colors=None if self.colors is None else self.colors[kept],
+        )
 
 
 @dataclass(frozen=True)
