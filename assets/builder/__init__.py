@@ -8,7 +8,7 @@ The road through the modules, in the order in which they run:
     hair, brows, lashes, eyes, teeth      model what the base mesh lacks
     colour    paints the skin and shades everything by its visible share of the sky
     assemble  joins the parts into one `Rig`
-    controls  names the eight vertex pairs of the control distances
+    controls  names the vertex pairs of the control distances
     sheet     draws every shape for a person to look at
 
 Everything works in millimetres, Y up, +Z towards the viewer, +X the character's left; only

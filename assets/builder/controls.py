@@ -1,4 +1,4 @@
-"""The eight control distances of the character: which vertices they join."""
+"""The control distances of the character: which vertices they join."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from assets.builder.source import Ints
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.controls import CONTROL_IDS, CONTROLS
 from faceedit_app.core.rig import Rig
 
 LEFT_CORNER, RIGHT_CORNER = 7185, 425
@@ -28,13 +28,15 @@ PAIRS: dict[str, tuple[int, int]] = {
 
 
 def control_pairs(base_index: Ints) -> Ints:
-    """(8, 2) indices into the finished character.
+    """(C, 2) indices into the finished character; -1 for a control that `PAIRS` lacks.
 
     Args:
         base_index: (V,) the base-mesh vertex that each of its vertices comes from, or -1.
     """
     where = {int(base): i for i, base in enumerate(base_index) if base >= 0}
-    return np.array([[where[v] for v in PAIRS[control.id]] for control in CONTROLS])
+    return np.array(
+        [[where[v] for v in PAIRS[name]] if name in PAIRS else (-1, -1) for name in CONTROL_IDS]
+    )
 
 
 def write_definitions(path: Path, rig: Rig) -> None:
@@ -50,6 +52,7 @@ def write_definitions(path: Path, rig: Rig) -> None:
             "neutral_length_mm": round(float(length), 2),
         }
         for control, pair, length in zip(CONTROLS, rig.control_pairs, lengths, strict=True)
+        if control.id in PAIRS
     ]
     text = json.dumps({"controls": entries}, indent=2) + "\n"
     path.write_text(text, encoding="utf-8", newline="\n")

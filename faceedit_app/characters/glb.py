@@ -14,11 +14,12 @@ import pygltflib as gltf
 from numpy.typing import NDArray
 
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.core.rig import Material, Rig
 
 _REMEDY = "choose a GLB with morph targets and FaceEdit control definitions"
+_MISSING = (-1, -1)  # a control that the file does not define
 _FLOAT, _UINT = gltf.FLOAT, gltf.UNSIGNED_INT
 _WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _DTYPE: dict[int, Any] = {
@@ -113,9 +114,8 @@ def write_rig(path: Path | str, rig: Rig) -> None:
                 ),
             )
         )
-    controls = {
-        name: [int(a), int(b)] for name, (a, b) in zip(CONTROL_IDS, rig.control_pairs, strict=True)
-    }
+    pairs = zip(CONTROL_IDS, rig.control_pairs.tolist(), rig.has_control, strict=True)
+    controls = {name: pair for name, pair, has in pairs if has}
     mesh = gltf.Mesh(
         name=rig.name,
         primitives=primitives,
@@ -212,7 +212,7 @@ def _rig(document: gltf.GLTF2, fallback_name: str) -> Rig:
         deltas=np.stack([_accessor(document, t["POSITION"]) for t in first.targets]),
         colors=_accessor(document, first.attributes.COLOR_0).astype(np.float32),
         materials=tuple(materials),
-        control_pairs=np.array([controls[name] for name in CONTROL_IDS], np.int32),
+        control_pairs=np.array([controls.get(name, _MISSING) for name in CONTROL_IDS], np.int32),
         name=mesh.name or fallback_name,
         attribution=extras.get("attribution", ""),
     )
@@ -226,7 +226,10 @@ def _problem(rig: Rig) -> str | None:
         return "has parts of the character that do not fit together"
     if not all(isinstance(name, str) for name in rig.channels):
         return "has morph targets without names"
-    for indices, what in ((rig.faces, "triangle"), (rig.control_pairs, "control")):
+    if not rig.has_control.any():
+        return "has no control definitions"
+    pairs = rig.control_pairs[(rig.control_pairs != _MISSING).any(axis=1)]
+    for indices, what in ((rig.faces, "triangle"), (pairs, "control")):
         if indices.min() < 0 or indices.max() >= count:
             return f"has a {what} that names a vertex which is not there"
     if not (np.isfinite(rig.neutral).all() and np.isfinite(rig.deltas).all()):

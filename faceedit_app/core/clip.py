@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-
-Floats = NDArray[np.float32]
-Times = NDArray[np.float64]
+from faceedit_app.core.arrays import Floats, Times
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles, Times
+
 GRID_RATE = 25.0
 
 
-def grid_length(times: NDArray[np.float64]) -> int:
+def grid_length(times: Times) -> int:
     """How many grid frames (at 0, 0.04, 0.08 s, ...) cover a clip's `times` (T,)."""
     return int(np.ceil(times[-1] * GRID_RATE - 1e-6)) + 1
 
 
-def to_grid(
-    times: NDArray[np.float64], values: NDArray[Any], start: int, stop: int
-) -> NDArray[np.float64]:
+def to_grid(times: Times, values: NDArray[Any], start: int, stop: int) -> Doubles:
     """Bring a signal to grid frames `start..stop-1`.
 
     Each grid value is the mean of the linearly interpolated signal over the grid frame's own
@@ -45,13 +45,11 @@ def to_grid(
     at = integral[i] + into * (values[i] + 0.5 * slope * into)
     at += np.minimum(edges - times[0], 0)[:, None] * values[0]
     at += np.maximum(edges - times[-1], 0)[:, None] * values[-1]
-    grid: NDArray[np.float64] = np.diff(at, axis=0) * GRID_RATE
+    grid: Doubles = np.diff(at, axis=0) * GRID_RATE
     return grid
 
 
-def from_grid(
-    values: NDArray[np.floating[Any]], start: int, times: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def from_grid(values: NDArray[np.floating[Any]], start: int, times: Times) -> Doubles:
     """Read grid frames `values` (N, C), the first of which is grid frame `start`, at `times` (T,).
 
     Cubic (Catmull-Rom): passes through the grid values, smooth between, and local: a value
@@ -64,7 +62,7 @@ def from_grid(
     before, a, b, after = (values[np.clip(i + k, 0, last)] for k in (-1, 0, 1, 2))
     slope_a, slope_b = 0.5 * (b - before), 0.5 * (after - a)
     square, cube = u * u, u * u * u
-    result: NDArray[np.float64] = (
+    result: Doubles = (
         (2 * cube - 3 * square + 1) * a
         + (cube - 2 * square + u) * slope_a
         + (3 * square - 2 * cube) * b

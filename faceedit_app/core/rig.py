@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.arrays import Bools, Floats, Indices
+from faceedit_app.core.controls import CONTROL_IDS, CONTROLS, control_named
+from faceedit_app.core.regions import Region
 
-Floats = NDArray[np.float32]
 MILLIMETRES = 1000.0
 
 
@@ -50,7 +51,8 @@ class Rig:
         deltas: (K, V, 3) float32, metres at weight 1.
         colors: (V, 4) float32 in 0..1, linear RGB and alpha.
         materials: runs of `faces`, in order, that cover all of them.
-        control_pairs: (8, 2) int32 vertex indices, in the order of `regions.CONTROLS`.
+        control_pairs: (C, 2) int32 vertex indices, in the order of `controls.CONTROLS`; -1 where
+            the character does not say which vertices a control joins.
         name, attribution: shown to the user.
         uv: (V, 2) float32, where vertices lie in their texture; (0, 0) is its upper left corner.
         textures: (H, W, 4) uint8 each, sRGB and alpha, top row first.
@@ -91,9 +93,35 @@ class Rig:
         return self.neutral + moved
 
     @cached_property
+    def has_control(self) -> Bools:
+        """(C,) which controls can be measured and edited on this character."""
+        has: Bools = self.control_pairs.min(axis=1) >= 0
+        return has
+
+    @property
+    def missing_controls(self) -> tuple[str, ...]:
+        """Ids of the other controls: they are 0 in every frame, and no weight moves them."""
+        return tuple(c for c, has in zip(CONTROL_IDS, self.has_control, strict=True) if not has)
+
+    @property
+    def missing_note(self) -> str:
+        """One line for the user on the controls that are missing; empty if none is."""
+        names = [f"“{control_named(name).label}”" for name in self.missing_controls]
+        if not names:
+            return ""
+        curves = f"the curve{'s' * (len(names) > 1)} {', '.join(names)}"
+        return f"{self.name} has no vertices for {curves}, which cannot be edited"
+
+    def measures(self, region: Region) -> Region:
+        """The region with those of its controls that this character has."""
+        missing = self.missing_controls
+        return replace(region, controls=tuple(c for c in region.controls if c not in missing))
+
+    @cached_property
     def distances(self) -> Distances:
-        """The eight controls as a function of this rig's weights."""
-        a, b = self.control_pairs.T
+        """The controls as a function of this rig's weights."""
+        # A control that is missing joins a vertex to itself.
+        a, b = np.where(self.has_control, self.control_pairs.T, 0)
         return Distances(
             offsets=MILLIMETRES * (self.neutral[b] - self.neutral[a]),
             gradients=MILLIMETRES * (self.deltas[:, b] - self.deltas[:, a]),
@@ -102,7 +130,7 @@ class Rig:
 
     @cached_property
     def arkit_distances(self) -> Distances:
-        """The eight controls as a function of 52 weights in ARKit order."""
+        """The controls as a function of 52 weights in ARKit order."""
         gradients = np.zeros((len(ARKIT_CHANNELS), *self.distances.gradients.shape[1:]), np.float32)
         for i, channel in enumerate(ARKIT_CHANNELS):
             if channel in self.channel_index:
@@ -110,7 +138,7 @@ class Rig:
         return replace(self.distances, gradients=gradients)
 
     def controls(self, weights: Floats) -> Floats:
-        """The eight control distances of a clip: weights (T, K) -> (T, 8) float32, mm."""
+        """The control distances of a clip: weights (T, K) -> (T, C) float32, mm."""
         return self.distances.measure(weights)
 
     def from_arkit(self, weights: Floats) -> Floats:
@@ -144,9 +172,9 @@ class Distances:
 
     offsets: Floats
     gradients: Floats
-    shuts: NDArray[np.bool_]
+    shuts: Bools
 
-    def select(self, controls: Sequence[int] | NDArray[np.intp]) -> Distances:
+    def select(self, controls: Sequence[int] | Indices) -> Distances:
         """Some of the distances."""
         rows = np.asarray(controls, np.intp)
         return Distances(self.offsets[rows], self.gradients[:, rows], self.shuts[rows])
@@ -154,8 +182,8 @@ class Distances:
     def vectors(self, weights: NDArray[Any]) -> NDArray[Any]:
         """Weights (T, K) -> (T, C, 3), mm, as exact as the weights are."""
         k, c, _ = self.gradients.shape
-        moved: NDArray[Any] = (weights @ self.gradients.reshape(k, c * 3)).reshape(-1, c, 3)
-        vectors: NDArray[Any] = self.offsets + moved
+        moved: NDArray[Any] = weights @ self.gradients.reshape(k, c * 3)
+        vectors: NDArray[Any] = self.offsets + moved.reshape(len(weights), c, 3)
         return vectors
 
     def signed(self, weights: Floats) -> Floats:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.clip import Floats
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op, read_edits, write_edits
 from faceedit_app.editing.edits.media import Placement
@@ -45,7 +45,7 @@ class EditState:
 class EditSession:
     """One open take and what the user has done to it.
 
-    `tracked`, `asked` and `achieved` are (T, 8) mm: the three curves of the plots. `weights` is
+    `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of the plots. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
     read them, do not keep or change them. `live.patience` says how long a change may take before
     the rest is left to `live.work`.

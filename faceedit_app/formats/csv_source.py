@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 
 from faceedit_app.core.arkit import canonical_channel
-from faceedit_app.core.clip import Floats
+from faceedit_app.core.arrays import Floats
 from faceedit_app.formats.csv_table import CHOOSE_TAKE, Table
 from faceedit_app.formats.numbers import detect_format
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.clip import Times
+from faceedit_app.core.arrays import Times
 from faceedit_app.core.errors import FileError
 
 _BOM = b"\xef\xbb\xbf"

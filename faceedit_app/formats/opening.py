@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.clip import Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats import livelink, plain_csv
 from faceedit_app.formats.csv_source import find_channels

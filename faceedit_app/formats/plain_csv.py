@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from faceedit_app.core.clip import Clip, Times
+from faceedit_app.core.arrays import Times
+from faceedit_app.core.clip import Clip
 from faceedit_app.formats.csv_source import CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, read_table
 from faceedit_app.formats.take import Take

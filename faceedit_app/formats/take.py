@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from faceedit_app.core.clip import Clip, Floats
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.clip import Clip
 
 
 class Source(Protocol):

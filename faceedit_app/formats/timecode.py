@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.clip import Times
+from faceedit_app.core.arrays import Times
 from faceedit_app.formats.timing import (
     DEFAULT_RATE,
     counted,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from faceedit_app.core.clip import Gap, Times
+from faceedit_app.core.arrays import Times
+from faceedit_app.core.clip import Gap
 
 DEFAULT_RATE = 60.0
 _RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Pixels, Times
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.media.container import check, film_stream, open_container, opened, told
 
@@ -20,9 +21,7 @@ if TYPE_CHECKING:
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
-Picture = NDArray[np.uint8]
 Ticks = NDArray[np.int64]
-Times = NDArray[np.float64]
 
 LONGEST_SIDE = 1280  # pixels; larger films are made smaller, they stand beside the face
 _MEMORY = 192 * 2**20  # bytes of pictures that are kept
@@ -89,7 +88,7 @@ class Film:
         self._container: InputContainer | None = None
         self._frames: Iterator[VideoFrame] | None = None
         self._next = 0  # the picture that decoding on would give
-        self._cache: OrderedDict[int, Picture] = OrderedDict()
+        self._cache: OrderedDict[int, Pixels] = OrderedDict()
         self._bytes = 0
         self._lock = threading.Lock()  # of the cache
 
@@ -107,11 +106,11 @@ class Film:
         at = int(np.searchsorted(self.times, seconds + 5e-4, side="right")) - 1
         return min(max(at, 0), len(self.times) - 1)
 
-    def frame_at(self, seconds: float) -> Picture:
+    def frame_at(self, seconds: float) -> Pixels:
         """The picture at a time, see `picture`."""
         return self.picture(self.index_at(seconds))
 
-    def cached(self, index: int) -> Picture | None:
+    def cached(self, index: int) -> Pixels | None:
         """A picture that need not be decoded."""
         with self._lock:
             found = self._cache.get(index)
@@ -119,7 +118,7 @@ class Film:
                 self._cache.move_to_end(index)
             return found
 
-    def picture(self, index: int, behind: int = 0) -> Picture:
+    def picture(self, index: int, behind: int = 0) -> Pixels:
         """A picture, upright and with square pixels.
 
         Args:
@@ -144,7 +143,7 @@ class Film:
             self._container.close()
         self._container = self._frames = None
 
-    def _decode(self, index: int, behind: int) -> Picture:
+    def _decode(self, index: int, behind: int) -> Pixels:
         key = int(np.searchsorted(self._index.keys, index, side="right")) - 1
         if self._frames is not None and self._index.keys[key] <= self._next <= index:
             found = self._go_on(index, behind)
@@ -158,7 +157,7 @@ class Film:
                     return found
         raise FileError(self.path, "cannot be decoded", "convert it to MP4 (H.264) and add that")
 
-    def _go_on(self, index: int, behind: int) -> Picture | None:
+    def _go_on(self, index: int, behind: int) -> Pixels | None:
         """Decode up to a picture; None if none comes up to it."""
         latest: VideoFrame | None = None
         for frame in self._frames or ():
@@ -192,7 +191,7 @@ class Film:
         at = int(np.searchsorted(self._index.stamps, frame.pts, side="right")) - 1
         return max(at, 0)
 
-    def _keep(self, index: int, frame: VideoFrame) -> Picture:
+    def _keep(self, index: int, frame: VideoFrame) -> Pixels:
         picture = _upright(frame, self._aspect())
         with self._lock:
             if index not in self._cache:
@@ -273,7 +272,7 @@ def _decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFr
         yield from frames
 
 
-def _upright(frame: VideoFrame, aspect: float) -> Picture:
+def _upright(frame: VideoFrame, aspect: float) -> Pixels:
     """A decoded picture as phones mean it to be seen: turned, square pixels, not too large."""
     wide, high = frame.width * aspect, float(frame.height)
     scale = min(1.0, LONGEST_SIDE / max(wide, high))

@@ -14,15 +14,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.media.sound import Sound
 
 if TYPE_CHECKING:
     import sounddevice
 
-Floats = NDArray[np.float32]
 
 GRAIN = 0.08  # seconds that are heard at the playhead while scrubbing
 FADE = 0.006  # seconds in which sounds begin and end, so that nothing clicks

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.media.container import check, find_film, opened, seconds
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from av.container import InputContainer
 
 Samples = NDArray[np.int16]
-Floats = NDArray[np.float32]
 
 FULL = 32768.0  # of the 16 bits that are kept: a quarter of what float64 would need
 BLOCK = 128  # samples under the finest peak

@@ -6,12 +6,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.rig import Rig
-
-Floats = NDArray[np.float32]
-Matrix = NDArray[np.float64]
 
 FIELD_OF_VIEW = math.radians(22.0)  # vertical; a portrait lens, which flatters the nose
 PITCH_LIMIT = math.radians(80.0)
@@ -56,7 +53,7 @@ class Camera:
         x, y, z = (_clamp(float(v), -PAN_LIMIT, PAN_LIMIT) for v in moved)
         return replace(self, target=(x, y, z))
 
-    def pose(self) -> Matrix:
+    def pose(self) -> Doubles:
         """Camera to world, (4, 4) float64, metres; the camera looks along its own -Z."""
         sy, cy = math.sin(self.yaw), math.cos(self.yaw)
         sp, cp = math.sin(self.pitch), math.cos(self.pitch)
@@ -68,7 +65,7 @@ class Camera:
         pose[:3, 3] = np.asarray(self.target) + self.distance * backward
         return pose
 
-    def view(self) -> Matrix:
+    def view(self) -> Doubles:
         """World to camera, (4, 4) float64: the inverse of `pose`."""
         pose = self.pose()
         view = np.eye(4)
@@ -77,7 +74,7 @@ class Camera:
         return view
 
 
-def projection(aspect: float) -> Matrix:
+def projection(aspect: float) -> Doubles:
     """Camera to clip space, (4, 4) float64, for a view of `aspect` = width / height."""
     half = _half_height(aspect)
     matrix = np.zeros((4, 4))

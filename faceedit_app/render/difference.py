@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.rig import MILLIMETRES, Rig
-
-Floats = NDArray[np.float32]
 
 FULL = 4.0  # mm from the other face; from there on the tint grows no more
 # Violet, linear RGB: darker than skin, bluer than lips, and neither the window's sky nor orange.

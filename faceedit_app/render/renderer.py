@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.rig import Rig
 from faceedit_app.render import contexts
 from faceedit_app.render.camera import Camera
-
-Floats = NDArray[np.float32]
-Pixels = NDArray[np.uint8]
 
 SLATE = (0x25 / 255, 0x28 / 255, 0x2F / 255)
 

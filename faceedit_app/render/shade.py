@@ -9,16 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.rig import Rig
 
-Floats = NDArray[np.float32]
-Matrix = NDArray[np.float64]
 # Takes vertices (V, 3) and a world-to-clip matrix (4, 4); returns depths (N, N) float32 in 0..1,
 # the first row at the bottom of clip space.
-DepthOf = Callable[[Floats, Matrix], Floats]
+DepthOf = Callable[[Floats, Doubles], Floats]
 
 DIRECTIONS = 20
 _CENTRE = np.array([0.0, 0.68, 0.73])  # of the wide light, as seen from the face: above, in front
@@ -53,7 +51,7 @@ def bake_shade(rig: Rig, normals_of: Callable[[Floats], Floats], depth_of: Depth
     return brightest
 
 
-def light_directions() -> Matrix:
+def light_directions() -> Doubles:
     """(DIRECTIONS, 3) float64 unit vectors towards the light, spread evenly over its cap."""
     index = np.arange(DIRECTIONS) + 0.5
     cosine = 1.0 - (1.0 - np.cos(_SPREAD)) * index / DIRECTIONS
@@ -90,13 +88,14 @@ def _arrived(rig: Rig, vertices: Floats, normals: Floats, depth_of: DepthOf) -> 
     return shade
 
 
-def _face_centre(rig: Rig) -> Matrix:
+def _face_centre(rig: Rig) -> Doubles:
     """Where the controls are measured, (3,) metres."""
-    centre: Matrix = rig.neutral[rig.control_pairs.ravel()].mean(axis=0, dtype=np.float64)
+    vertices = rig.control_pairs[rig.has_control].ravel()
+    centre: Doubles = rig.neutral[vertices].mean(axis=0, dtype=np.float64)
     return centre
 
 
-def _look_along(backward: Matrix) -> Matrix:
+def _look_along(backward: Doubles) -> Doubles:
     """(3, 3) rows right, up, backward of a camera that looks along -`backward`."""
     right = np.cross([0.0, 1.0, 0.0] if abs(backward[1]) < 0.95 else [1.0, 0.0, 0.0], backward)
     right /= np.linalg.norm(right)

@@ -6,16 +6,13 @@ import io
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import Camera, default_camera
 from faceedit_app.render.renderer import open_renderer
-
-Floats = NDArray[np.float32]
-Pixels = NDArray[np.uint8]
 
 
 def snapshot(

@@ -20,14 +20,12 @@ from pyrender.primitive import Primitive
 from pyrender.renderer import Renderer
 from pyrender.shader_program import ShaderProgram
 
+from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import Camera, projection
 from faceedit_app.render.difference import Tinter
 from faceedit_app.render.shade import bake_shade
 from faceedit_app.render.surface import NormalSolver, Shading, by_shading, vertex_looks
-
-Floats = NDArray[np.float32]
-Pixels = NDArray[np.uint8]
 
 SAMPLES = 4
 _DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade

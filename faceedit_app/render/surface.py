@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.rig import Material, Rig
-
-Floats = NDArray[np.float32]
 
 
 class Shading(Enum):

@@ -12,7 +12,7 @@ from support.places import ROOT
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, CONTROLS, MIRRORED_CONTROL
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS, MIRRORED_CONTROL
 from faceedit_app.core.rig import Rig
 
 GLB = ROOT / "assets" / "character.glb"

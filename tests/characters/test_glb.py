@@ -14,6 +14,7 @@ import pytest
 from support.faces import random_rig
 
 from faceedit_app.characters.glb import read_rig, write_rig
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 
 PNG = b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + bytes(60)
@@ -110,7 +111,8 @@ DAMAGES: dict[str, Callable[[dict[str, Any]], Any]] = {
     "no controls": lambda d: d["meshes"][0]["extras"].pop("controls"),
     "no targets": _drop_targets,
     "a target too few": _drop_a_target,
-    "a control missing": lambda d: d["meshes"][0]["extras"]["controls"].pop("upper_lip"),
+    "controls that FaceEdit does not know": _set_extras(controls={"nose": [0, 1]}),
+    "half a control": _set_extras(controls={"upper_lip": [0, -1]}),
     "names that are numbers": _set_extras(targetNames=[1] * 52),
     "names that are a text": _set_extras(targetNames="jawOpen" * 8),
     "controls that are a list": _set_extras(controls=[1, 2]),
@@ -133,6 +135,31 @@ def test_glb_without_a_part_of_the_character_is_told_so(tmp_path: Path, damage: 
     content = (tmp_path / "face.glb").read_bytes()
     (tmp_path / "face.glb").write_bytes(edit_json(content, DAMAGES[damage]))
     complaint(tmp_path / "face.glb")
+
+
+def test_character_without_a_control_opens_and_says_which_curve_it_lacks(tmp_path: Path) -> None:
+    path = tmp_path / "face.glb"
+    rig = random_rig(4)
+    write_rig(path, rig)
+    assert read_rig(path).missing_note == ""
+    path.write_bytes(
+        edit_json(
+            path.read_bytes(), lambda d: d["meshes"][0]["extras"]["controls"].pop("upper_lip")
+        )
+    )
+    back = read_rig(path)
+    assert back.missing_controls == ("upper_lip",)
+    assert back.missing_note == (
+        "Cloud has no vertices for the curve “Upper lip drop”, which cannot be edited"
+    )
+    weights = np.ones((3, len(rig.channels)), np.float32)
+    assert (back.controls(weights)[:, CONTROL_INDEX["upper_lip"]] == 0).all()
+    others = np.array(CONTROL_IDS) != "upper_lip"
+    np.testing.assert_array_equal(
+        back.controls(weights)[:, others], rig.controls(weights)[:, others]
+    )
+    write_rig(tmp_path / "again.glb", back)
+    assert read_rig(tmp_path / "again.glb").missing_controls == ("upper_lip",)
 
 
 def test_triangle_that_names_no_vertex_is_told_so(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 from support.faces import random_rig, shipped_rig
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.rig import MILLIMETRES, Rig
 
 SOME = ("jawOpen", "mouthClose", "eyeBlinkLeft", "notInArkit")

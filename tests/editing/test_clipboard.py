@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.faces import shipped_rig, talking_clip
 
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 from faceedit_app.editing.help.clipboard import TOLERANCE, Copied, copy_range, simplify
 from faceedit_app.editing.session import EditSession

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from support.faces import shipped_rig
 
+from faceedit_app.core import regions
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 from faceedit_app.editing.help.fixes import apply_preset
@@ -23,7 +24,7 @@ from faceedit_app.editing.solving.request import Request, request
 from faceedit_app.formats.opening import open_take
 from faceedit_app.networks.engine import Engine
 
-LOWER = CONTROL_IDS[:6]
+LOWER = regions.LOWER.own
 WIDTH, LEFT, RIGHT = (CONTROL_INDEX[c] for c in ("mouth_width", "left_corner", "right_corner"))
 UPPER_LIP, LOWER_LIP = CONTROL_INDEX["upper_lip"], CONTROL_INDEX["lower_lip"]
 CORNERS = ("left_corner", "right_corner")
@@ -50,7 +51,7 @@ def offset(
 
 
 def ask(*edits: Edit) -> Request:
-    companions = Companions(LOWER, covariance())
+    companions = Companions({LOWER: covariance()})
     return request(TIMES, 25.0, TRACKED, np.full(8, 19.0), edits, companions)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from support.faces import shipped_rig, talking_clip
 
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession, EditState

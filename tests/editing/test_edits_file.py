@@ -10,8 +10,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.editing.edits.edit import (
     LONGEST_SMOOTH,
     STRONGEST,

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from support.faces import shipped_rig
 
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.regions import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import open_eyes

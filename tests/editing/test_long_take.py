@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from support.faces import shipped_rig, talking_clip
 
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files.fingerprint import Fingerprint
 from faceedit_app.editing.files.project import Project, read_project, write_project

@@ -13,7 +13,7 @@ from support.faces import shipped_rig, talking_clip
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip, Gap
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of

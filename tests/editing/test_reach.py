@@ -7,7 +7,8 @@ import pytest
 from support.faces import shipped_rig
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.editing.solving.reach import Goal, Reach
 
 LOWER, _, EYELIDS = REGIONS

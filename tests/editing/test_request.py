@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import WITH_POINTS, Edit, Op
 from faceedit_app.editing.solving.request import SPILL, Request, affected, region_influence, request
 

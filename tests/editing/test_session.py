@@ -15,7 +15,8 @@ from support.takes import livelink_names, make_livelink_csv
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, REGIONS
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import affected

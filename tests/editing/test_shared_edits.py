@@ -10,7 +10,8 @@ from support.places import SHARED
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX, canonical_channel
-from faceedit_app.core.regions import CONTROL_INDEX, MODELLED_CHANNELS
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.regions import MODELLED_CHANNELS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op

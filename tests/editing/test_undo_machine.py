@@ -22,7 +22,7 @@ from hypothesis.stateful import (
 from support.faces import random_engine, shipped_rig
 from support.takes import make_livelink_csv
 
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.edit import (
     LONGEST_SMOOTH,
     STRONGEST,

@@ -10,7 +10,7 @@ import pytest
 from support.faces import random_engine, shipped_rig, talking_clip
 
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings

@@ -7,8 +7,9 @@ import pytest
 from support.performances import DISTANCES, performance, tiny
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.lab.training.data import cut_windows, mirrored, region_windows, stretches
 from faceedit_app.lab.training.examples import Examples
 from faceedit_app.lab.training.settings import RECIPES, Variety

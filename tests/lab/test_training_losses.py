@@ -8,7 +8,8 @@ import torch
 from support.performances import DISTANCES, performance, tiny
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.lab.training.data import cut_windows, region_windows
 from faceedit_app.lab.training.examples import Examples
 from faceedit_app.lab.training.losses import Batch, Losses, salt_and_pepper, wild_bursts

@@ -9,7 +9,7 @@ import pytest
 from support.faces import shipped_rig
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession

@@ -10,6 +10,7 @@ import torch
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Material, Rig
@@ -43,7 +44,7 @@ def random_rig(
         deltas=moves.astype(np.float32),
         colors=random.random((vertices, 4)).astype(np.float32),
         materials=(Material("skin", 0, 7, 0.5, 0.0), Material("teeth", 7, 10, 0.25, 0.125)),
-        control_pairs=np.arange(16, dtype=np.int32).reshape(8, 2),
+        control_pairs=np.arange(2 * len(CONTROLS), dtype=np.int32).reshape(-1, 2),
         name="Cloud",
         attribution="made by a test",
     )

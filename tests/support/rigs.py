@@ -1,4 +1,4 @@
-"""The plainest character on which all eight controls can be edited, and takes to edit."""
+"""The plainest character on which the controls can be edited, and takes to edit."""
 
 from __future__ import annotations
 
@@ -8,40 +8,56 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip, Floats, Gap
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
 
-# Control, its distance at rest in mm, and the mm that a channel at weight 1 adds to it.
-_MOVES: tuple[tuple[int, float, dict[str, float]], ...] = (
-    (0, 2.0, {"jawOpen": 40.0, "mouthClose": -20.0}),
-    (1, 45.0, {"mouthStretchLeft": 10.0, "mouthStretchRight": 10.0, "mouthPucker": -20.0}),
-    (2, 28.0, {"mouthSmileLeft": 12.0, "mouthFrownLeft": -6.0}),
-    (3, 28.0, {"mouthSmileRight": 12.0, "mouthFrownRight": -6.0}),
-    (4, 50.0, {"mouthUpperUpLeft": -4.0, "mouthUpperUpRight": -4.0, "mouthRollUpper": 6.0}),
-    (5, 20.0, {"mouthLowerDownLeft": -4.0, "mouthLowerDownRight": -4.0, "mouthRollLower": 6.0}),
-    (6, 10.0, {"eyeBlinkLeft": -9.0, "eyeWideLeft": 3.0}),
-    (7, 10.0, {"eyeBlinkRight": -9.0, "eyeWideRight": 3.0}),
-)
+# By control, its distance at rest in mm, and the mm that a channel at weight 1 adds to it.
+_MOVES: dict[str, tuple[float, dict[str, float]]] = {
+    "mouth_opening": (2.0, {"jawOpen": 40.0, "mouthClose": -20.0}),
+    "mouth_width": (
+        45.0,
+        {"mouthStretchLeft": 10.0, "mouthStretchRight": 10.0, "mouthPucker": -20.0},
+    ),
+    "left_corner": (28.0, {"mouthSmileLeft": 12.0, "mouthFrownLeft": -6.0}),
+    "right_corner": (28.0, {"mouthSmileRight": 12.0, "mouthFrownRight": -6.0}),
+    "upper_lip": (
+        50.0,
+        {"mouthUpperUpLeft": -4.0, "mouthUpperUpRight": -4.0, "mouthRollUpper": 6.0},
+    ),
+    "lower_lip": (
+        20.0,
+        {"mouthLowerDownLeft": -4.0, "mouthLowerDownRight": -4.0, "mouthRollLower": 6.0},
+    ),
+    "left_eyelid": (10.0, {"eyeBlinkLeft": -9.0, "eyeWideLeft": 3.0}),
+    "right_eyelid": (10.0, {"eyeBlinkRight": -9.0, "eyeWideRight": 3.0}),
+}
 
 
 def tiny_rig() -> Rig:
-    """Eight pairs of vertices, each moved apart along one axis by a few channels."""
-    neutral = np.zeros((16, 3), np.float32)
-    deltas = np.zeros((len(ARKIT_CHANNELS), 16, 3), np.float32)
-    for control, rest, moves in _MOVES:
-        neutral[2 * control] = (0.02 * control, 0.0, 0.0)
-        neutral[2 * control + 1] = (0.02 * control, rest / 1000, 0.0)
+    """Pairs of vertices, each moved apart along one axis by a few channels.
+
+    A control that `_MOVES` does not name is missing.
+    """
+    count = 2 * len(_MOVES)
+    neutral = np.zeros((count, 3), np.float32)
+    deltas = np.zeros((len(ARKIT_CHANNELS), count, 3), np.float32)
+    pairs = np.full((len(CONTROL_IDS), 2), -1, np.int32)
+    for place, (control, (rest, moves)) in enumerate(_MOVES.items()):
+        first, second = pairs[CONTROL_INDEX[control]] = 2 * place, 2 * place + 1
+        neutral[first] = (0.02 * place, 0.0, 0.0)
+        neutral[second] = (0.02 * place, rest / 1000, 0.0)
         for channel, millimetres in moves.items():
-            deltas[ARKIT_CHANNELS.index(channel), 2 * control + 1, 1] = millimetres / 1000
+            deltas[ARKIT_CHANNELS.index(channel), second, 1] = millimetres / 1000
     return Rig(
         neutral=neutral,
         faces=np.array([[0, 1, 2]], np.int32),
         channels=ARKIT_CHANNELS,
         deltas=deltas,
-        colors=np.ones((16, 4), np.float32),
+        colors=np.ones((count, 4), np.float32),
         materials=(Material("skin", 0, 1),),
-        control_pairs=np.arange(16, dtype=np.int32).reshape(8, 2),
+        control_pairs=pairs,
     )
 
 

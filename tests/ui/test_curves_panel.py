@@ -12,7 +12,7 @@ from pytestqt.qtbot import QtBot
 from support.rigs import tiny_session
 
 from faceedit_app.core.clip import Gap
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import CurvesPanel, style

@@ -16,7 +16,7 @@ from support.takes import make_livelink_csv
 from support.windows import Bench, drag_curve, drop, open_path, trigger
 
 from faceedit_app import render
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.ui.state import background as loading
 

@@ -11,7 +11,7 @@ from support.rigs import tiny_session
 from support.windows import Bench
 from test_curves_panel import CTRL, NONE, drag, open_panel, place, session_of
 
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.gestures import moved_together

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.rigs import tiny_session
 
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.envelope import BASE, Envelope
 from faceedit_app.ui.curves.polyline import Polyline, run_of, visible_rows

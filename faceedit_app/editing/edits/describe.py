@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS, control_named
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.edit import Edit, Op
 
-_PAIRS = {
-    frozenset({"left_corner", "right_corner"}): "Mouth corners",
-    frozenset({"left_eyelid", "right_eyelid"}): "Eye opening",
-    frozenset({"upper_lip", "lower_lip"}): "Lip protrusion",
-    frozenset(CONTROL_IDS): "All curves",
-    frozenset(CONTROL_IDS[:6]): "Mouth",
-}
+
+def _together() -> Iterator[tuple[frozenset[str], str]]:
+    """Several curves that have a name as one; where two names fit, the later is the better."""
+    for region in REGIONS:
+        yield frozenset(region.own), region.together
+    for name in dict.fromkeys(control.together for control in CONTROLS if control.together):
+        yield frozenset(c.id for c in CONTROLS if c.together == name), name
+    yield frozenset(CONTROL_IDS), "All curves"
+
+
+_TOGETHER = {controls: name for controls, name in _together() if len(controls) > 1}
 
 
 def describe(edit: Edit) -> str:
@@ -39,21 +44,20 @@ def describe(edit: Edit) -> str:
 
 
 def _describe_set(edit: Edit, what: str) -> str:
-    if edit.value <= 0:
-        if edit.controls == ("mouth_opening",):
-            return "Close lips"
-        if set(edit.controls) <= {"left_eyelid", "right_eyelid"}:
-            return "Close eyes" if len(edit.controls) == 2 else f"Close {_lower(what)[:-8]}"
+    closing = {control_named(name).closes for name in edit.controls}
+    if edit.value <= 0 and len(closing) == 1 and None not in closing:
+        (part,) = closing
+        if len(edit.controls) == sum(control.closes is part for control in CONTROLS):
+            return f"Close {part}"
+        return f"Close {_lower(what).removesuffix(' opening')}"
     return f"{what} to {edit.value:.1f} mm"
 
 
 def describe_controls(controls: Sequence[str]) -> str:
     """A name for some curves, such as "Eye opening" or "Mouth width and 2 more"."""
-    if pair := _PAIRS.get(frozenset(controls)):
-        return pair
-    labels = [
-        CONTROLS[CONTROL_INDEX[c]].label for c in sorted(controls, key=CONTROL_INDEX.__getitem__)
-    ]
+    if name := _TOGETHER.get(frozenset(controls)):
+        return name
+    labels = [CONTROLS[i].label for i in sorted(CONTROL_INDEX[name] for name in controls)]
     if len(labels) > 2:
         return f"{labels[0]} and {len(labels) - 1} more"
     return " and ".join([labels[0], *map(_lower, labels[1:])])

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.editing.files.documents import read_document
 
 VERSION = 1
@@ -122,7 +122,7 @@ class Edit:
             raise ValueError("its points are not in order of time")
 
     @cached_property
-    def polyline(self) -> NDArray[np.float64]:
+    def polyline(self) -> Doubles:
         """(2, P): the seconds and the millimetres of `points`."""
         return np.ascontiguousarray(np.array(self.points, np.float64).T)
 
@@ -158,7 +158,7 @@ class Edit:
             return self
         return replace(self, name="", falloff_out=fade)
 
-    def mask(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def mask(self, times: Times) -> Doubles:
         """How much of the edit applies at `times` (T,): 1 in the hold, cosine falloff, 0."""
         before, after = self.start - times, times - self.end
         if self.fade_out == self.falloff:
@@ -184,7 +184,7 @@ class Edit:
         return replace(self, controls=tuple(MIRRORED_CONTROL[c] for c in self.controls))
 
 
-def fade(outside: NDArray[np.float64], falloff: float) -> NDArray[np.float64]:
+def fade(outside: Doubles, falloff: float) -> Doubles:
     """Seconds outside the hold (0 or less: inside) -> how much applies."""
     # Half a nanosecond of slack keeps a frame that stands on the edge on the inside.
     if falloff < 1e-9:

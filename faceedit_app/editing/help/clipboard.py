@@ -8,9 +8,9 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, MIRRORED_CONTROL
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, MIRRORED_CONTROL
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 
 if TYPE_CHECKING:
@@ -100,9 +100,7 @@ def copy_range(
     return Clipboard(what, end - start, tuple(curves))
 
 
-def simplify(
-    seconds: NDArray[np.float64], values: NDArray[np.float64], tolerance: float = TOLERANCE
-) -> Points:
+def simplify(seconds: Doubles, values: Doubles, tolerance: float = TOLERANCE) -> Points:
     """As few points as tell a curve to within `tolerance`.
 
     Args:

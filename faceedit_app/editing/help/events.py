@@ -9,16 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING
 from faceedit_app.editing.solving.filters import peaks
 
-Doubles = NDArray[np.float64]
-
-LIDS = (CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["right_eyelid"])
-OPENING = CONTROL_INDEX["mouth_opening"]
+LID_COLUMNS = [CONTROL_INDEX[lid] for lid in LIDS]
+OPENING = CONTROL_INDEX[LIP_OPENING]
 
 # A blink takes 0.3 to 0.4 s in all, and is this wide at half its depth at most (VanderWerf et
 # al. 2003); lids that follow the gaze down take longer.
@@ -54,7 +52,7 @@ class Dip:
     depth: float
 
 
-def dips(times: Doubles, curve: Doubles, rate: float, depth: float, width: float) -> list[Dip]:
+def dips(times: Times, curve: Doubles, rate: float, depth: float, width: float) -> list[Dip]:
     """The places where a curve goes down and back.
 
     Args:
@@ -72,7 +70,7 @@ def dips(times: Doubles, curve: Doubles, rate: float, depth: float, width: float
     return [_dip(times, curve, rate, peak - 1, deep) for peak, deep in found]
 
 
-def _dip(times: Doubles, curve: Doubles, rate: float, frame: int, depth: float) -> Dip:
+def _dip(times: Times, curve: Doubles, rate: float, frame: int, depth: float) -> Dip:
     """A dip with the ends of its flanks: nine tenths of the way up on either side."""
     low = curve[frame]
     before = curve[max(frame - round(_BEFORE * rate), 0) : frame + 1][::-1]
@@ -98,18 +96,18 @@ def open_eyes(lids: Doubles) -> float:
     return float(np.median(eyes)) if len(eyes) else wide
 
 
-def blinks(times: Doubles, controls: Doubles, rate: float) -> list[Dip]:
-    """All blinks, the incomplete ones too: controls (T, 8) mm."""
-    both = controls[:, LIDS].mean(axis=1)
+def blinks(times: Times, controls: Doubles, rate: float) -> list[Dip]:
+    """All blinks, the incomplete ones too: controls (T, C) mm."""
+    both = controls[:, LID_COLUMNS].mean(axis=1)
     return dips(times, both, rate, BLINK_DEPTH * max(open_eyes(both), 0.1), BLINK_WIDTH)
 
 
 def closed_lips(controls: Doubles) -> float:
-    """Millimetres between the inner lips of a closed mouth in a take: controls (T, 8) mm."""
+    """Millimetres between the inner lips of a closed mouth in a take: controls (T, C) mm."""
     return float(np.percentile(controls[:, OPENING], 2))
 
 
-def missed_closures(times: Doubles, controls: Doubles, weights: Doubles, rate: float) -> list[Dip]:
+def missed_closures(times: Times, controls: Doubles, weights: Doubles, rate: float) -> list[Dip]:
     """Where lips pressed, as for /p b m/, and yet stayed apart.
 
     The opening alone does not tell an unmet /m/ from an /f/, in which the lower lip meets the
@@ -117,7 +115,7 @@ def missed_closures(times: Doubles, controls: Doubles, weights: Doubles, rate: f
 
     Args:
         times: (T,) seconds.
-        controls: (T, 8) mm.
+        controls: (T, C) mm.
         weights: (T, 52) in ARKit order.
         rate: frames per second.
     """

@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import (
     CLOSURE_WIDTH,
-    LIDS,
+    LID_COLUMNS,
     SHUT,
     Dip,
     blinks,
@@ -26,12 +26,10 @@ from faceedit_app.editing.help.presets import Alone, Find, Preset
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
 
-Doubles = NDArray[np.float64]
 
 TOUCHING = 0.5  # mm between inner lips that surely touch, in a take whose lips never do
 STILL = 0.8  # of the open eye: a lid that stays above does not blink
 NEAR = 0.3  # seconds from the playhead within which a fix looks for what it mends
-EYELIDS = ("left_eyelid", "right_eyelid")
 
 
 def apply_preset(
@@ -67,7 +65,7 @@ def close_lips(dip: Dip, closed: float) -> Edit:
         closed: mm between the inner lips of a closed mouth in this take.
     """
     return Edit(
-        ("mouth_opening",),
+        (LIP_OPENING,),
         Op.SET,
         round(dip.time - 0.015, 4),
         round(dip.time + 0.015, 4),
@@ -78,7 +76,7 @@ def close_lips(dip: Dip, closed: float) -> Edit:
     )
 
 
-def complete_blink(dip: Dip, controls: Sequence[str] = EYELIDS) -> Edit:
+def complete_blink(dip: Dip, controls: Sequence[str] = LIDS) -> Edit:
     """Let the lids that stopped half-way meet, in the blink's own time."""
     return Edit(
         tuple(controls),
@@ -92,24 +90,22 @@ def complete_blink(dip: Dip, controls: Sequence[str] = EYELIDS) -> Edit:
     )
 
 
-def half_blinks(
-    times: Doubles, controls: Doubles, rate: float
-) -> list[tuple[Dip, tuple[str, ...]]]:
+def half_blinks(times: Times, controls: Doubles, rate: float) -> list[tuple[Dip, tuple[str, ...]]]:
     """The blinks that left an eye open, and the eyelids that took part in them.
 
     Args:
         times: (T,) seconds.
-        controls: (T, 8) mm.
+        controls: (T, C) mm.
         rate: frames per second.
     """
-    usual = [open_eyes(controls[:, column]) for column in LIDS]
+    usual = [open_eyes(controls[:, column]) for column in LID_COLUMNS]
     found = []
     for dip in blinks(times, controls, rate):
-        near = controls[max(dip.frame - 1, 0) : dip.frame + 2, LIDS].min(axis=0)
+        near = controls[max(dip.frame - 1, 0) : dip.frame + 2, LID_COLUMNS].min(axis=0)
         # A lid that stays up leaves the other a wink.
         took_part = [low < STILL * high for low, high in zip(near, usual, strict=True)]
         shut = [low <= SHUT * high for low, high in zip(near, usual, strict=True)]
-        lids = tuple(name for name, took in zip(EYELIDS, took_part, strict=True) if took)
+        lids = tuple(name for name, took in zip(LIDS, took_part, strict=True) if took)
         if any(took and not s for took, s in zip(took_part, shut, strict=True)):
             found.append((dip, lids))
     return found

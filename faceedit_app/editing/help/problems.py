@@ -7,14 +7,14 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.regions import CONTROL_IDS, CONTROLS
+from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import (
-    LIDS,
+    LID_COLUMNS,
     closed_lips,
     missed_closures,
     open_eyes,
@@ -25,7 +25,6 @@ from faceedit_app.editing.solving.filters import moving_mean
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
 
-Doubles = NDArray[np.float64]
 
 SHAKES = 0.15  # mm to and fro between frames
 # Ripple against the movement from frame to frame: 0.37 for noise, 0.18 for a quarter of the
@@ -72,15 +71,13 @@ def find_problems(session: EditSession) -> list[Problem]:
     return problems_of(session.take.clip, session.weights, session.achieved)
 
 
-def problems_of(
-    clip: Clip, weights: NDArray[np.float32], controls: NDArray[np.float32]
-) -> list[Problem]:
+def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
     """What is wrong with a performance, in order of time.
 
     Args:
         clip: its times, rate and gaps; the clip's own weights are not looked at.
         weights: (T, 52) in ARKit order.
-        controls: (T, 8) mm, as measured on them.
+        controls: (T, C) mm, as measured on them.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
@@ -99,7 +96,7 @@ def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
             Kind.LIPS,
             dip.start,
             dip.end,
-            ("mouth_opening",),
+            (LIP_OPENING,),
             f"The lips nearly meet: {dip.level - closed:.1f} mm are left between them",
             (close_lips(dip, closed),),
         )
@@ -108,7 +105,7 @@ def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
 
 
 def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
-    usual = open_eyes(controls[:, LIDS])
+    usual = open_eyes(controls[:, LID_COLUMNS])
     return [
         Problem(
             Kind.BLINK,
@@ -129,7 +126,7 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
     ripple = _ripple(controls)
     shaking = _shakes(ripple, controls, window)
     found = []
-    somewhere: NDArray[np.bool_] = np.any(shaking, axis=1)
+    somewhere: Bools = np.any(shaking, axis=1)
     for first, last in _runs(somewhere, round(TOGETHER * clip.rate)):
         if clip.times[last] - clip.times[first] < SHORTEST_SHAKE:
             continue
@@ -145,8 +142,8 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
     return found
 
 
-def _shakes(ripple: Doubles, curves: Doubles, window: int) -> NDArray[np.bool_]:
-    """(T, 8) where curves go to and fro, again and again, faster than any face does.
+def _shakes(ripple: Doubles, curves: Doubles, window: int) -> Bools:
+    """(T, C) where curves go to and fro, again and again, faster than any face does.
 
     Speech moves lips at up to 8 Hz, which at 30 frames a second is a ripple too; shaking is
     where most of all movement is ripple.
@@ -158,12 +155,12 @@ def _shakes(ripple: Doubles, curves: Doubles, window: int) -> NDArray[np.bool_]:
         return np.zeros(curves.shape, np.bool_)
     moves = np.diff(curves, axis=0, prepend=curves[:1])
     ripples, all_ = (moving_mean(part**2, window) for part in (ripple, moves))
-    shaking: NDArray[np.bool_] = often & (ripples > SHARE**2 * all_)
+    shaking: Bools = often & (ripples > SHARE**2 * all_)
     return shaking
 
 
 def _ripple(curves: Doubles) -> Doubles:
-    """(T, 8) mm: what goes to and fro from frame to frame; a slow movement leaves nothing."""
+    """(T, C) mm: what goes to and fro from frame to frame; a slow movement leaves nothing."""
     x = np.pad(curves, ((2, 2), (0, 0)), mode="edge")
     ripple: Doubles = (x[:-4] - 4 * x[1:-3] + 6 * x[2:-2] - 4 * x[3:-1] + x[4:]) / 16
     return ripple
@@ -176,8 +173,8 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
         end = round(float(clip.times[min(last + 1, len(clip) - 1)]), 4)
         start = round(float(clip.times[first]), 4)
         before, after = controls[first : last + 1], controls[first + 1 : last + 2]
-        jumps = np.abs(after - before[: len(after)]).max(axis=0) if len(after) else np.zeros(8)
-        moved = tuple(control.id for control, j in zip(CONTROLS, jumps, strict=True) if j > JUMP)
+        jumps = np.abs(after - before[: len(after)]).max(axis=0, initial=0.0)
+        moved = tuple(name for name, jump in zip(CONTROL_IDS, jumps, strict=True) if jump > JUMP)
         fix = (
             (Edit(moved, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump"),)
             if moved
@@ -202,7 +199,7 @@ def _joined(frames: list[int], clip: Clip) -> list[tuple[int, int]]:
     return runs
 
 
-def _runs(where: NDArray[np.bool_], join: int) -> list[tuple[int, int]]:
+def _runs(where: Bools, join: int) -> list[tuple[int, int]]:
     """Runs (first, last) of true frames; those at most `join` frames apart are one."""
     frames = np.flatnonzero(where)
     if not len(frames):

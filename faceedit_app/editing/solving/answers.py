@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from faceedit_app.core.arrays import Doubles, Floats
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
-Array = NDArray[np.float64]
 Window = tuple[int, int]  # the first grid frame, and the one after the last
 
 # Chunks of each region whose last answer is kept: a drag touches one or two, and of those only
@@ -26,26 +26,26 @@ class Answers:
 
     Args:
         engine: the networks.
-        grid: (M, 8) mm: the take's controls as tracked, on the networks' grid.
+        grid: (M, C) mm: the take's controls as tracked, on the networks' grid.
     """
 
-    def __init__(self, engine: Engine, grid: Array) -> None:
+    def __init__(self, engine: Engine, grid: Doubles) -> None:
         self._engine, self._grid = engine, grid
         self._columns = {
             name: engine.columns(name) for name in engine.models
         }  # of the curves that a region listens to
-        self._tracked: dict[tuple[str, int, float], NDArray[np.float32]] = {}
-        self._recent: dict[tuple[str, int, float], tuple[Array, Array]] = {}
+        self._tracked: dict[tuple[str, int, float], Floats] = {}
+        self._recent: dict[tuple[str, int, float], tuple[Doubles, Doubles]] = {}
 
     def to(
-        self, regions: Sequence[str], window: Window, curves: Array, naturalness: float
-    ) -> dict[str, Array]:
+        self, regions: Sequence[str], window: Window, curves: Doubles, naturalness: float
+    ) -> dict[str, Doubles]:
         """(N, K) weights of each region for edited curves.
 
         Args:
             regions: `Region.id`s.
             window: first grid frame, and the one after the last.
-            curves: (N, 8) mm in the window.
+            curves: (N, C) mm in the window.
             naturalness: see `Engine.answer`.
         """
         heard = {region: curves[:, self._columns[region]] for region in regions}
@@ -68,7 +68,7 @@ class Answers:
 
     def to_tracked(
         self, regions: Sequence[str], window: Window, naturalness: float
-    ) -> dict[str, Array]:
+    ) -> dict[str, Doubles]:
         """The same for the take as tracked; all of them are kept, for one naturalness."""
         if any(known != naturalness for _, _, known in self._tracked):
             self._tracked.clear()

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from itertools import compress
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.arrays import Bools, Indices, Times
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
@@ -75,7 +75,7 @@ class Chunks:
     """
 
     def __init__(
-        self, times: NDArray[np.float64], rate: float, grid: int, scale: int = 1, context: int = 0
+        self, times: Times, rate: float, grid: int, scale: int = 1, context: int = 0
     ) -> None:
         self._times, self._rate = times, rate
         length = -(-CHUNK // scale) * scale
@@ -150,9 +150,7 @@ class Chunks:
                 found.update(range(self.of_frame(first), self.of_frame(last - 1) + 1))
         return sorted(found)
 
-    def _seen(
-        self, edits: Sequence[Edit], spans: Sequence[Span]
-    ) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
+    def _seen(self, edits: Sequence[Edit], spans: Sequence[Span]) -> tuple[Bools, Indices]:
         """Which edits (E, n) each chunk depends on, and the frames (n, 2) that it reads.
 
         Going back from the last edit: what a smooth reads, the edits before it have changed.

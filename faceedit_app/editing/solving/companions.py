@@ -3,7 +3,8 @@
 Lifting a mouth corner while the mouth keeps its width is a frown, not a smile; nobody who drags
 the corner up means that. So the width follows the corners, and the corners the width, by what is
 most probable given what the edit changes and with all others held (the mean of a Gaussian over the
-region's controls, conditioned on the rest). Everything else stays where it was.
+region's controls, conditioned on the rest). Everything else stays where it was. The table of
+controls says who leads whom.
 
 Each edit brings its own companions, and they are part of what is asked for from then on: a later
 edit scales, smooths or resets them as it does all else. A curve that the user has put somewhere is
@@ -13,24 +14,15 @@ and neither claim nor heed claims, so that any of them after any other still is 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.arrays import Doubles, Indices
+from faceedit_app.core.controls import CONTROL_INDEX, control_named
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 
-Array = NDArray[np.float64]
-
-# (leaders, followers): followers move with their leaders, jointly.
-COMPANIONS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = (
-    (("left_corner", "right_corner"), ("mouth_width",)),
-    (("mouth_width",), ("left_corner", "right_corner")),
-)
-# They follow too where the edit is an expression: a smile with the lips held still is half a frown.
-LIPS = ("upper_lip", "lower_lip")
 # Variance in mm² that is not the region's: keeps nearly redundant controls apart.
 JITTER = 0.01
 # They change the shape of a curve and do not put it anywhere.
@@ -39,7 +31,7 @@ _SHAPING = (Op.SCALE, Op.SMOOTH, Op.RESET)
 
 @dataclass(frozen=True)
 class _Group:
-    """Leaders and followers by name, and columns among the eight controls.
+    """Leaders and followers by name, and columns among all controls.
 
     Attributes:
         given: (G,) of all that is not a follower.
@@ -48,8 +40,8 @@ class _Group:
 
     leaders: frozenset[str]
     followers: tuple[str, ...]
-    given: NDArray[np.intp]
-    gain: Array
+    given: Indices
+    gain: Doubles
 
     @classmethod
     def of(
@@ -57,7 +49,7 @@ class _Group:
         leaders: Sequence[str],
         followers: tuple[str, ...],
         controls: Sequence[str],
-        covariance: Array,
+        covariance: Doubles,
     ) -> _Group:
         """See `Companions`."""
         free = [controls.index(name) for name in followers]
@@ -69,23 +61,22 @@ class _Group:
 
 
 class Companions:
-    """Who follows whom in a region, and how far.
+    """Who follows whom, and how far.
 
     Args:
-        controls: ids of the region's C controls.
-        covariance: (C, C) mm² of those controls in real performances.
+        regions: for each region, the ids of its own C controls and (C, C) mm², how they vary
+            together in real performances.
     """
 
-    def __init__(self, controls: Sequence[str], covariance: Array) -> None:
-        known = [pair for pair in COMPANIONS if {*pair[0], *pair[1]} <= {*controls}]
-        lips = tuple(name for name in LIPS if name in controls)
-        self._groups = {
-            company: tuple(
-                _Group.of(leaders, followers + more, controls, covariance)
-                for leaders, followers in known
-            )
-            for company, more in ((Company.YIELD, ()), (Company.ALONG, lips))
-        }
+    def __init__(self, regions: Mapping[tuple[str, ...], Doubles]) -> None:
+        self._groups: dict[Company, list[_Group]] = {Company.YIELD: [], Company.ALONG: []}
+        for controls, covariance in regions.items():
+            # A smile with the lips held still is half a frown.
+            expressive = tuple(name for name in controls if control_named(name).expressive)
+            for leaders, followers in _leading(controls):
+                for company, more in ((Company.YIELD, ()), (Company.ALONG, expressive)):
+                    group = _Group.of(leaders, followers + more, controls, covariance)
+                    self._groups[company].append(group)
 
     def leads(self, edit: Edit) -> bool:
         """Whether something may follow an edit."""
@@ -107,15 +98,15 @@ class Companions:
             if name in named and not group.leaders & named
         ]
 
-    def follow(self, edit: Edit, change: Array, claimed: Array) -> Array:
+    def follow(self, edit: Edit, change: Doubles, claimed: Doubles) -> Doubles:
         """How far curves go along with an edit.
 
         Args:
-            change: (N, 8) mm by which the edit changed the curves that it names.
-            claimed: (N, 8) in 0..1: how firmly the user has put each curve where it is.
+            change: (N, C) mm by which the edit changed the curves that it names.
+            claimed: (N, C) in 0..1: how firmly the user has put each curve where it is.
 
         Returns:
-            (N, 8) mm to be added; 0 for the curves that it names.
+            (N, C) mm to be added; 0 for the curves that it names.
         """
         added = np.zeros_like(change)
         named = {*edit.controls}
@@ -129,3 +120,16 @@ class Companions:
                 way *= 1.0 - claimed[:, columns]
             added[:, columns] = way
         return added
+
+
+def _leading(controls: Sequence[str]) -> list[tuple[tuple[str, ...], tuple[str, ...]]]:
+    """(leaders, followers) among controls: those with the same followers lead them jointly.
+
+    A control that leads alone comes last: what follows it and others too, follows it.
+    """
+    found = []
+    for followers in dict.fromkeys(control_named(name).leads for name in controls):
+        if followers and {*followers} <= {*controls}:
+            leaders = tuple(c for c in controls if control_named(c).leads == followers)
+            found.append((leaders, followers))
+    return sorted(found, key=lambda pair: len(pair[0]), reverse=True)

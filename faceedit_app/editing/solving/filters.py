@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-Doubles = NDArray[np.float64]
+from faceedit_app.core.arrays import Doubles
 
 
 def gaussian(curve: Doubles, sigma: float) -> Doubles:

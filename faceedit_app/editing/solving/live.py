@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Mapping
 from itertools import islice
 
-from faceedit_app.core.clip import Floats
+from faceedit_app.core.arrays import Floats
 from faceedit_app.editing.solving.chunks import Piece, Rows
 from faceedit_app.editing.solving.solver import Solver
 
@@ -22,7 +22,7 @@ class Live:
     """The arrays that the window draws and the export writes.
 
     Attributes:
-        tracked, asked, achieved: (T, 8) mm: the three curves of the plots.
+        tracked, asked, achieved: (T, C) mm: the three curves of the plots.
         weights: (T, 52) in ARKit order.
         patience: seconds that `show` may take, more or less; what is not done by then waits for
             `work`. None is as long as it takes.

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.rig import Distances
-
-Array = NDArray[np.float64]
 
 ITERATIONS = 6
 # Shorter steps, tried where a full one leads farther away.
@@ -48,9 +47,9 @@ class Goal:
             their target is, and give way.
     """
 
-    targets: Array
-    strength: Array
-    asked: NDArray[np.bool_]
+    targets: Doubles
+    strength: Doubles
+    asked: Bools
 
 
 class Reach:
@@ -66,8 +65,8 @@ class Reach:
     def __init__(
         self,
         distances: Distances,
-        channels: NDArray[np.intp],
-        covariance: Array,
+        channels: Indices,
+        covariance: Doubles,
         coupled: tuple[int, int] | None = None,
     ) -> None:
         self._distances, self._channels = distances, channels
@@ -77,7 +76,9 @@ class Reach:
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
         self._precision = np.linalg.inv(covariance + 1e-6 * np.eye(len(covariance)))
 
-    def __call__(self, weights: Array, goal: Goal, upper: Array, naturalness: float = 1.0) -> Array:
+    def __call__(
+        self, weights: Doubles, goal: Goal, upper: Doubles, naturalness: float = 1.0
+    ) -> Doubles:
         """The new weights (N, K) of the channels.
 
         Args:
@@ -104,7 +105,7 @@ class Reach:
         # Rounding leaves weights such as -1e-17.
         return np.clip(start + change, frames.lower, np.maximum(start, upper))
 
-    def _search(self, frames: _Frames, limit: float, passed: bool) -> tuple[Array, Array]:
+    def _search(self, frames: _Frames, limit: float, passed: bool) -> tuple[Doubles, Doubles]:
         """The change of the channels (N, K), and the lengths (N, C) that it leads to.
 
         Args:
@@ -112,7 +113,7 @@ class Reach:
             passed: begin as if each pair of vertices had passed each other.
         """
         found, there = np.empty_like(frames.start), np.empty_like(frames.targets)
-        rows: slice | NDArray[np.intp] = slice(None)  # of the frames that are not done yet
+        rows: slice | Indices = slice(None)  # of the frames that are not done yet
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
         here = self._place(frames, frames.vectors)
         for iteration in range(ITERATIONS):
@@ -134,13 +135,13 @@ class Reach:
                 change, frozen = change[going], frozen[going]
         return found, np.maximum(there, 0.0)
 
-    def _place(self, frames: _Frames, vectors: Array) -> _Place:
-        lengths: Array = self._distances.lengths(vectors)
+    def _place(self, frames: _Frames, vectors: Doubles) -> _Place:
+        lengths: Doubles = self._distances.lengths(vectors)
         return _Place(vectors, lengths, frames.cost(lengths))
 
     def _linear(
-        self, frames: _Frames, here: _Place, change: Array, passed: bool
-    ) -> tuple[Array, Array]:
+        self, frames: _Frames, here: _Place, change: Doubles, passed: bool
+    ) -> tuple[Doubles, Doubles]:
         """Slopes J (N, C, K) at `change`, and what J times the whole change should be (N, C)."""
         directions = self._distances.directions(here.vectors, here.lengths, passed)
         by_control = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
@@ -148,8 +149,13 @@ class Reach:
         return slopes, frames.targets - here.lengths + np.einsum("nck,nk->nc", slopes, change)
 
     def _step(
-        self, slopes: Array, wanted: Array, noise: Array, change: Array, frozen: NDArray[np.bool_]
-    ) -> Array:
+        self,
+        slopes: Doubles,
+        wanted: Doubles,
+        noise: Doubles,
+        change: Doubles,
+        frozen: Bools,
+    ) -> Doubles:
         """The most probable change with J change = wanted; frozen channels keep theirs."""
         rest, free, held = wanted, slopes, change
         if frozen.any():
@@ -161,18 +167,18 @@ class Reach:
         diagonal = np.arange(system.shape[1])
         system[:, diagonal, diagonal] += noise
         solved = np.linalg.solve(system, rest[:, :, None])  # (N, C, 1)
-        moved: Array = (solved.transpose(0, 2, 1) @ spread)[:, 0]
+        moved: Doubles = (solved.transpose(0, 2, 1) @ spread)[:, 0]
         return np.where(frozen, held, moved)
 
-    def _shortening(self, change: Array, limit: float) -> Array:
+    def _shortening(self, change: Doubles, limit: float) -> Doubles:
         """(N, 1) factor that keeps each frame's change within a length."""
         length = np.sqrt(((change @ self._precision) * change).sum(axis=1))
-        factor: Array = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
+        factor: Doubles = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
         return factor
 
     def _line_search(
-        self, frames: _Frames, here: _Place, old: Array, new: Array
-    ) -> tuple[Array, _Place]:
+        self, frames: _Frames, here: _Place, old: Doubles, new: Doubles
+    ) -> tuple[Doubles, _Place]:
         """The way from `old` to `new`, or as much of it as leads nearer, each frame by itself.
 
         A full step can carry a pair of vertices through each other, where the distance grows
@@ -206,15 +212,15 @@ class _Place:
         costs: (N,) how far that is from the targets.
     """
 
-    vectors: Array
-    lengths: Array
-    costs: Array
+    vectors: Doubles
+    lengths: Doubles
+    costs: Doubles
 
     def at(self, rows: NDArray[Any] | tuple[NDArray[Any], ...]) -> _Place:
         """Some of the frames."""
         return _Place(self.vectors[rows], self.lengths[rows], self.costs[rows])
 
-    def put(self, rows: NDArray[np.intp], other: _Place) -> None:
+    def put(self, rows: Indices, other: _Place) -> None:
         """Lead elsewhere on some of the frames."""
         self.vectors[rows] = other.vectors
         self.lengths[rows], self.costs[rows] = other.lengths, other.costs
@@ -231,19 +237,19 @@ class _Frames:
         noise: (N, C) mm²: how exactly each target is to be met.
     """
 
-    start: Array
-    lower: Array
-    upper: Array
-    vectors: Array
-    targets: Array
-    noise: Array
+    start: Doubles
+    lower: Doubles
+    upper: Doubles
+    vectors: Doubles
+    targets: Doubles
+    noise: Doubles
 
-    def at(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> _Frames:
+    def at(self, rows: Indices | Bools) -> _Frames:
         """Some of the frames."""
         arrays = (self.start, self.lower, self.upper, self.vectors, self.targets, self.noise)
         return _Frames(*(array[rows] for array in arrays))
 
-    def bounded(self, change: Array, coupled: tuple[int, int] | None) -> Array:
+    def bounded(self, change: Doubles, coupled: tuple[int, int] | None) -> Doubles:
         """The nearest allowed change."""
         inside = np.minimum(np.maximum(self.start + change, self.lower), self.upper)
         if coupled is not None:
@@ -252,10 +258,10 @@ class _Frames:
             inside[:, a] = np.minimum(inside[:, a], inside[:, b] + slack)
         return inside - self.start
 
-    def cost(self, lengths: Array) -> Array:
+    def cost(self, lengths: Doubles) -> Doubles:
         """How far lengths (..., N, C) are from the targets: (..., N).
 
         Pairs that have passed each other touch.
         """
-        costs: Array = ((self.targets - np.maximum(lengths, 0.0)) ** 2 / self.noise).sum(axis=-1)
+        costs: Doubles = ((self.targets - np.maximum(lengths, 0.0)) ** 2 / self.noise).sum(axis=-1)
         return costs

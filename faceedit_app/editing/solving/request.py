@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.regions import CONTROL_INDEX
+from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.filters import gaussian
-
-Array = NDArray[np.float64]
 
 # How far beyond an edit the networks may let the face prepare and follow through, in seconds.
 # Speech moves its lips into a closure in about this time.
@@ -26,15 +24,15 @@ class Request:
     """What the edits ask for on N frames.
 
     Attributes:
-        curves: (N, 8), mm: the tracked controls with the edits applied, companions included.
-        hold: (N, 8) in 0..1: how firmly each curve is asked for (the edits' masks).
-        influence: (N, 8) in 0..1: where the networks may answer: 1 over an edit and its
+        curves: (N, C), mm: the tracked controls with the edits applied, companions included.
+        hold: (N, C) in 0..1: how firmly each curve is asked for (the edits' masks).
+        influence: (N, C) in 0..1: where the networks may answer: 1 over an edit and its
             falloff, fading over `SPILL` seconds beyond.
     """
 
-    curves: Array
-    hold: Array
-    influence: Array
+    curves: Doubles
+    hold: Doubles
+    influence: Doubles
 
 
 def active(edits: Sequence[Edit]) -> tuple[Edit, ...]:
@@ -49,10 +47,10 @@ def affected(edit: Edit) -> tuple[float, float]:
 
 
 def request(
-    times: Array,
+    times: Times,
     rate: float,
-    tracked: Array,
-    medians: Array,
+    tracked: Doubles,
+    medians: Doubles,
     edits: Sequence[Edit],
     companions: Companions | None = None,
 ) -> Request:
@@ -61,8 +59,8 @@ def request(
     Args:
         times: (N,) seconds.
         rate: frames per second, for smoothing.
-        tracked: (N, 8), mm.
-        medians: (8,), mm: the take's median of each control, which `scale` is about.
+        tracked: (N, C), mm.
+        medians: (C,), mm: the take's median of each control, which `scale` is about.
         companions: which curves follow which; None = none does.
     """
     curves = tracked.astype(np.float64, copy=True)
@@ -99,11 +97,11 @@ def request(
     return Request(curves, hold, influence)
 
 
-def _spread(edit: Edit, times: Array) -> Array:
+def _spread(edit: Edit, times: Times) -> Doubles:
     """(N,) in 0..1: over the edit 1, then fading so that velocity and acceleration are steady."""
     first, last = edit.reach
     left = np.clip(1.0 - np.maximum(first - times, times - last) / SPILL, 0.0, 1.0)
-    spread: Array = left**3 * (10.0 - 15.0 * left + 6.0 * left**2)
+    spread: Doubles = left**3 * (10.0 - 15.0 * left + 6.0 * left**2)
     return spread
 
 
@@ -121,13 +119,13 @@ def smoothing(edit: Edit) -> float:
 def _wanted(
     edit: Edit,
     rows: slice,
-    times: Array,
-    curves: Array,
-    tracked: Array,
-    medians: Array,
+    times: Times,
+    curves: Doubles,
+    tracked: Doubles,
+    medians: Doubles,
     rate: float,
     column: int,
-) -> Array:
+) -> Doubles:
     """One curve with the edit in full, on `rows`."""
     curve = curves[rows, column]
     match edit.op:
@@ -137,7 +135,7 @@ def _wanted(
             return np.full_like(curve, edit.value)
         case Op.SCALE:
             middle = medians[column] if edit.about is None else edit.about
-            scaled: Array = middle + edit.value * (curve - middle)
+            scaled: Doubles = middle + edit.value * (curve - middle)
             return scaled
         case Op.SMOOTH:
             return _smooth(curves[:, column], rows, edit, rate)
@@ -155,22 +153,22 @@ def smoothing_frames(edit: Edit, rate: float) -> int:
     return 0 if frames < NARROW else int(4 * frames + 0.5) + 1  # where the kernel ends
 
 
-def _smooth(curve: Array, rows: slice, edit: Edit, rate: float) -> Array:
+def _smooth(curve: Doubles, rows: slice, edit: Edit, rate: float) -> Doubles:
     """Zero-phase Gaussian on `rows`, from what surrounds them."""
     around = smoothing_frames(edit, rate)
     if not around:
         return curve[rows]
     first, last = max(rows.start - around, 0), min(rows.stop + around, len(curve))
-    smooth: Array = gaussian(curve[first:last], smoothing(edit) * rate)
+    smooth: Doubles = gaussian(curve[first:last], smoothing(edit) * rate)
     return smooth[rows.start - first : rows.stop - first]
 
 
-def _drawn(edit: Edit, times: Array) -> Array:
-    drawn: Array = np.interp(times, *edit.polyline)
+def _drawn(edit: Edit, times: Times) -> Doubles:
+    drawn: Doubles = np.interp(times, *edit.polyline)
     return drawn
 
 
-def region_influence(request: Request, controls: Sequence[str]) -> Array:
+def region_influence(request: Request, controls: Sequence[str]) -> Doubles:
     """(N,) in 0..1: where a region that listens to `controls` may answer."""
-    influence: Array = request.influence[:, [CONTROL_INDEX[c] for c in controls]].max(axis=1)
+    influence: Doubles = request.influence[:, [CONTROL_INDEX[c] for c in controls]].max(axis=1)
     return influence

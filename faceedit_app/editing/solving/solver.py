@@ -8,15 +8,16 @@ the chunks that it touches.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.regions import CONTROL_INDEX, CONTROLS, REGIONS, Region
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS
+from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Distances, Rig
 from faceedit_app.editing.edits.edit import Edit
@@ -32,7 +33,6 @@ if TYPE_CHECKING:  # the window is there before the networks
 
 __all__ = ["Mode", "Patch", "Settings", "Solver"]
 
-Array = NDArray[np.float64]
 
 # How far above the range seen in training a request is followed, as a share of that range.
 BEYOND = 0.1
@@ -40,11 +40,11 @@ BEYOND = 0.1
 
 @dataclass(frozen=True)
 class Patch:
-    """A chunk's result: `asked` (N, 8) mm, `weights` (N, 52), `controls` (N, 8) mm."""
+    """A chunk's result: `asked` (N, C) mm, `weights` (N, 52), `controls` (N, C) mm."""
 
-    asked: NDArray[np.float32]
-    weights: NDArray[np.float32]
-    controls: NDArray[np.float32]
+    asked: Floats
+    weights: Floats
+    controls: Floats
 
 
 class Solver:
@@ -60,7 +60,8 @@ class Solver:
     def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
         self.clip = clip
         self.tracked = clip.arkit_weights()
-        self.distances = rig.arkit_distances
+        self.distances, self._has_control = rig.arkit_distances, rig.has_control
+        self._missing = frozenset(rig.missing_controls)
         self.controls = self.distances.measure(self.tracked)
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
@@ -73,17 +74,36 @@ class Solver:
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
         self.chunks = Chunks(clip.times, clip.rate, len(self.grid), scale, context)
         may = present if "jawOpen" in present else present - {"mouthClose"}
-        self._parts = {region.id: _Part(region, engine, self.distances, may) for region in REGIONS}
-        lower = self._parts["lower"]
-        self._companions = Companions(lower.region.controls, lower.control_covariance())
-        self._answers = Answers(engine, self.grid) if engine else None
+        self._parts = {
+            region.id: _Part(region, engine, self.distances, may, self._missing)
+            for region in REGIONS
+        }
+        self._companions = Companions(
+            {part.own: part.control_covariance() for part in self._parts.values()}
+        )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
+        # Networks that listen to a control which the character lacks hear an ordinary face.
+        self._heard = self.grid.copy()
+        for column in np.flatnonzero(~self._has_control & np.isfinite(self._low)):
+            self._heard[:, column] = 0.5 * (self._low[column] + self._high[column])
+        self._answers = Answers(engine, self._heard) if engine else None
 
     def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
         """What has to be computed to answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
-        return self.chunks.pieces(edits, settings, listening)
+        return self.chunks.pieces(self._possible(edits), settings, listening)
+
+    def _possible(self, edits: Sequence[Edit]) -> Sequence[Edit]:
+        """The edits without the controls that the character lacks."""
+        if not self._missing:
+            return edits
+        possible = []
+        for edit in edits:
+            controls = tuple(name for name in edit.controls if name not in self._missing)
+            if controls:
+                possible.append(replace(edit, controls=controls))
+        return possible
 
     def solve(self, piece: Piece) -> Patch:
         """Compute one chunk."""
@@ -114,17 +134,19 @@ class Solver:
         controls[same] = self.controls[rows][same]
         return Patch(mine.curves.astype(np.float32), result, controls)
 
-    def _believable(self, curves: Array, tracked: Array) -> Array:
-        """(N, 8) mm: curves within what faces do, or what this face already did."""
+    def _believable(self, curves: Doubles, tracked: Doubles) -> Doubles:
+        """(N, C) mm: curves within what faces do, or what this face already did."""
         low, high = np.minimum(self._low, tracked), np.maximum(self._high, tracked)
-        believable: Array = np.minimum(np.maximum(curves, low), high)
+        believable: Doubles = np.minimum(np.maximum(curves, low), high)
         return believable
 
-    def _answer(self, piece: Piece, regions: tuple[str, ...], change: Array) -> dict[str, Array]:
+    def _answer(
+        self, piece: Piece, regions: tuple[str, ...], change: Doubles
+    ) -> dict[str, Doubles]:
         """(N, K) by region: what the networks add (preserve) or put (resynthesize) on its rows.
 
         Args:
-            change: (N', 8) mm by which the controls near the piece differ from the take.
+            change: (N', C) mm by which the controls near the piece differ from the take.
         """
         rows, settings = self.chunks.slice(piece.chunk), piece.settings
         anew = settings.mode is Mode.RESYNTHESIZE
@@ -135,7 +157,7 @@ class Solver:
             return {}
         first, last = (int(i) for i in self.chunks.windows[piece.chunk])
         times = self.clip.times[slice(*piece.near)]
-        edited = self.grid[first:last] + to_grid(times, change, first, last)
+        edited = self._heard[first:last] + to_grid(times, change, first, last)
         window = first, last
         answers = self._answers.to(regions, window, edited, settings.naturalness)
         if not anew:
@@ -148,10 +170,10 @@ class Solver:
 
     def _combine(
         self,
-        weights: Array,
+        weights: Doubles,
         part: _Part,
-        answer: Array,
-        influence: Array,
+        answer: Doubles,
+        influence: Doubles,
         rows: slice,
         settings: Settings,
     ) -> None:
@@ -167,19 +189,19 @@ class Solver:
             _couple(weights, self.tracked[rows], influence > 0)
 
     def _reach(
-        self, weights: Array, part: _Part, mine: Request, wanted: Array, settings: Settings
+        self, weights: Doubles, part: _Part, mine: Request, wanted: Doubles, settings: Settings
     ) -> None:
         """Bring the region's own controls the rest of the way to what was asked."""
-        where = np.flatnonzero(mine.hold[:, part.own].any(axis=1))
+        where = np.flatnonzero(mine.hold[:, part.own_columns].any(axis=1))
         if not len(where) or part.reach is None or settings.reach == 0:
             return
         columns = part.columns[part.have]
-        hold = mine.hold[np.ix_(where, part.own)]
+        hold = mine.hold[np.ix_(where, part.own_columns)]
         asked = hold > 0
         strength = np.where(asked, hold, hold.max(axis=1, keepdims=True))
         here = weights[where]
-        influence = region_influence(mine, part.region.controls)[where]
-        goal = Goal(wanted[np.ix_(where, part.own)], settings.reach * strength, asked)
+        influence = region_influence(mine, part.listens_to)[where]
+        goal = Goal(wanted[np.ix_(where, part.own_columns)], settings.reach * strength, asked)
         upper = _upper(here[:, columns], influence)
         weights[np.ix_(where, columns)] = part.reach(here, goal, upper, settings.naturalness)
 
@@ -188,22 +210,31 @@ class _Part:
     """What solving needs to know of a region, worked out once.
 
     Attributes:
-        listens_to: ids of the controls that its networks answer to.
+        own: ids of the controls that it brings to what is asked, in columns `own_columns`; the
+            brows have none, they move no control.
+        listens_to: ids of the controls that it answers to: its networks, or reach.
         columns: (K,) its channels among the 52.
         have: positions of the channels that may change: the source has a column for them.
-        own: positions of the controls that are its own; the brows have none, they move no control.
         reach: brings its own controls to a goal, where it has any and may change anything.
     """
 
     def __init__(
-        self, region: Region, engine: Engine | None, distances: Distances, may: frozenset[str]
+        self,
+        region: Region,
+        engine: Engine | None,
+        distances: Distances,
+        may: frozenset[str],
+        missing: frozenset[str],
     ) -> None:
-        self.region, self._all = region, distances
+        self.region = region
         self._model = engine.models[region.id] if engine else None
-        self.listens_to = self._model.controls if self._model else region.controls
+        self.own = tuple(name for name in region.own if name not in missing)
+        self.own_columns = np.array([CONTROL_INDEX[name] for name in self.own], np.intp)
+        self._distances = distances.select(self.own_columns)
+        heard = self._model.controls if self._model else region.controls
+        self.listens_to = tuple(dict.fromkeys((*heard, *self.own)))
         self.columns = np.array([ARKIT_INDEX[c] for c in region.channels], np.intp)
         self.have = np.array([i for i, c in enumerate(region.channels) if c in may], np.intp)
-        self.own = np.array([i for i, c in enumerate(CONTROLS) if c.region == region.id], np.intp)
         self._covariance = (
             self._model.covariance if self._model else 0.04 * np.eye(len(region.channels))
         )
@@ -212,20 +243,18 @@ class _Part:
         coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
         self.reach: Reach | None = None
         if len(self.own) and len(self.have):
-            mine, covariance = distances.select(self.own), self._covariance
-            covariance = covariance[np.ix_(self.have, self.have)]
-            self.reach = Reach(mine, self.columns[self.have], covariance, coupled)
+            covariance = self._covariance[np.ix_(self.have, self.have)]
+            self.reach = Reach(self._distances, self.columns[self.have], covariance, coupled)
 
-    def control_covariance(self) -> Array:
-        """(C, C) mm² how the region's controls vary together, linearised at rest."""
+    def control_covariance(self) -> Doubles:
+        """(C, C) mm² how its own C controls vary together, linearised at rest."""
         rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
-        mine = self._all.select([CONTROL_INDEX[c] for c in self.region.controls])
-        slopes = mine.jacobian(rest)[1][0][:, self.columns].astype(np.float64)
-        covariance: Array = slopes @ self._covariance @ slopes.T
+        slopes = self._distances.jacobian(rest)[1][0][:, self.columns].astype(np.float64)
+        covariance: Doubles = slopes @ self._covariance @ slopes.T
         return covariance
 
-    def limits(self) -> tuple[Array, Array]:
-        """(8,) mm: how low and how high the controls it listens to are followed."""
+    def limits(self) -> tuple[Doubles, Doubles]:
+        """(C,) mm: how low and how high the controls it listens to are followed."""
         low, high = np.full(len(CONTROLS), -np.inf), np.full(len(CONTROLS), np.inf)
         if self._model is not None:
             heard = [CONTROL_INDEX[control] for control in self._model.controls]
@@ -234,12 +263,12 @@ class _Part:
         return low, high
 
 
-def _upper(old: Array, influence: Array) -> Array:
+def _upper(old: Doubles, influence: Doubles) -> Doubles:
     """Largest weight: 1, but a tracked value above 1 is let go of only as the edit fades in."""
     return 1.0 + np.maximum(old - 1.0, 0.0) * (1.0 - influence[:, None])
 
 
-def _couple(weights: Array, tracked: NDArray[np.float32], where: NDArray[np.bool_]) -> None:
+def _couple(weights: Doubles, tracked: Floats, where: Bools) -> None:
     """Keep mouthClose <= jawOpen, in place: alone, the corrective tears any rig.
 
     Where the take itself exceeds it, by as much as the take does.

@@ -12,7 +12,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.session import EditSession
@@ -89,7 +89,7 @@ class Desk:
     # --- the mouse -----------------------------------------------------------------------------
 
     def plot(self, control: str) -> CurvePlot:
-        """One of the eight."""
+        """The plot of a control."""
         return self.editor.curves.plots[CONTROL_IDS.index(control)]
 
     def choose(self, *controls: str) -> None:

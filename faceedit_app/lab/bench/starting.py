@@ -91,10 +91,11 @@ def _instead_of_the_demo(loading: Any, frames: int) -> None:
 
 
 def _edit(window: Any) -> None:
+    from faceedit_app.core.controls import LIP_OPENING
     from faceedit_app.editing.edits.edit import Edit, Op
 
     window.document.act(
-        lambda session: session.add(Edit(("mouth_opening",), Op.OFFSET, 0.0, 1e6, 0.0, 2.0))
+        lambda session: session.add(Edit((LIP_OPENING,), Op.OFFSET, 0.0, 1e6, 0.0, 2.0))
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from faceedit_app.core.controls import CONTROLS, LIDS, LIP_OPENING
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -22,7 +23,6 @@ from faceedit_app.ui.face.viewport import Viewport
 
 FRAMES = 202  # the paper's
 STAGES = ("controls", "networks", "curves", "plots", "deform", "draw")
-LIDS, MOUTH = ("left_eyelid", "right_eyelid"), "mouth_opening"
 
 
 def drag(desk: Desk, times: int) -> dict[str, Any]:
@@ -31,11 +31,11 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
     So all networks of all three regions answer, for all 202 frames, at each step.
     """
     clip = desk.open(long_take(FRAMES)).take.clip
-    desk.choose(MOUTH, *LIDS)
+    desk.choose(LIP_OPENING, *LIDS)
     desk.window.timeline.show_range(0.0, clip.duration)
     desk.window.timeline.select((0.0, clip.duration))
-    desk.press(MOUTH, clip.duration / 2)
-    once = desk.dragged(MOUTH)
+    desk.press(LIP_OPENING, clip.duration / 2)
+    once = desk.dragged(LIP_OPENING)
     for _ in range(20):
         once()
     steps = [(once(), desk.worked) for _ in range(times)]
@@ -76,8 +76,8 @@ def _drag_of_one(desk: Desk, times: int) -> Times:
     session.add(Edit(LIDS, Op.OFFSET, 0.0, session.take.clip.duration, 0.0, -1.0))
     desk.window.document.changed.emit()
     line.select((line.time - 0.2, line.time + 0.2))
-    desk.press(MOUTH, line.time)
-    once = desk.dragged(MOUTH)
+    desk.press(LIP_OPENING, line.time)
+    once = desk.dragged(LIP_OPENING)
     for _ in range(10):
         once()
     steps = Times([once() for _ in range(times)])
@@ -88,7 +88,7 @@ def _drag_of_one(desk: Desk, times: int) -> Times:
 def networks(engine: Engine, times: int) -> Times:
     """The three regions' networks on 202 frames, as the paper measures them."""
     demo = long_take(FRAMES).clip
-    curves = np.random.default_rng(0).normal(30.0, 3.0, (len(demo), 8))
+    curves = np.random.default_rng(0).normal(30.0, 3.0, (len(demo), len(CONTROLS)))
     regions = tuple(region.id for region in REGIONS)
     return repeat(lambda: engine.answer_all(regions, curves, 1.0), times)
 
@@ -102,15 +102,15 @@ def _length(desk: Desk, frames: int, times: int) -> dict[str, Any]:
     session = desk.open(long_take(frames))
     line, clip = desk.window.timeline, session.take.clip
     moment = line.time
-    desk.press(MOUTH, moment)
-    once = desk.dragged(MOUTH)
+    desk.press(LIP_OPENING, moment)
+    once = desk.dragged(LIP_OPENING)
     for _ in range(10):
         once()
     local = Times([once() for _ in range(times)])
     desk.give_up()
     line.show_range(0.0, clip.duration)
     desk.settle()
-    desk.press(MOUTH, moment)
+    desk.press(LIP_OPENING, moment)
     overview = Times([once() for _ in range(max(times // 4, 2))])
     desk.give_up()
     line.show_range(moment - 4.0, moment + 4.0)
@@ -125,15 +125,15 @@ def _whole(desk: Desk, moment: float) -> dict[str, float]:
     line, clip = desk.window.timeline, desk.session.take.clip
     line.select((0.0, clip.duration))
     desk.settle()
-    desk.press(MOUTH, moment)
+    desk.press(LIP_OPENING, moment)
     beat, began = Heartbeat(desk.window), time.perf_counter()
-    first = desk.dragged(MOUTH)()
-    desk.release(MOUTH)
+    first = desk.dragged(LIP_OPENING)()
+    desk.release(LIP_OPENING)
     complete = 1e3 * (time.perf_counter() - began)
     blocked = beat.stop()
     desk.window.document.undo()
-    desk.press(MOUTH, moment)
-    desk.dragged(MOUTH)()
+    desk.press(LIP_OPENING, moment)
+    desk.dragged(LIP_OPENING)()
     began = time.perf_counter()
     desk.editor.curves.cancel_drag()
     cancelled = 1e3 * (time.perf_counter() - began)

@@ -10,10 +10,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
+from faceedit_app.core.arrays import Bools, Doubles
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, MOUTH_CORNERS, MOUTH_WIDTH
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -23,8 +24,6 @@ from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.formats.take import Take
 from faceedit_app.lab.evaluation.metrics import boundary_jump, clipped_share
 from faceedit_app.networks.engine import Engine
-
-Array = NDArray[np.float64]
 
 NATURALNESS = (0.0, 0.5, 1.0)
 SHORTEST_TAKE = 2.0  # seconds
@@ -67,8 +66,8 @@ class Outcome:
     distance: float
 
 
-def trials(take: Take, controls: Array) -> list[Trial]:
-    """The edits for one take, whose controls are (T, 8) mm; some need a face that fits."""
+def trials(take: Take, controls: Doubles) -> list[Trial]:
+    """The edits for one take, whose controls are (T, C) mm; some need a face that fits."""
     duration = take.clip.duration
     if duration < SHORTEST_TAKE:
         return []
@@ -81,30 +80,27 @@ def trials(take: Take, controls: Array) -> list[Trial]:
         at = np.flatnonzero(inside & (controls[:, CONTROL_INDEX[control]] > above))
         return float(times[random.choice(at)]) if len(at) else None
 
-    lids = ("left_eyelid", "right_eyelid")
-    corners = ("left_corner", "right_corner")
+    left, right = MOUTH_CORNERS
     anywhere = float(random.uniform(0.6, duration - 0.8))
     frame = float(times[take.clip.frame_at(anywhere)])
     out = [
-        Trial("spike", (Edit(("mouth_opening",), Op.OFFSET, frame, frame, 0.0, 15.0),)),
-        Trial("smile", (Edit(corners, Op.OFFSET, 0.0, duration, 0.0, 4.0),)),
+        Trial("spike", (Edit((LIP_OPENING,), Op.OFFSET, frame, frame, 0.0, 15.0),)),
+        Trial("smile", (Edit(MOUTH_CORNERS, Op.OFFSET, 0.0, duration, 0.0, 4.0),)),
         Trial(
             "conflict",
             (
-                Edit(("left_corner",), Op.OFFSET, anywhere, anywhere + 0.4, 0.15, 8.0),
-                Edit(("right_corner",), Op.OFFSET, anywhere, anywhere + 0.4, 0.15, -8.0),
-                Edit(("mouth_width",), Op.OFFSET, anywhere, anywhere + 0.4, 0.15, -10.0),
+                Edit((left,), Op.OFFSET, anywhere, anywhere + 0.4, 0.15, 8.0),
+                Edit((right,), Op.OFFSET, anywhere, anywhere + 0.4, 0.15, -8.0),
+                Edit((MOUTH_WIDTH,), Op.OFFSET, anywhere, anywhere + 0.4, 0.15, -10.0),
             ),
         ),
-        Trial("wild", (Edit(("mouth_opening",), Op.OFFSET, frame, frame + 0.24, 0.0, 40.0),)),
+        Trial("wild", (Edit((LIP_OPENING,), Op.OFFSET, frame, frame + 0.24, 0.0, 40.0),)),
     ]
     for _ in range(3):
-        if (at := moment("mouth_opening", 4.0)) is not None:
-            out.append(
-                Trial("closure", (Edit(("mouth_opening",), Op.SET, at, at + 0.2, 0.15, 0.5),))
-            )
-        if (at := moment("left_eyelid", 5.0)) is not None:
-            out.append(Trial("blink", (Edit(lids, Op.SET, at, at + 0.1, 0.15, 0.5),)))
+        if (at := moment(LIP_OPENING, 4.0)) is not None:
+            out.append(Trial("closure", (Edit((LIP_OPENING,), Op.SET, at, at + 0.2, 0.15, 0.5),)))
+        if (at := moment(LIDS[0], 5.0)) is not None:
+            out.append(Trial("blink", (Edit(LIDS, Op.SET, at, at + 0.1, 0.15, 0.5),)))
     return out
 
 
@@ -146,9 +142,7 @@ def _outcome(session: EditSession, trial: Trial, engine: Engine | None) -> Outco
     outside = np.abs(after - before)[~inside]
     ends = [int(i) for i in np.flatnonzero(np.diff(inside.astype(int)))]
     touched = [
-        r.id
-        for r in REGIONS
-        if any(set(edit.controls) & set(r.controls) for edit in trial.edits) and r.id != "upper"
+        r.id for r in REGIONS if any(set(edit.controls) & set(r.own) for edit in trial.edits)
     ]
     columns = [ARKIT_INDEX[c] for r in REGIONS if r.id in touched for c in r.channels]
     return Outcome(
@@ -164,7 +158,7 @@ def _outcome(session: EditSession, trial: Trial, engine: Engine | None) -> Outco
 
 
 def _distance(
-    session: EditSession, engine: Engine | None, regions: Sequence[str], inside: NDArray[np.bool_]
+    session: EditSession, engine: Engine | None, regions: Sequence[str], inside: Bools
 ) -> float:
     """How far the edited part is from natural motion at worst, by the limit of real takes."""
     if engine is None:

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, Control, control_named
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS, Region
+from faceedit_app.core.regions import LOWER, REGIONS, Region
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.formats.opening import open_take
@@ -30,16 +31,14 @@ from faceedit_app.lab.evaluation.metrics import (
 from faceedit_app.lab.evaluation.systems import SYSTEMS, Systems
 from faceedit_app.lab.training.data import Performance
 
-Array = NDArray[np.float64]
-
 MOUTH_MM = tuple(0.5 * i for i in range(1, 13))
 LIDS_MM = tuple(0.5 * i for i in range(1, 15))
-CLOSING: dict[str, tuple[str, str, tuple[float, ...]]] = {
-    "mouth": ("lower", "mouth_opening", MOUTH_MM),
-    "left_eyelid": ("eyelids", "left_eyelid", LIDS_MM),
-    "right_eyelid": ("eyelids", "right_eyelid", LIDS_MM),
+MOUTH = "mouth"
+CLOSING: dict[str, tuple[Control, tuple[float, ...]]] = {
+    MOUTH: (control_named(LIP_OPENING), MOUTH_MM),
+    **{lid: (control_named(lid), LIDS_MM) for lid in LIDS},
 }
-"""What can close: its region, its control, and the thresholds of detection in mm."""
+"""What can close: its control, and the thresholds of detection in mm."""
 REGION_IDS = tuple(region.id for region in REGIONS)
 WILD_MM = 40.0
 WILD_FRAMES = 6
@@ -84,7 +83,7 @@ class Figures:
     regions: dict[str, dict[str, Score]]
     closures: dict[str, dict[str, Closures]]
     outcomes: list[Outcome] = field(default_factory=list)
-    curves: dict[str, dict[str, Array]] = field(default_factory=dict)
+    curves: dict[str, dict[str, Doubles]] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
         """The figures as plain JSON values; what cannot be measured is null."""
@@ -101,7 +100,7 @@ class Figures:
         }
         closing: dict[str, Any] = {}
         for what, found in self.closures.items():
-            thresholds = CLOSING[what][2]
+            thresholds = CLOSING[what][1]
             closing[what] = {"threshold_mm": list(thresholds)}
             for system in SYSTEMS:
                 empty = [None] * len(thresholds)
@@ -191,11 +190,11 @@ def measure_systems(
                 system: _score(takes, answers[region.id, system], region, system, systems, rig)
                 for system in systems.names(region.id)
             }
-    for what, (region_id, control, thresholds) in CLOSING.items():
-        if region_id not in regions:
+    for what, (control, thresholds) in CLOSING.items():
+        if control.region not in regions:
             continue
-        region = next(r for r in REGIONS if r.id == region_id)
-        column = CONTROL_INDEX[control]
+        region = next(r for r in REGIONS if r.id == control.region)
+        column = CONTROL_INDEX[control.id]
         seen = [take.captured[_columns(region)].any() for take in takes]
         figures.closures[what] = {
             system: closures(
@@ -203,7 +202,7 @@ def measure_systems(
                     [
                         _controls(take, region, answer, rig)[:, column]
                         for take, answer, ok in zip(
-                            takes, answers[region_id, system], seen, strict=True
+                            takes, answers[region.id, system], seen, strict=True
                         )
                         if ok
                     ]
@@ -217,19 +216,19 @@ def measure_systems(
                 ),
                 thresholds,
             )
-            for system in systems.names(region_id)
+            for system in systems.names(region.id)
         }
-    if "lower" in regions:
-        lower = REGIONS[0]
+    if LOWER.id in regions:
+        opening = CONTROL_INDEX[LIP_OPENING]
         for i, take in enumerate(takes[:3]):
-            figures.curves[take.name] = {"truth": _truth(take, rig)[:, 0]} | {
-                system: _controls(take, lower, answers["lower", system][i], rig)[:, 0]
-                for system in systems.names("lower")
+            figures.curves[take.name] = {"truth": _truth(take, rig)[:, opening]} | {
+                system: _controls(take, LOWER, answers[LOWER.id, system][i], rig)[:, opening]
+                for system in systems.names(LOWER.id)
             }
     return figures
 
 
-def _joined(parts: Sequence[Array]) -> Array:
+def _joined(parts: Sequence[Doubles]) -> Doubles:
     return np.concatenate(parts) if parts else np.zeros(0)
 
 
@@ -237,26 +236,26 @@ def _columns(region: Region) -> list[int]:
     return [ARKIT_INDEX[c] for c in region.channels]
 
 
-def _truth(take: Performance, rig: Rig) -> Array:
-    """(T, 8) mm: the take's own controls."""
+def _truth(take: Performance, rig: Rig) -> Doubles:
+    """(T, C) mm: the take's own controls."""
     return rig.arkit_distances.measure(take.weights).astype(np.float64)
 
 
-def _controls(take: Performance, region: Region, answer: Array, rig: Rig) -> Array:
-    """(T, 8) mm: the controls with a region's weights replaced."""
+def _controls(take: Performance, region: Region, answer: Doubles, rig: Rig) -> Doubles:
+    """(T, C) mm: the controls with a region's weights replaced."""
     weights = take.weights.copy()
     weights[:, _columns(region)] = answer
     return rig.arkit_distances.measure(weights).astype(np.float64)
 
 
-def _bounded(systems: Systems, system: str, region: Region, take: Performance, rig: Rig) -> Array:
+def _bounded(systems: Systems, system: str, region: Region, take: Performance, rig: Rig) -> Doubles:
     """A system's answer to the take's own controls, as the application would use it: 0..1."""
     return np.clip(systems.answer(system, region.id, _truth(take, rig)), 0.0, 1.0)
 
 
 def _score(
     takes: Sequence[Performance],
-    answers: Sequence[Array],
+    answers: Sequence[Doubles],
     region: Region,
     system: str,
     systems: Systems,

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.regions import EYELIDS, LOWER
 from faceedit_app.lab.evaluation.evaluate import Figures
 from faceedit_app.lab.evaluation.report import (
     LABELS,
@@ -68,14 +69,15 @@ def table1(setting: Setting) -> Path:
     rows = [
         [
             LABELS[system],
-            cell(figures.regions["lower"][system].mse),
-            cell(figures.regions["eyelids"][system].mse),
+            cell(figures.regions[LOWER.id][system].mse),
+            cell(figures.regions[EYELIDS.id][system].mse),
             *(f"{value:.4f}" for value in paper[system]),
         ]
         for system in ("regressor", "holden", "system")
-        if system in figures.regions["lower"]
+        if system in figures.regions[LOWER.id]
     ]
-    titles = ["", "lower face", "eyelids", "the paper: lower face", "eyelids"]
+    lower, lids = LOWER.label.lower(), EYELIDS.label.lower()
+    titles = ["", lower, lids, f"the paper: {lower}", lids]
     text = f"""# Table 1: mean squared error
 
 {_takes_text(figures)} The paper's numbers are on its own data and other channels, beside ours for

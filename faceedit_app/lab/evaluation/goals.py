@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from faceedit_app.core.regions import EYELIDS, LOWER
 from faceedit_app.lab.evaluation.benchmark import GOALS
 from faceedit_app.lab.evaluation.evaluate import Figures, edit_figures
 from faceedit_app.lab.evaluation.report import WHAT, cell, markdown_table
@@ -65,7 +66,7 @@ def _closures(figures: Figures) -> list[Goal]:
 
 def _errors(figures: Figures) -> list[Goal]:
     out = []
-    for region in ("lower", "eyelids"):
+    for region in (LOWER.id, EYELIDS.id):
         scores = figures.regions[region]
         regressor, system = scores["regressor"], scores["system"]
         ratio = system.mse / regressor.mse
@@ -124,7 +125,7 @@ def _edits(figures: Figures) -> list[Goal]:
 
 def _wild(figures: Figures) -> list[Goal]:
     out = []
-    for region in ("lower", "eyelids"):
+    for region in (LOWER.id, EYELIDS.id):
         system, regressor = (figures.regions[region][name] for name in ("system", "regressor"))
         if np.isfinite(system.wild):
             out.append(

@@ -10,14 +10,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.regions import CONTROL_INDEX, MODELLED_CHANNELS, Region
+from faceedit_app.core.arrays import Bools, Doubles, Indices
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MOUTH_CORNERS, MOUTH_WIDTH
+from faceedit_app.core.regions import LOWER, MODELLED_CHANNELS, UPPER, Region
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.core.rig import MILLIMETRES, Rig
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 HIGH_HZ = 4.0
 """What moves faster than this is what over-smoothing takes away first."""
@@ -26,17 +24,17 @@ HIGH_HZ = 4.0
 NEAR_LIPS_MM = 12.0
 NEAR_LIDS_MM = 10.0
 MOVED_MM = 2.0  # the brows: vertices that a brow channel moves by so much
-_LIPS = ("mouth_opening", "mouth_width", "left_corner")
+_LIPS = (LIP_OPENING, MOUTH_WIDTH, *MOUTH_CORNERS)
 _AT_LIMIT = 1e-4
 
 
-def squared_errors(answer: Array, truth: Array, captured: Mask) -> Array:
+def squared_errors(answer: Doubles, truth: Doubles, captured: Bools) -> Doubles:
     """(n,) squared weight errors of the captured channels; their mean is the MSE."""
     return ((answer - truth)[:, captured] ** 2).ravel()
 
 
 def high_energy(
-    answer: Array, truth: Array, captured: Mask, above: float = HIGH_HZ
+    answer: Doubles, truth: Doubles, captured: Bools, above: float = HIGH_HZ
 ) -> tuple[float, float]:
     """How much of the fast motion of the truth is in the answer.
 
@@ -61,7 +59,7 @@ def energy_kept(product: float, energy: float) -> float:
     return max(product / energy, 0.0) ** 2 if energy > 0 else float("nan")
 
 
-def jerk(weights: Array, captured: Mask) -> float:
+def jerk(weights: Doubles, captured: Bools) -> float:
     """Sum of the absolute third differences of the captured channels."""
     if len(weights) < 4:
         return 0.0
@@ -101,7 +99,7 @@ class Closures:
         return found
 
 
-def closures(answer: Array, truth: Array, thresholds: Sequence[float]) -> Closures:
+def closures(answer: Doubles, truth: Doubles, thresholds: Sequence[float]) -> Closures:
     """Closures kept, lost and made up: distances (T,) mm of the answer and of the truth."""
     tpr, fpr, actual = [], [], []
     for threshold in thresholds:
@@ -113,13 +111,13 @@ def closures(answer: Array, truth: Array, thresholds: Sequence[float]) -> Closur
     return Closures(tuple(map(float, thresholds)), tuple(tpr), tuple(fpr), tuple(actual))
 
 
-def region_vertices(rig: Rig, region: Region) -> NDArray[np.intp]:
+def region_vertices(rig: Rig, region: Region) -> Indices:
     """Indices of the lip, lid or brow vertices that a region's error is measured on."""
-    if region.id == "upper":
+    if region.id == UPPER.id:
         rows = [rig.channel_index[c] for c in region.channels if c in rig.channel_index]
         moved = np.linalg.norm(rig.deltas[rows], axis=2).max(axis=0) * MILLIMETRES
         return np.flatnonzero(moved > MOVED_MM)
-    lips = region.id == "lower"
+    lips = region.id == LOWER.id
     controls = _LIPS if lips else region.controls
     points = rig.neutral[rig.control_pairs[[CONTROL_INDEX[c] for c in controls]].ravel()]
     away = np.linalg.norm(rig.neutral[:, None] - points[None], axis=2).min(axis=1) * MILLIMETRES
@@ -128,7 +126,7 @@ def region_vertices(rig: Rig, region: Region) -> NDArray[np.intp]:
     return np.flatnonzero((away < (NEAR_LIPS_MM if lips else NEAR_LIDS_MM)) & moves)
 
 
-def vertex_errors(rig: Rig, region: Region, answer: Array, truth: Array) -> Array:
+def vertex_errors(rig: Rig, region: Region, answer: Doubles, truth: Doubles) -> Doubles:
     """(T,) mm: mean distance of the region's vertices between two sets of its weights.
 
     Blendshapes add up, so the rest of the face makes no difference.
@@ -138,11 +136,11 @@ def vertex_errors(rig: Rig, region: Region, answer: Array, truth: Array) -> Arra
     deltas = rig.deltas[columns][:, region_vertices(rig, region)].astype(np.float64)
     flat = deltas.reshape(len(columns), -1)
     moved = ((answer - truth)[:, rows] @ flat).reshape(len(answer), -1, 3)
-    errors: Array = np.linalg.norm(moved, axis=2).mean(axis=1) * MILLIMETRES
+    errors: Doubles = np.linalg.norm(moved, axis=2).mean(axis=1) * MILLIMETRES
     return errors
 
 
-def boundary_jump(before: Array, after: Array, frames: Iterable[int]) -> float:
+def boundary_jump(before: Doubles, after: Doubles, frames: Iterable[int]) -> float:
     """Largest jump of velocity that an edit adds at some frames, in weight per frame.
 
     Args:
@@ -158,7 +156,7 @@ def boundary_jump(before: Array, after: Array, frames: Iterable[int]) -> float:
     return max(jumps, default=0.0)
 
 
-def clipped_share(before: Array, after: Array) -> float:
+def clipped_share(before: Doubles, after: Doubles) -> float:
     """Share of the changed weights (T, K) that an edit drove to 0 or 1."""
     changed = np.abs(after - before) > _AT_LIMIT
     if not changed.any():

@@ -11,13 +11,13 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.lab.evaluation.benchmark import NATURALNESS, Outcome
-from faceedit_app.lab.evaluation.evaluate import Figures, edit_figures
+from faceedit_app.lab.evaluation.evaluate import CLOSING, Figures, edit_figures
 from faceedit_app.lab.evaluation.systems import SYSTEMS
 from faceedit_app.lab.training.charts import Line, chart
 
 REPORT = "evaluation.md"
 LABELS = {"regressor": "regressor alone", "system": "full system", "holden": "Holden et al. 2016"}
-WHAT = {"mouth": "mouth", "left_eyelid": "left eyelid", "right_eyelid": "right eyelid"}
+WHAT = {what: what.replace("_", " ") for what in CLOSING}
 CURVE_SECONDS = 6.0
 
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.controls import CONTROL_IDS, LIDS
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.regions import CONTROL_IDS, REGIONS, Region
-from faceedit_app.lab.evaluation.evaluate import Figures, measure_systems
+from faceedit_app.core.regions import EYELIDS, LOWER, UPPER, Region
+from faceedit_app.lab.evaluation.evaluate import MOUTH, Figures, measure_systems
 from faceedit_app.lab.evaluation.report import LABELS, cell, markdown_table
 from faceedit_app.lab.evaluation.setting import Setting
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import SYNTHETIC
 from faceedit_app.lab.training.settings import FitSettings
 
-LOWER, UPPER, EYELIDS = REGIONS
 MOUTH_AT = 2.0  # mm, the stated threshold of detection in short tables
 
 
@@ -35,7 +35,7 @@ def table2(setting: Setting) -> Path:
     for name, (learned, _) in sets.items():
         systems = setting.train(f"Table 2, {name}", [LOWER], learned, settings)
         for test in chosen:
-            figures = measure_systems(sets[test][1], systems, setting.rig, ["lower"])
+            figures = measure_systems(sets[test][1], systems, setting.rig, [LOWER.id])
             rows.append([name, test, *_mouth_cells(figures)])
     titles = ["trained on", "tested on", "MSE", "TPR", "FPR"]
     text = f"""# Table 2: training on one source, testing on another
@@ -58,7 +58,7 @@ def leave_one_out(setting: Setting) -> Path:
         systems = setting.train(f"Without {source}", regions, rest, setting.settings(), True)
         figures = measure_systems(mine, systems, setting.rig, [r.id for r in regions])
         for region in regions:
-            what = "mouth" if region is LOWER else "left_eyelid"
+            what = MOUTH if region is LOWER else LIDS[0]
             for system, score in figures.regions[region.id].items():
                 rates = figures.closures[what][system]
                 at = rates.thresholds.index(MOUTH_AT)
@@ -101,9 +101,9 @@ def recipes(setting: Setting) -> Path:
     rows = []
     for name, settings in variants:
         systems = setting.train(f"Recipe: {name}", [LOWER], setting.known, settings)
-        figures = measure_systems(setting.unseen, systems, setting.rig, ["lower"])
-        for system, score in figures.regions["lower"].items():
-            rates = figures.closures["mouth"][system]
+        figures = measure_systems(setting.unseen, systems, setting.rig, [LOWER.id])
+        for system, score in figures.regions[LOWER.id].items():
+            rates = figures.closures[MOUTH][system]
             at = rates.thresholds.index(MOUTH_AT)
             threshold, fpr = rates.fpr_at(0.98)
             rows.append(
@@ -143,14 +143,14 @@ The paper does not say which controls feed the upper-face network.
 def _brows(setting: Setting) -> str:
     rows = []
     for name, region in (
-        ("eyelids", UPPER),
-        ("all eight", replace(UPPER, controls=CONTROL_IDS)),
+        ("eyelids alone", UPPER),
+        ("all controls", replace(UPPER, controls=CONTROL_IDS)),
     ):
         systems = setting.train(f"Brows hear {name}", [region], setting.known, setting.settings())
         scores = {
             source: measure_systems(
-                [p for p in setting.unseen if p.source == source], systems, setting.rig, ["upper"]
-            ).regions["upper"]
+                [p for p in setting.unseen if p.source == source], systems, setting.rig, [UPPER.id]
+            ).regions[UPPER.id]
             for source in dict.fromkeys(p.source for p in setting.unseen)
         }
         for source, found in scores.items():
@@ -164,9 +164,9 @@ def _budget(setting: Setting) -> str:
 
 
 def _mouth_cells(figures: Figures) -> list[str]:
-    rates = figures.closures["mouth"]["system"]
+    rates = figures.closures[MOUTH]["system"]
     at = rates.thresholds.index(MOUTH_AT)
-    score = figures.regions["lower"]["system"]
+    score = figures.regions[LOWER.id]["system"]
     return [cell(score.mse), cell(rates.tpr[at], 2), cell(rates.fpr[at], 2)]
 
 

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.regions import CONTROL_INDEX, REGIONS
+from faceedit_app.core.regions import LOWER
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.evaluation.metrics import high_energy
@@ -20,10 +21,8 @@ from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.data import Performance
 
-Array = NDArray[np.float64]
-
 SECONDS = 2.8
-OPENING = CONTROL_INDEX["mouth_opening"]
+OPENING = CONTROL_INDEX[LIP_OPENING]
 
 
 class Place(Protocol):
@@ -36,8 +35,8 @@ class Place(Protocol):
         """The character."""
 
 
-def inputs(rest: Array, frames: int) -> dict[str, Array]:
-    """Mouth openings to try, from a resting face's controls (8,): (frames, 8) mm each."""
+def inputs(rest: Doubles, frames: int) -> dict[str, Doubles]:
+    """Mouth openings to try, from a resting face's controls (C,): (frames, C) mm each."""
     time = np.arange(frames) / GRID_RATE
     middle = time[frames // 2]
     bump = np.exp(-0.5 * ((time - middle) / 0.12) ** 2)
@@ -63,8 +62,7 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
     """
     if not takes:
         raise FaceEditError("robustness needs takes to measure on: --held-out DIR")
-    lower = REGIONS[0]
-    model = systems.engine.models[lower.id]
+    model = systems.engine.models[LOWER.id]
     distances = place.rig.arkit_distances
     controls = np.concatenate([distances.measure(take.weights) for take in takes])
     rest = np.median(controls, axis=0).astype(np.float64)
@@ -72,7 +70,7 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
     for number, (name, asked) in enumerate(inputs(rest, int(SECONDS * GRID_RATE)).items(), 1):
         lines = [_line("asked for", asked[:, OPENING], "#000000", True)]
         for system, color in (("regressor", "#d55e00"), ("system", "#0072b2")):
-            answer = systems.answer(system, lower.id, asked)
+            answer = systems.answer(system, LOWER.id, asked)
             weights = np.zeros((len(answer), 52), np.float32)
             weights[:, _columns()] = answer
             opening = distances.measure(weights)[:, OPENING].astype(np.float64)
@@ -109,9 +107,9 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
 def _columns() -> list[int]:
     from faceedit_app.core.arkit import ARKIT_INDEX
 
-    return [ARKIT_INDEX[c] for c in REGIONS[0].channels]
+    return [ARKIT_INDEX[c] for c in LOWER.channels]
 
 
-def _line(name: str, values: Array, color: str, dashed: bool) -> Line:
+def _line(name: str, values: Doubles, color: str, dashed: bool) -> Line:
     times = (np.arange(len(values)) / GRID_RATE).tolist()
     return Line(name, times, values.tolist(), color, dashed)

@@ -100,6 +100,7 @@ class Setting:
         def report(epoch: Epoch) -> None:
             self.progress.update(bar, advance=1)
 
+        regions = [self.rig.measures(region) for region in regions]
         distances = self.rig.arkit_distances
         models = [fit_region(r, takes, distances, settings, report).model for r in regions]
         others = (

@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.lab.training.holden import FOLDER, HoldenModel, load_holden
 from faceedit_app.lab.training.model_files import RegionModel, as_file
 from faceedit_app.networks.engine import Engine
 from faceedit_app.networks.inference import RegionAnswer
-
-Array = NDArray[np.float64]
 
 SYSTEMS = ("regressor", "system", "holden")
 
@@ -58,10 +54,10 @@ class Systems:
         """The systems that know a region."""
         return SYSTEMS if region in self.baseline else SYSTEMS[:2]
 
-    def answer(self, system: str, region: str, curves: Array) -> Array:
-        """Curves (T, 8) mm at 25 fps -> (T, K) weights of a region, not bounded."""
+    def answer(self, system: str, region: str, curves: Doubles) -> Doubles:
+        """Curves (T, C) mm at 25 fps -> (T, K) weights of a region, not bounded."""
         if system == "holden":
             return self.baseline[region].answer(curves)
         answers = self.engine.answer(region, curves[None], 1.0 if system == "system" else 0.0)
-        weights: Array = answers[0]
+        weights: Doubles = answers[0]
         return weights

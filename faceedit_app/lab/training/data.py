@@ -8,17 +8,16 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
+from faceedit_app.core.arrays import Bools, Floats, Indices
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX, Region
+from faceedit_app.core.regions import Region
 from faceedit_app.core.resample import GRID_RATE, grid_length, to_grid
 from faceedit_app.core.rig import Distances
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.training.settings import FitSettings
-
-Floats = NDArray[np.float32]
 
 # A channel that never moves by this much in any take of a source was not captured.
 ALIVE = 1e-3
@@ -40,7 +39,7 @@ class Performance:
     name: str
     source: str
     weights: Floats
-    captured: NDArray[np.bool_]
+    captured: Bools
     path: Path | None = None
 
     @property
@@ -99,7 +98,7 @@ def source_of(path: Path) -> str:
 
 
 def _mark_captured(performances: list[Performance]) -> list[Performance]:
-    alive: dict[str, NDArray[np.bool_]] = {}
+    alive: dict[str, Bools] = {}
     for take in performances:
         moves = np.ptp(take.weights, axis=0) > ALIVE
         alive[take.source] = alive.get(take.source, np.zeros(len(moves), bool)) | moves
@@ -124,13 +123,13 @@ class Windows:
 
     controls: Floats
     weights: Floats
-    captured: NDArray[np.bool_]
+    captured: Bools
     still: Floats
 
     def __len__(self) -> int:
         return len(self.controls)
 
-    def __getitem__(self, rows: NDArray[np.intp]) -> Windows:
+    def __getitem__(self, rows: Indices) -> Windows:
         return Windows(
             self.controls[rows], self.weights[rows], self.captured[rows], self.still[rows]
         )
@@ -174,7 +173,7 @@ def _part(take: Performance, first: int, last: int) -> Performance:
 
 def cut_windows(
     performances: Iterable[Performance], frames: int, overlap: float
-) -> tuple[Floats, NDArray[np.bool_]]:
+) -> tuple[Floats, Bools]:
     """All windows of some takes: weights (N, frames, 52) and captured channels (N, 52)."""
     step = max(1, round(frames * (1 - overlap)))
     windows = [
@@ -189,12 +188,12 @@ def cut_windows(
 
 
 def region_windows(
-    region: Region, weights: Floats, captured: NDArray[np.bool_], distances: Distances
+    region: Region, weights: Floats, captured: Bools, distances: Distances
 ) -> Windows:
     """The examples of one region among windows (N, W, 52); those without its channels are left out.
 
     Args:
-        distances: the eight controls as a function of the 52 weights in ARKit order.
+        distances: the controls as a function of the 52 weights in ARKit order.
     """
     columns = [ARKIT_INDEX[c] for c in region.channels]
     rows = captured[:, columns].any(axis=1)

@@ -15,17 +15,15 @@ import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.lab.training import expressions
 from faceedit_app.lab.training.expressions import Event
 from faceedit_app.lab.training.eyes import Blink, Gaze
 from faceedit_app.lab.training.phonemes import PAUSE, Phoneme, parse, with_durations
 from faceedit_app.lab.training.speech import Speaker, perform
 from faceedit_app.lab.training.synthesis import write_livelink
-
-Floats = NDArray[np.float32]
 
 SECONDS, RATE, SEED, START = 10.0, 60.0, 1, "10:00:00:00.000"
 TEMPO = 0.9
@@ -111,7 +109,7 @@ def speaker() -> Speaker:
     )  # fmt: skip
 
 
-def build() -> tuple[NDArray[np.float64], Floats]:
+def build() -> tuple[Doubles, Floats]:
     """Times (T,) in seconds and weights (T, 52) float32 in ARKit order."""
     said = script()
     times = np.arange(round(SECONDS * RATE)) / RATE

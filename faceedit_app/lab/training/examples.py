@@ -7,11 +7,12 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Bools, Doubles, Floats
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX, Region
+from faceedit_app.core.regions import Region
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.core.rig import Distances
 from faceedit_app.lab.training.data import (
@@ -26,8 +27,6 @@ from faceedit_app.lab.training.settings import FitSettings
 from faceedit_app.lab.training.variety import play, split_sides
 from faceedit_app.networks.files import Natural
 
-Doubles = NDArray[np.float64]
-
 SYNTHETIC = "synthetic"
 """The source whose takes no person played: the folder that `faceedit synthesize` wrote."""
 NATURAL_PERCENTILE = 99.9
@@ -40,7 +39,7 @@ class Examples:
 
     Args:
         performances: takes; a share of their blocks is held out.
-        distances: the eight controls as a function of the 52 weights in ARKit order.
+        distances: the controls as a function of the 52 weights in ARKit order.
 
     Attributes:
         validation: held-out windows as recorded.
@@ -86,7 +85,7 @@ class Examples:
             captured = np.concatenate([captured, flipped])
         return self._windows(weights, captured)
 
-    def _windows(self, weights: NDArray[np.float32], captured: NDArray[np.bool_]) -> Windows:
+    def _windows(self, weights: Floats, captured: Bools) -> Windows:
         return region_windows(self.region, weights, captured, self.distances)
 
     @cached_property
@@ -95,9 +94,9 @@ class Examples:
         return len(self.epoch(0)), len(self.validation)
 
     @cached_property
-    def mean(self) -> NDArray[np.float32]:
+    def mean(self) -> Floats:
         """(C,) mm, of the controls."""
-        mean: NDArray[np.float32] = self._recorded.controls.mean((0, 2))
+        mean: Floats = self._recorded.controls.mean((0, 2))
         return mean
 
     @cached_property

@@ -9,11 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
-
-Doubles = NDArray[np.float64]
+from faceedit_app.core.arrays import Doubles
 
 MOODS: dict[str, dict[str, float]] = {
     "smile": {"mouthSmile": 0.55, "cheekSquint": 0.28, "eyeSquint": 0.16, "mouthDimple": 0.10,

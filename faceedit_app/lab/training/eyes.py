@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Doubles = NDArray[np.float64]
+from faceedit_app.core.arrays import Doubles
 
 DEGREES = 40.0  # of gaze at weight 1 of an eyeLook channel
 

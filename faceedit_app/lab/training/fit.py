@@ -75,7 +75,7 @@ def fit_region(
     """Train a region's regressor, then its autoencoder behind the frozen regressor.
 
     Args:
-        distances: the eight controls as a function of the 52 weights in ARKit order.
+        distances: the controls as a function of the 52 weights in ARKit order.
         report: called after each epoch.
         start: go on from these networks, with their input mean and within their ranges.
         checkpoints: folder to keep the state in, and to go on from.

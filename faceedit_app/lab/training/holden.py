@@ -15,15 +15,16 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.regions import CONTROL_INDEX, Region
+from faceedit_app.core.regions import Region
 from faceedit_app.core.rig import Distances
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import Examples
@@ -87,13 +88,13 @@ class HoldenModel:
     channels: tuple[str, ...]
     networks: HoldenNetworks
 
-    def answer(self, curves: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Curves (T, 8) mm at 25 fps, any T -> (T, K) weights, not bounded."""
+    def answer(self, curves: Doubles) -> Doubles:
+        """Curves (T, C) mm at 25 fps, any T -> (T, K) weights, not bounded."""
         columns = [CONTROL_INDEX[c] for c in self.controls]
         padded = np.pad(curves[:, columns], ((0, len(curves) % 2), (0, 0)), "edge")
         inputs = torch.from_numpy(padded.T[None].astype(np.float32))
         with torch.inference_mode():
-            weights: NDArray[np.float64] = self.networks(inputs)[0].T.numpy().astype(np.float64)
+            weights: Doubles = self.networks(inputs)[0].T.numpy().astype(np.float64)
         return weights[: len(curves)]
 
 

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from torch import Tensor, nn
 
+from faceedit_app.core.arrays import Indices
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.lab.training.data import Windows
 from faceedit_app.lab.training.losses import Batch
@@ -184,7 +184,7 @@ def _epoch(
     forward: Callable[[Batch], Tensor],
     loss_of: Callable[[Tensor, Batch], Tensor],
     windows: Windows,
-    order: NDArray[np.intp],
+    order: Indices,
     batch: int,
     optimiser: torch.optim.Optimizer | None,
 ) -> float:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from faceedit_app.core.arrays import Indices
 from faceedit_app.core.rig import Distances
 from faceedit_app.lab.training.data import Windows
 from faceedit_app.lab.training.settings import FitSettings
@@ -28,7 +27,7 @@ class Batch:
     still: Tensor
 
     @classmethod
-    def of(cls, windows: Windows, rows: NDArray[np.intp]) -> Batch:
+    def of(cls, windows: Windows, rows: Indices) -> Batch:
         """Some of the windows."""
         part = windows[rows]
         return cls(*map(torch.from_numpy, (part.controls, part.weights, part.captured, part.still)))

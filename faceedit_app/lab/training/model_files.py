@@ -6,11 +6,10 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from safetensors.torch import save
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.lab.training.models import RegionNetworks
@@ -44,9 +43,9 @@ class RegionModel:
     controls: tuple[str, ...]
     channels: tuple[str, ...]
     networks: RegionNetworks
-    covariance: NDArray[np.float64]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
+    covariance: Doubles
+    low: Doubles
+    high: Doubles
     widths: tuple[int, ...]
     notes: str = ""
     natural: Natural | None = None

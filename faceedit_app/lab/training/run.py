@@ -15,7 +15,7 @@ from rich.progress import Progress
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Distances
 from faceedit_app.lab.training.card import model_card
@@ -132,9 +132,10 @@ def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
     except OSError as error:
         raise FileError(plan.output, "cannot be made", "choose another folder") from error
     performances = load_performances(plan.folders, plan.exclude)
-    distances = read_rig(shipped("assets/character.glb")).arkit_distances
+    rig = read_rig(shipped("assets/character.glb"))
+    distances = rig.arkit_distances
     fitted = []
-    for region in REGIONS:
+    for region in map(rig.measures, REGIONS):
         report = _reporter(progress, region.label, _epochs(settings, plan.baseline))
         start = begin.get(region.id)
         result = fit_region(region, performances, distances, settings, report, start, checkpoints)
@@ -143,9 +144,7 @@ def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
         fitted.append(result)
         yield path
         if plan.baseline and not result.stopped:
-            yield _baseline(
-                region.id, performances, distances, settings, report, plan.output, result
-            )
+            yield _baseline(region, performances, distances, settings, report, plan.output, result)
         if result.stopped:
             raise KeyboardInterrupt
     chart_file = plan.output / LOSSES
@@ -159,7 +158,7 @@ def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
 
 
 def _baseline(
-    region: str,
+    region: Region,
     performances: Sequence[Performance],
     distances: Distances,
     settings: FitSettings,
@@ -167,12 +166,11 @@ def _baseline(
     output: Path,
     result: Fitted,
 ) -> Path:
-    one = next(r for r in REGIONS if r.id == region)
     checkpoints = output / CHECKPOINTS
-    model, histories = fit_holden(one, performances, distances, settings, report, checkpoints)
+    model, histories = fit_holden(region, performances, distances, settings, report, checkpoints)
     result.histories.update(histories)
     result.stopped = any(history.stopped for history in histories.values())
-    path = output / FOLDER / f"{region}.safetensors"
+    path = output / FOLDER / f"{region.id}.safetensors"
     save_holden(path, model)
     return path
 

@@ -10,17 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles, Floats, Times
 from faceedit_app.lab.training import expressions, eyes
 from faceedit_app.lab.training.phonemes import PAUSE, VOWELS, Phoneme, transcribe, with_durations
 from faceedit_app.lab.training.sentences import SENTENCES
 from faceedit_app.lab.training.visemes import ARTICULATOR_INDEX, ARTICULATORS, articulate
-
-Doubles = NDArray[np.float64]
-Floats = NDArray[np.float32]
 
 _JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
 
@@ -134,7 +131,7 @@ def synthesize(
     rate: float = 60.0,
     utterances: Sequence[Sequence[Phoneme]] | None = None,
     speaker: Speaker | None = None,
-) -> tuple[NDArray[np.float64], Floats]:
+) -> tuple[Doubles, Floats]:
     """A performance: sentences in random order, with pauses, until the time is over.
 
     Args:
@@ -169,7 +166,7 @@ def synthesize(
 
 
 def perform(
-    times: Doubles,
+    times: Times,
     rng: np.random.Generator,
     speaker: Speaker,
     phonemes: Sequence[Phoneme],
@@ -298,7 +295,7 @@ def _compete(weights: Doubles, gap: Doubles) -> None:
 
 def _eyes(
     weights: Doubles,
-    times: Doubles,
+    times: Times,
     speaker: Speaker,
     gazes: Sequence[eyes.Gaze],
     blinks: Sequence[eyes.Blink],

@@ -10,14 +10,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import MODELLED_CHANNELS, REGIONS
+from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
+from faceedit_app.core.regions import LOWER, MODELLED_CHANNELS
 
-Doubles = NDArray[np.float64]
-Take = tuple[NDArray[np.float64], NDArray[np.float32]]
+Take = tuple[Doubles, Floats]
 """Times (T,) in seconds and weights (T, 52) in ARKit order."""
 
 RATE = 25.0
@@ -45,7 +44,7 @@ PAIRS: tuple[tuple[str, str], ...] = (
     ("eyeBlinkLeft", "eyeWideLeft"),
     ("eyeBlinkLeft", "eyeLookDownLeft"),
 )
-MOUTH_CHANNELS: tuple[str, ...] = REGIONS[0].channels
+MOUTH_CHANNELS: tuple[str, ...] = LOWER.channels
 STD_CHANNELS: tuple[str, ...] = tuple(c for c in MODELLED_CHANNELS if not c.endswith("Right"))
 
 
@@ -204,9 +203,7 @@ def _gap(weights: Doubles) -> Doubles:
     return gap
 
 
-def _jaw_peaks(
-    takes: Sequence[Doubles], prominence: float
-) -> tuple[list[NDArray[np.intp]], list[NDArray[np.bool_]]]:
+def _jaw_peaks(takes: Sequence[Doubles], prominence: float) -> tuple[list[Indices], list[Bools]]:
     """Frames of the peaks of the jaw, and which frames are near one, for each take."""
     peaks, speaking = [], []
     for weights in takes:

@@ -8,14 +8,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.lab.training.speech import draw_speaker, synthesize
-
-Floats = NDArray[np.float32]
 
 SPEAKERS = 16
 SHORTEST, LONGEST = 10.0, 60.0  # seconds of a take
@@ -115,14 +113,14 @@ def livelink_bytes(weights: Floats, rate: float, start: str) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _rotations(weights: Floats) -> NDArray[np.float64]:
+def _rotations(weights: Floats) -> Doubles:
     """(T, 9) radians: the head rests, the eyes turn as the eyeLook channels say.
 
     The factors are those between the application's own columns: 0.6 rad sideways and 0.5 rad
     up or down at weight 1, straight ahead at a little convergence.
     """
 
-    def channel(name: str) -> NDArray[np.float64]:
+    def channel(name: str) -> Doubles:
         return weights[:, ARKIT_INDEX[name]].astype(np.float64)
 
     out = np.zeros((len(weights), len(_ROTATIONS)))

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
+from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.resample import GRID_RATE
-from faceedit_app.lab.training.data import Floats, Performance, mirrored
+from faceedit_app.lab.training.data import Performance, mirrored
 from faceedit_app.lab.training.settings import Variety
-
-Doubles = NDArray[np.float64]
 
 _CLOSE, _JAW = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
 _SQUINT = [ARKIT_INDEX["eyeSquintLeft"], ARKIT_INDEX["eyeSquintRight"]]
@@ -96,8 +94,8 @@ def _drift(frames: int, how: Variety, random: np.random.Generator) -> Doubles:
 
 
 def split_sides(
-    weights: Floats, captured: NDArray[np.bool_], share: float, random: np.random.Generator
-) -> tuple[Floats, NDArray[np.bool_]]:
+    weights: Floats, captured: Bools, share: float, random: np.random.Generator
+) -> tuple[Floats, Bools]:
     """Give a share of the windows (N, W, 52) the left half of the face of another window.
 
     Returns:

@@ -17,12 +17,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.lab.training.phonemes import PAUSE, PHONEMES, VOWELS, Phoneme
-
-Doubles = NDArray[np.float64]
 
 ARTICULATORS: tuple[str, ...] = (
     "jawOpen",

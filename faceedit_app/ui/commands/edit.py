@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.timeline import Timeline

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QMenu, QWidget
 
+from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.regions import CONTROL_IDS
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -287,8 +287,7 @@ class FixCommands(QObject):
         if session is None or selection is None:
             return
         self._finish()
-        sides = [name for name in CONTROL_IDS if "left" in name or "right" in name]
-        copied = copy_range(session, *selection, sides, Copied.CURVE)
+        copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
         self._put(copied.mirrored(), selection[0], "Mirrored")
 
     def _put(self, source: Clipboard, at: float, name: str) -> None:

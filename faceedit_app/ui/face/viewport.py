@@ -36,7 +36,7 @@ from faceedit_app.ui.look.palette import ACCENT, BORDER, PANEL, TEXT
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from faceedit_app.core.clip import Floats
+    from faceedit_app.core.arrays import Floats
     from faceedit_app.core.rig import Rig
     from faceedit_app.render import FaceRenderer
 

@@ -18,7 +18,8 @@ from faceedit_app.ui.media.take_media import Media
 from faceedit_app.ui.state.timeline import Timeline
 
 if TYPE_CHECKING:
-    from faceedit_app.media.film import Film, Picture, Projector
+    from faceedit_app.core.arrays import Pixels
+    from faceedit_app.media.film import Film, Projector
 
 
 class Screen(QWidget):
@@ -37,7 +38,7 @@ class Screen(QWidget):
         self._media, self._timeline = media, timeline
         self._projector: Projector | None = None
         self._film: Film | None = None
-        self._picture: Picture | None = None
+        self._picture: Pixels | None = None
         self.index = -1  # of the picture on screen
         self.wanted = -1
         self._note = ""

@@ -17,7 +17,7 @@ PRESERVE_TIP = (
 )
 RESYNTHESIZE_TIP = (
     "Resynthesize: the networks make the edited regions of the face anew\n"
-    "from the eight curves, over the whole take; every frame changes a little."
+    "from the curves, over the whole take; every frame changes a little."
 )
 NATURAL_TIP = (
     "How believable the answer to an edit must be.\n"

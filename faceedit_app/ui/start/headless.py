@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.errors import FileError, Unavailable
-from faceedit_app.core.regions import CONTROL_INDEX
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QApplication
@@ -93,11 +93,11 @@ def sample_edit(session: EditSession) -> Edit:
     from faceedit_app.editing.edits.edit import Edit, Op
 
     times = session.take.clip.times
-    opening = session.tracked[:, CONTROL_INDEX["mouth_opening"]]
+    opening = session.tracked[:, CONTROL_INDEX[LIP_OPENING]]
     inner = slice(len(times) // 4, max(3 * len(times) // 4, len(times) // 4 + 1))
     ordinary = int(np.argmin(np.abs(opening[inner] - np.median(opening))))
     moment = float(times[inner][ordinary])
-    return Edit(("mouth_opening",), Op.OFFSET, moment - 0.15, moment + 0.15, 0.25, 10.0)
+    return Edit((LIP_OPENING,), Op.OFFSET, moment - 0.15, moment + 0.15, 0.25, 10.0)
 
 
 def _grab(app: QApplication, window: MainWindow, path: Path) -> Path:

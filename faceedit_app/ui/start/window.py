@@ -242,6 +242,8 @@ class MainWindow(WindowBase):
 
     def _character_loaded(self, rig: Rig) -> None:
         self._rig = rig
+        if rig.missing_note:
+            self.banner.say(rig.missing_note)
         self._background.run(
             loading.prepare_renderer, lambda _: self._want_face(), self._show_error
         )

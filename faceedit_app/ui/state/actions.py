@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu
 
-from faceedit_app.core.regions import CONTROLS
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.ui.look.icons import icon
 
 MENUS = ("File", "Edit", "Tools", "Fix", "View", "Playback", "Help")
@@ -194,7 +194,8 @@ COMMANDS: tuple[Command, ...] = (
             tip="Show the film as in a mirror, where left and right are not those of the face",
             checkable=True),
     *(
-        Command(f"curve_{number}", "View", f"&{number} {control.label}", (str(number),),
+        Command(f"curve_{number}", "View", f"&{number} {control.label}",
+                (control.key,) if control.key else (),
                 f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")
         for number, control in enumerate(CONTROLS, start=1)
     ),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
-from faceedit_app.core.regions import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_IDS
 
 if TYPE_CHECKING:  # torch comes with these; the window is there before it
     from faceedit_app.editing.edits.edit import Edit
