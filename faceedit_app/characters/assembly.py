@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import fast_simplification
 import numpy as np
@@ -13,9 +14,7 @@ from faceedit_app.characters.character import Character, Part
 from faceedit_app.characters.face_frame import FaceFrame
 from faceedit_app.characters.names import Half, Share
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.rig import Floats
-
-Doubles = NDArray[np.float64]
+from faceedit_app.core.arrays import Doubles, Floats, Indices
 
 MOST_TRIANGLES = 250_000  # more are decimated
 DECIMATED_TO = 120_000
@@ -134,10 +133,10 @@ class Assembler:
             np.concatenate(numbers),
             np.concatenate(vertices),
             tuple(parts),
-            tuple(zip(runs[:-1], runs[1:], strict=True)),
+            tuple(pairwise(runs)),
         )
 
-    def _head(self, frame: FaceFrame) -> list[tuple[int, NDArray[np.intp], NDArray[np.int32]]]:
+    def _head(self, frame: FaceFrame) -> list[tuple[int, Indices, NDArray[np.int32]]]:
         """What to keep of each part: its number, rows of its vertices, and its triangles."""
         places = [frame.places(part.neutral) for part in self._character.parts]
         floor = self._chin(frame, places) - _NECK
@@ -216,7 +215,7 @@ def _ramp(distance: Doubles) -> Doubles:
     return t * t * (3 - 2 * t)
 
 
-def _decimated(part: Part, share: float) -> tuple[Part, NDArray[np.intp]]:
+def _decimated(part: Part, share: float) -> tuple[Part, Indices]:
     """A part with a share of its triangles, and which of its vertices are left.
 
     Quadric edge collapse (Garland and Heckbert 1997). Each new vertex takes shapes and texture

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.rig import Floats
+from faceedit_app.core.arrays import Floats, Indices
 
 Faces = NDArray[np.int32]
 
@@ -69,7 +69,7 @@ class Part:
     colors: Floats | None = None
     surface: Surface = field(default_factory=Surface)
 
-    def only(self, kept: NDArray[np.intp]) -> Part:
+    def only(self, kept: Indices) -> Part:
         """The part with some of its vertices (in order), which its faces must not go beyond."""
         place = np.zeros(len(self.neutral), np.int32)
         place[kept] = np.arange(len(kept), dtype=np.int32)

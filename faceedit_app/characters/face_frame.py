@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character
 from faceedit_app.characters.names import Half, Share
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FileError
 
-Doubles = NDArray[np.float64]
 Shares = Mapping[str, Sequence[Share]]
 
 EYES_APART = 63.0  # mm, the mean of adults

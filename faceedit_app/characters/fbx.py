@@ -21,10 +21,8 @@ from faceedit_app.characters.bounded import (
 )
 from faceedit_app.characters.character import Character, Part, Surface, Texture, unique_names
 from faceedit_app.characters.fbx_tree import Record, read_tree
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.rig import Floats
-
-Matrix = NDArray[np.float64]
 
 _ORDERS = ("XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX")  # of RotationOrder 0 to 5
 
@@ -115,7 +113,7 @@ class _Scene:
             part = replace(whole, faces=mine, surface=surface)
             yield part.only(np.unique(mine).astype(np.intp))
 
-    def _vertices(self, geometry: Record) -> Matrix:
+    def _vertices(self, geometry: Record) -> Doubles:
         vertices = geometry.array("Vertices")
         if vertices is None or len(vertices) % 3 or len(vertices) > 3 * MOST_VERTICES:
             raise (
@@ -133,7 +131,7 @@ class _Scene:
                 if shapes:  # the last is the full one, those before it are in between
                     yield _label(self._objects[channel]), self._objects[shapes[-1]]
 
-    def _targets(self, geometry: int, count: int) -> Iterator[tuple[str, Matrix]]:
+    def _targets(self, geometry: int, count: int) -> Iterator[tuple[str, Doubles]]:
         seen = set()
         for name, shape in self._channels(geometry):
             if name in seen:
@@ -157,7 +155,7 @@ class _Scene:
     def _is(self, number: int, name: str) -> bool:
         return number in self._objects and self._objects[number].name == name
 
-    def _place(self, model: int | None) -> Matrix:
+    def _place(self, model: int | None) -> Doubles:
         """Local to world of a model at rest, with what moves its geometry alone, (4, 4)."""
         if model is None:
             return np.eye(4)
@@ -167,7 +165,7 @@ class _Scene:
         )
         return finite(place, "a model's place")
 
-    def _node_place(self, model: int) -> Matrix:
+    def _node_place(self, model: int) -> Doubles:
         place = np.eye(4)
         seen: set[int] = set()
         at: int | None = model
@@ -250,14 +248,14 @@ def _properties(record: Record) -> dict[str, tuple[Any, ...]]:
 
 def _vector(
     properties: dict[str, tuple[Any, ...]], name: str, default: tuple[float, float, float]
-) -> Matrix:
+) -> Doubles:
     values = properties.get(name, default)
     if len(values) < 3 or not all(isinstance(v, (int, float)) for v in values[:3]):
         return np.array(default)
     return finite(np.array(values[:3], np.float64), name)
 
 
-def _local(properties: dict[str, tuple[Any, ...]]) -> Matrix:
+def _local(properties: dict[str, tuple[Any, ...]]) -> Doubles:
     """A model's own transform, as the FBX SDK composes it.
 
     Translation, rotation pivot and offset, pre- and post-rotation, scaling pivot and offset.
@@ -291,22 +289,22 @@ def _local(properties: dict[str, tuple[Any, ...]]) -> Matrix:
 
 def _composed(
     properties: dict[str, tuple[Any, ...]], translation: str, rotation: str, scaling: str
-) -> Matrix:
+) -> Doubles:
     zero, one = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
     turned = _shift(_vector(properties, translation, zero)) @ _rotation(
         _vector(properties, rotation, zero), "XYZ"
     )
-    place: Matrix = turned @ np.diag((*_vector(properties, scaling, one), 1.0))
+    place: Doubles = turned @ np.diag((*_vector(properties, scaling, one), 1.0))
     return place
 
 
-def _shift(by: Matrix) -> Matrix:
+def _shift(by: Doubles) -> Doubles:
     place = np.eye(4)
     place[:3, 3] = by
     return place
 
 
-def _rotation(degrees: Matrix, order: str) -> Matrix:
+def _rotation(degrees: Doubles, order: str) -> Doubles:
     """(4, 4) of Euler angles about the fixed axes, in the order in which they are applied."""
     place = np.eye(4)
     for axis in order:

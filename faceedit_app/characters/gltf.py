@@ -20,10 +20,8 @@ from faceedit_app.characters.bounded import (
 from faceedit_app.characters.character import Character, Part, Surface, unique_names
 from faceedit_app.characters.gltf_buffers import Document, Json
 from faceedit_app.characters.gltf_surfaces import placed_uv, surface_of
+from faceedit_app.core.arrays import Doubles, Floats, Indices
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.rig import Floats
-
-Matrix = NDArray[np.float64]
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
@@ -43,7 +41,7 @@ class Placed:
     name: str
     node: int
     mesh: int
-    place: Matrix
+    place: Doubles
     primitive: Json
     names: tuple[str, ...]
 
@@ -172,7 +170,7 @@ class Scene:
 
     def _skinned(
         self, placed: Placed, arrays: Mapping[str, NDArray[Any]], count: int
-    ) -> tuple[Matrix, Matrix]:
+    ) -> tuple[Doubles, Doubles]:
         """How vertices get to where they are: (3, 3) or (V, 3, 3) and (3,) or (V, 3).
 
         A quantised mesh has its scale in the inverse bind matrices, so that this cannot be left
@@ -201,7 +199,7 @@ class Scene:
         return place[:, :, :3], place[:, :, 3]
 
     def _targets(
-        self, placed: Placed, linear: Matrix, count: int, kept: NDArray[np.intp]
+        self, placed: Placed, linear: Doubles, count: int, kept: Indices
     ) -> dict[str, Floats]:
         """The displacements of the kept vertices; `count` is how many there are."""
         linear = linear if linear.ndim == 2 else linear[kept]
@@ -245,14 +243,14 @@ def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, 
     return tuple(found)
 
 
-def _places(nodes: list[Any]) -> list[Matrix]:
+def _places(nodes: list[Any]) -> list[Doubles]:
     """Local to world of every node, (4, 4) each."""
     parents: dict[int, int] = {}
     for number, node in enumerate(nodes):
         for child in node.get("children") or []:
             parents[whole(child, "the number of a node", len(nodes) - 1)] = number
     own = [_own_place(node) for node in nodes]
-    places: list[Matrix | None] = [None] * len(nodes)
+    places: list[Doubles | None] = [None] * len(nodes)
     for number in range(len(nodes)):
         chain = []
         at: int | None = number
@@ -267,7 +265,7 @@ def _places(nodes: list[Any]) -> list[Matrix]:
     return [place for place in places if place is not None]
 
 
-def _own_place(node: Json) -> Matrix:
+def _own_place(node: Json) -> Doubles:
     """A node's transform; matrices and quaternions are as the specification has them."""
     if node.get("matrix") is not None:
         return finite(np.array(node["matrix"], np.float64).reshape(4, 4).T, "a node's matrix")
@@ -285,11 +283,11 @@ def _own_place(node: Json) -> Matrix:
     return finite(place, "a node's place")
 
 
-def _turned(linear: Matrix, vectors: Matrix) -> Matrix:
+def _turned(linear: Doubles, vectors: Doubles) -> Doubles:
     """(V, 3) vectors by one matrix, or by one each."""
     if linear.ndim == 2:
         return vectors @ linear.T
-    turned: Matrix = np.einsum("vij,vj->vi", linear, vectors)
+    turned: Doubles = np.einsum("vij,vj->vi", linear, vectors)
     return turned
 
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from faceedit_app.characters.bounded import finite
 from faceedit_app.characters.character import Surface, Texture
 from faceedit_app.characters.gltf_buffers import Document, Json
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.rig import Floats
 
 _MASK = 0.5
 _BLEND = 0.3  # blended surfaces are drawn where they are more than this opaque

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.bounded import Damaged, check_targets, finite, read_file
 from faceedit_app.characters.character import Character, Part, Surface, Texture, unique_names
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.rig import Floats
 
 NEUTRAL_WORDS = ("neutral", "basis", "base", "rest", "default", "mean", "generic_neutral")
 _MOST_FILES = 1_000

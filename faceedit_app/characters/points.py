@@ -8,21 +8,19 @@ out; an upper lid is what eyeBlink lowers most, and the lower lid is where it ar
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from faceedit_app.characters.assembly import Assembly
 from faceedit_app.characters.welding import Weld
-from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.arrays import Bools, Doubles, Indices
 
-Doubles = NDArray[np.float64]
 Points = dict[str, int]
 
 # Control and the two points that it lies between, in the order of `regions.CONTROLS`.
@@ -46,7 +44,7 @@ _OPENERS = ("jawOpen", "mouthFunnel", "mouthUpperUpLeft")
 _PARTED = 3.0  # mm
 
 
-class NotFound(FaceEditError):
+class NotFound(Exception):
     """A point cannot be found; the text says which and why."""
 
 
@@ -62,7 +60,7 @@ class Face:
 
     places: Doubles
     moves: Mapping[str, Doubles]
-    faces: NDArray[np.intp]
+    faces: Indices
 
     @classmethod
     def of(cls, assembly: Assembly, weld: Weld) -> Face:
@@ -82,7 +80,7 @@ class Face:
         return amount
 
     @cached_property
-    def edges(self) -> NDArray[np.intp]:
+    def edges(self) -> Indices:
         """(E, 2) each edge once."""
         edges = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         return edges[trimesh.grouping.unique_rows(edges)[0]]
@@ -108,19 +106,45 @@ class Face:
         return float(weight @ self.places[:, 0] / max(weight.sum(), 1e-9))
 
     @cached_property
-    def skin(self) -> NDArray[np.bool_]:
-        """(N,) the connected piece of the mesh that has the lips."""
-        labels = trimesh.graph.connected_component_labels(self.edges, len(self.places))
-        weight = np.bincount(labels, self.lips)
-        return np.asarray(labels == weight.argmax())
+    def skin(self) -> Bools:
+        """(N,) the connected surface that has the lips.
+
+        Lashes and eyeballs that only hang on to it along an edge, or in a vertex, are not of it.
+        """
+        adjacency = trimesh.graph.face_adjacency(self.faces)
+        labels = trimesh.graph.connected_component_labels(adjacency, len(self.faces))
+        weight = np.bincount(labels, self.lips[self.faces].sum(axis=1))
+        skin = np.zeros(len(self.places), np.bool_)
+        skin[self.faces[labels == weight.argmax()].ravel()] = True
+        return skin
 
 
-def find_points(face: Face) -> Points:
+def find_points(face: Face) -> tuple[Points, list[str]]:
     """The twelve points, as vertices of `face`.
 
-    Raises:
-        NotFound: a shape that is needed is missing or moves nothing.
+    Returns:
+        The points that were found, and a sentence on each that was not.
     """
+    points: Points = {}
+    problems: list[str] = []
+
+    def look(find: Callable[[], Points]) -> None:
+        try:
+            points.update(find())
+        except NotFound as error:
+            problems.append(str(error))
+
+    look(lambda: _mouth(face))
+    look(lambda: _lids(face, "left"))
+    look(lambda: _lids(face, "right"))
+    look(lambda: {"nose_bridge": _bridge(face)})
+    if "lower_lip" in points:
+        look(lambda: {"chin": _chin(face, points["lower_lip"])})
+    return {name: points[name] for name in POINTS if name in points}, problems
+
+
+def _mouth(face: Face) -> Points:
+    """Lips and mouth corners."""
     opener = next((c for c in _OPENERS if face.amount(c)[face.skin].max() > _PARTED), None)
     if opener is None:
         raise NotFound("no shape opens the mouth (jawOpen)")
@@ -128,10 +152,7 @@ def find_points(face: Face) -> Points:
     points = _lips(face, opened)
     for side, sign in (("left", 1.0), ("right", -1.0)):
         points[f"{side}_mouth_corner"] = _corner(face, opened, points, sign)
-        points |= _lids(face, side)
-    points["nose_bridge"] = _bridge(face)
-    points["chin"] = _chin(face, points["lower_lip"])
-    return {name: points[name] for name in POINTS}
+    return points
 
 
 def _lips(face: Face, opened: Doubles) -> Points:
@@ -219,7 +240,7 @@ def _lids(face: Face, side: str) -> Points:
     return {f"{side}_upper_lid": upper, f"{side}_lower_lid": int(near[gap.argmin()])}
 
 
-def _midline(face: Face) -> NDArray[np.intp]:
+def _midline(face: Face) -> Indices:
     width = 2.5
     found = np.flatnonzero(face.skin & (np.abs(face.places[:, 0] - face.middle) < width))
     while len(found) < 12 and width < 10:

@@ -13,7 +13,7 @@ from faceedit_app.characters.bounded import MOST_TARGETS, Damaged, check_targets
 from faceedit_app.characters.character import Character, Part
 from faceedit_app.characters.gltf import Placed, read_parts
 from faceedit_app.characters.gltf_buffers import Document, Json
-from faceedit_app.core.rig import Floats
+from faceedit_app.core.arrays import Floats
 
 # Of one expression: the node or mesh that it moves, the number of a target there, and how far.
 _Bind = tuple[int, int, float]

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from faceedit_app.characters.assembly import Assembly
-from faceedit_app.core.rig import Floats
+from faceedit_app.core.arrays import Floats, Indices
 
 _TOGETHER = 2e-5  # metres
 _ALIKE = 1e-4  # metres of movement, in any of three mixtures of all shapes
@@ -25,9 +24,9 @@ class Weld:
         faces: (F', 3) of welded vertices, without triangles that have collapsed.
     """
 
-    first: NDArray[np.intp]
-    number: NDArray[np.intp]
-    faces: NDArray[np.intp]
+    first: Indices
+    number: Indices
+    faces: Indices
 
 
 def weld(assembly: Assembly) -> Weld:
