@@ -83,7 +83,8 @@ class Face:
     def edges(self) -> Indices:
         """(E, 2) each edge once."""
         edges = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        return edges[trimesh.grouping.unique_rows(edges)[0]]
+        once: Indices = edges[trimesh.grouping.unique_rows(edges)[0]]
+        return once
 
     @cached_property
     def lips(self) -> Doubles:
@@ -237,6 +238,7 @@ def _lids(face: Face, side: str) -> Points:
     if not len(near):
         raise NotFound(f"the {side} lower lid cannot be found")
     gap = np.linalg.norm(shut[near] - shut[upper], axis=1)
+    gap = gap + 0.3 * np.abs(places[near, 0] - places[upper, 0])
     return {f"{side}_upper_lid": upper, f"{side}_lower_lid": int(near[gap.argmin()])}
 
 
