@@ -32,6 +32,7 @@ _DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade
 _SHADERS = Path(__file__).parent / "shaders"
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 _POSITION, _NORMAL, _COLOUR = 0, 1, 3  # where the shader has what may change with each frame
+_TEXTURE_PLACE = 8  # and where a vertex lies in its texture; pyrender has 4 to 7
 _FLIP = np.diag([1.0, -1.0, 1.0, 1.0])  # read back with the top row first
 
 
@@ -103,6 +104,8 @@ class Run:
     first: int
     moving: int
     stop: int
+    texture: int | None = None  # OpenGL's number
+    cutoff: float = 0.0
 
 
 class Part(Enum):
@@ -134,7 +137,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         self.dpscale = 1  # pyrender doubles every size on macOS, meaning a screen
         self._programs: list[Program] = []
         self._background = np.asarray(background, np.float32)
-        self._normals = NormalSolver(rig.faces, len(rig.neutral))
+        self._normals = NormalSolver(rig.faces, len(rig.neutral), rig.shading_groups)
         normals = self._normals(rig.neutral)
         looks = vertex_looks(rig, np.ones(len(rig.neutral), np.float32))
         groups = by_shading(rig)
@@ -148,18 +151,23 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         )
         self._primitive._add_to_context()
         self._colors, self._tinter, self._is_plain = rig.colors, Tinter(rig.colors), True
-        self._moving = self._own_buffers(
-            {_POSITION: rig.neutral, _NORMAL: normals, _COLOUR: rig.colors}
-        )
+        own = {_POSITION: rig.neutral, _NORMAL: normals, _COLOUR: rig.colors}
+        if rig.uv is not None:
+            own[_TEXTURE_PLACE] = rig.uv
+        self._moving = self._own_buffers(own)
+        self._textures = [_texture(pixels) for pixels in rig.textures]
         self._runs: list[Run] = []
         first = 0
         for group in groups:
-            fine = quick = self._program("face", group.shading.value)
+            variant = [group.shading.value] + ["TEXTURED"] * (group.texture is not None)
+            fine = quick = self._program("face", *variant)
             if group.shading is Shading.FLESH:
-                quick = self._program("face", group.shading.value, "QUICK")
+                quick = self._program("face", *variant, "QUICK")
             moving = first + group.still.size
             stop = moving + group.moving.size
-            self._runs.append(Run(fine, quick, group.shading, first, moving, stop))
+            texture = None if group.texture is None else self._textures[group.texture]
+            run = Run(fine, quick, group.shading, first, moving, stop, texture, group.cutoff)
+            self._runs.append(run)
             first = stop
         self._backdrop = self._program("backdrop")
         self._depth = self._program("depth")
@@ -226,6 +234,8 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
         for program in self._programs:
             program.delete()
         GL.glDeleteBuffers(len(self._moving), list(self._moving.values()))
+        if self._textures:
+            GL.glDeleteTextures(len(self._textures), self._textures)
         self._primitive.delete()
         super().delete()
 
@@ -254,6 +264,7 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             GL.glBindBuffer(GL.GL_ARRAY_BUFFER, name)
             GL.glBufferData(GL.GL_ARRAY_BUFFER, values.nbytes, values, GL.GL_STREAM_DRAW)
             GL.glVertexAttribPointer(place, values.shape[1], GL.GL_FLOAT, GL.GL_FALSE, 0, None)
+            GL.glEnableVertexAttribArray(place)
         GL.glBindVertexArray(0)
         return dict(zip(attributes, names, strict=True))
 
@@ -308,6 +319,11 @@ class Studio(Renderer):  # type: ignore[misc]  # pyrender has no types
             program = run.fine if target.samples else run.quick
             program._bind()
             self._look(program, view)
+            if run.texture is not None:
+                GL.glActiveTexture(GL.GL_TEXTURE0)
+                GL.glBindTexture(GL.GL_TEXTURE_2D, run.texture)
+                GL.glUniform1i(self._location(program, "picture"), 0)
+                GL.glUniform1f(self._location(program, "cutoff"), run.cutoff)
             # Nothing but the skin is known to be closed; lashes and brows are thin.
             toggle = GL.glEnable if run.shading is Shading.FLESH else GL.glDisable
             toggle(GL.GL_CULL_FACE)
@@ -387,6 +403,25 @@ def _blit(source: Target, to: Target, what: int = GL.GL_COLOR_BUFFER_BIT) -> Non
     GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, to.name)
     rectangle = (0, 0, *source.size)
     GL.glBlitFramebuffer(*rectangle, *rectangle, what, GL.GL_NEAREST)
+
+
+def _texture(pixels: Pixels) -> int:
+    """A texture of (H, W, 4) sRGB and alpha, with smaller ones of itself for a distance."""
+    name = int(GL.glGenTextures(1))
+    height, width = pixels.shape[:2]
+    GL.glBindTexture(GL.GL_TEXTURE_2D, name)
+    GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
+    kind = GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, np.ascontiguousarray(pixels)
+    GL.glTexImage2D(GL.GL_TEXTURE_2D, 0, GL.GL_SRGB8_ALPHA8, width, height, 0, *kind)
+    GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+    for setting, value in (
+        (GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR),
+        (GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR),
+        (GL.GL_TEXTURE_WRAP_S, GL.GL_REPEAT),
+        (GL.GL_TEXTURE_WRAP_T, GL.GL_REPEAT),
+    ):
+        GL.glTexParameteri(GL.GL_TEXTURE_2D, setting, value)
+    return name
 
 
 def _fill(buffer: int, values: Floats) -> None:
