@@ -8,7 +8,7 @@ from assets.builder.brows import BrowArch, build_brow
 from assets.builder.colour import paint_skin, shade
 from assets.builder.controls import control_pairs
 from assets.builder.eyes import build_eye
-from assets.builder.geometry import Surface
+from assets.builder.geometry import Surface, mesh_of
 from assets.builder.hair import above_hairline, build_hair, find_hairline
 from assets.builder.lashes import build_lashes
 from assets.builder.parts import Part
@@ -29,7 +29,7 @@ def build_rig(source: Source) -> Rig:
     line, arch = find_hairline(face), BrowArch(face)
     above = above_hairline(face, line)
     skin = build_skin(face, above, paint_skin(face, arch, above))
-    surface = Surface(skin.vertices, skin.faces)
+    surface = Surface(mesh_of(skin.vertices, skin.faces))
     parts = [skin, build_base(skin, len(face.skin))]
     parts += [build_brow(eye.side, arch, skin, surface) for eye in face.eyes]
     for eye in face.eyes:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import trimesh
 from scipy.interpolate import PchipInterpolator
 
-from assets.builder.geometry import MIRROR, Surface, project_front, smoothstep, unit
+from assets.builder.geometry import MIRROR, Surface, project_front, smoothstep
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb, table
 from assets.builder.settings import BROWS
 from assets.builder.shapes import Face
@@ -49,12 +50,12 @@ def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface) -> Part:
     tip = root + np.c_[np.cos(angle), np.sin(angle)] * length[:, None]
     flip = MIRROR[:2] if side == "Right" else np.ones(2)
 
-    roots = surface.anchor(project_front(surface.vertices, surface.faces, root * flip))
-    tips = surface.anchor(project_front(surface.vertices, surface.faces, tip * flip))
+    roots = surface.anchor(project_front(surface.mesh, root * flip))
+    tips = surface.anchor(project_front(surface.mesh, tip * flip))
     root_points = surface.position(roots, BROWS.root_lift)
     tip_points = surface.position(tips, BROWS.tip_lift)
-    aside = np.cross(tip_points - root_points, unit(roots.read(surface.normals)))
-    aside = unit(aside) * BROWS.width / 2
+    aside = np.cross(tip_points - root_points, trimesh.unitize(roots.read(surface.normals)))
+    aside = trimesh.unitize(aside) * BROWS.width / 2
     vertices = np.stack([root_points - aside, root_points + aside, tip_points], axis=1)
     root_delta, tip_delta = roots.read(skin.deltas), tips.read(skin.deltas)
     deltas = np.stack([root_delta, root_delta, tip_delta], axis=2)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
 from assets.builder import source as src
 from assets.builder.brows import BrowArch
-from assets.builder.geometry import edges, project_front, smooth, smoothstep, vertex_normals
+from assets.builder.geometry import mesh_of, project_front, smooth, smoothstep, vertex_normals
 from assets.builder.parts import MATERIAL_INDEX, Part, srgb
 from assets.builder.settings import BROWS, COLOUR, HAIR
 from assets.builder.shapes import Face
@@ -52,7 +53,7 @@ def paint_skin(face: Face, arch: BrowArch, above_hairline: Floats) -> Floats:
 def _nose_tip(face: Face) -> Floats:
     heights = face.eye_height - np.arange(0.0, COLOUR.nose_search)
     middle = np.c_[np.zeros_like(heights), heights]
-    profile = project_front(face.skin, head_faces(face), middle)
+    profile = project_front(mesh_of(face.skin, head_faces(face)), middle)
     return np.asarray(profile[profile[:, 2].argmax()])
 
 
@@ -91,7 +92,7 @@ def shade(part: Part) -> Floats:
     """Colours (V, 3), sRGB, of the joined character darkened where little sky is seen."""
     occluders = _faces_of(part, "skin", "lips", "mouth", "hair", "sclera")
     sky = _visible_sky(part.vertices, occluders)
-    sky = smooth(sky, edges(part.faces), COLOUR.sky_smoothing, COLOUR.sky_rounds)
+    sky = smooth(sky, mesh_of(part.vertices, part.faces), COLOUR.sky_smoothing, COLOUR.sky_rounds)
     uses = {name: _vertices_of(part, name) for name in MATERIAL_INDEX}
     sky = np.clip(sky / np.quantile(sky[uses["skin"]], COLOUR.sky_full), 0, 1)
     darkest = np.where(uses["lips"], COLOUR.darkest_lips, COLOUR.darkest)
@@ -125,9 +126,10 @@ def _visible_sky(vertices: Floats, faces: Ints) -> Floats:
 
     For each of many directions, points strewn over the occluders give a depth map.
     """
-    samples = _scatter(vertices, faces)
-    raised = vertices + COLOUR.sky_lift * vertex_normals(vertices, faces)
-    normals = vertex_normals(vertices, faces)
+    occluders = mesh_of(vertices, faces)
+    samples, _ = trimesh.sample.sample_surface(occluders, COLOUR.sky_samples, seed=COLOUR.sky_seed)
+    normals = vertex_normals(occluders)
+    raised = vertices + COLOUR.sky_lift * normals
     low, high = vertices.min(0), vertices.max(0)
     centre, scale = (low + high) / 2, COLOUR.sky_pixels / np.linalg.norm(high - low)
     seen, total = np.zeros(len(vertices)), np.zeros(len(vertices))
@@ -149,17 +151,6 @@ def _visible_sky(vertices: Floats, faces: Ints) -> Floats:
         seen += weight * (1 - hidden)
         total += weight
     return seen / np.maximum(total, 1e-9)
-
-
-def _scatter(vertices: Floats, faces: Ints) -> Floats:
-    """(S, 3) random points, evenly dense over the triangles."""
-    random = np.random.default_rng(COLOUR.sky_seed)
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    face = random.choice(len(faces), COLOUR.sky_samples, p=area / area.sum())
-    u = random.random((COLOUR.sky_samples, 2))
-    u = np.where(u.sum(1, keepdims=True) > 1, 1 - u, u)
-    return np.asarray(a[face] + u[:, :1] * (b - a)[face] + u[:, 1:] * (c - a)[face])
 
 
 def _sky_directions() -> Floats:

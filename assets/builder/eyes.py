@@ -19,7 +19,7 @@ def build_eye(face: Face, eye: Eye) -> Part:
     helper = face.neutral[eye.helper]
     for i, moved in enumerate(face.deltas[:, eye.helper]):
         if np.abs(moved).max() > EYES.moves_from:
-            rotation = fit_rigid(helper, helper + moved).rotation
+            rotation = fit_rigid(helper, helper + moved)[:3, :3]
             deltas[i] = (vertices - eye.centre) @ (rotation.T - np.eye(3))
     faces, materials = _faces()
     return make_part(f"eye{eye.side}", vertices, faces, materials, _colors(), deltas)

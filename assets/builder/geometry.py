@@ -1,12 +1,18 @@
-"""Small geometric tools: normals, fits, rays, smoothing and attachment to a surface."""
+"""What several parts need to model: grids of triangles, smoothing, rays, attachment to a surface.
+
+Normals, adjacency, borders, rays and fits are trimesh's. Ours is what it lacks: triangles that
+join rows of vertices, and smoothing of any values by an amount that differs from place to place.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
+from trimesh.ray.ray_triangle import RayMeshIntersector
 
 from assets.builder.source import Floats, Ints
 
@@ -19,25 +25,18 @@ def smoothstep(low: float, high: float, x: ArrayLike) -> Floats:
     return np.asarray(t * t * (3 - 2 * t))
 
 
-def unit(vectors: Floats) -> Floats:
-    """(..., 3) vectors scaled to length 1; a zero vector stays zero."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.maximum(length, 1e-12))
+def mesh_of(vertices: Floats, faces: Ints) -> trimesh.Trimesh:
+    """A mesh of exactly these vertices (V, 3), mm, and faces (F, 3): none merged, none dropped."""
+    return trimesh.Trimesh(vertices, faces, process=False)
 
 
-def face_normals(vertices: Floats, faces: Ints) -> Floats:
-    """(F, 3) normals whose length is twice the triangle's area."""
-    a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
-    return np.cross(b - a, c - a)
+def vertex_normals(mesh: trimesh.Trimesh) -> Floats:
+    """(V, 3) unit normals; zero where no face touches the vertex.
 
-
-def vertex_normals(vertices: Floats, faces: Ints) -> Floats:
-    """(V, 3) unit normals, weighted by area; zero where no face touches the vertex."""
-    normals = np.zeros_like(vertices)
-    weighted = face_normals(vertices, faces)
-    for corner in range(3):
-        np.add.at(normals, faces[:, corner], weighted)
-    return unit(normals)
+    Weighted by area, as the application lights the face; trimesh's own weigh by angle.
+    """
+    by_area = trimesh.triangles.cross(mesh.triangles)
+    return np.asarray(trimesh.geometry.mean_vertex_normals(len(mesh.vertices), mesh.faces, by_area))
 
 
 def bridge_rows(rows: int, columns: int, closed: bool) -> Ints:
@@ -61,91 +60,55 @@ def fan(centre: int, ring: Ints) -> Ints:
     return np.stack([np.full(len(ring), centre), ring, np.roll(ring, -1)], axis=1)
 
 
-@dataclass(frozen=True)
-class RigidMotion:
-    """x -> rotation @ (x - source) + goal. Rotation (3, 3), centres (3,) mm."""
-
-    rotation: Floats
-    source: Floats
-    goal: Floats
-
-    def displacement(self, points: Floats) -> Floats:
-        """How far each of the points (P, 3) moves, mm."""
-        return (points - self.source) @ self.rotation.T + self.goal - points
+def fit_rigid(before: Floats, after: Floats) -> Floats:
+    """The rotation and shift, (4, 4), that best move points `before` (P, 3) onto `after`."""
+    matrix, _, _ = trimesh.registration.procrustes(before, after, reflection=False, scale=False)
+    return np.asarray(matrix)
 
 
-def fit_rigid(before: Floats, after: Floats) -> RigidMotion:
-    """The rotation and shift that best move `before` (P, 3) onto `after` (Kabsch)."""
-    source, goal = before.mean(0), after.mean(0)
-    u, _, vt = np.linalg.svd((before - source).T @ (after - goal))
-    flip = np.diag([1.0, 1.0, np.linalg.det(vt.T @ u.T)])
-    return RigidMotion(vt.T @ flip @ u.T, source, goal)
-
-
-def fit_sphere(points: Floats) -> tuple[Floats, float]:
-    """Centre (3,) and radius of the least-squares sphere through points (P, 3)."""
-    system = np.c_[2 * points, np.ones(len(points))]
-    solution = np.linalg.lstsq(system, (points**2).sum(1), rcond=None)[0]
-    centre = solution[:3]
-    return centre, float(np.sqrt(solution[3] + centre @ centre))
-
-
-def edges(faces: Ints) -> Ints:
-    """(E, 2) directed edges, each pair of neighbours once in either direction."""
-    one_way = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    return np.unique(np.concatenate([one_way, one_way[:, ::-1]]), axis=0)
-
-
-def smooth(values: Floats, links: Ints, strength: Floats | float, rounds: int) -> Floats:
+def smooth(values: Floats, mesh: trimesh.Trimesh, strength: Floats | float, rounds: int) -> Floats:
     """Move every vertex's value (V, ...) towards the mean of its neighbours'.
+
+    `trimesh.smoothing` moves the vertices alone, and all by the same amount.
 
     Args:
         values: (V, ...) numbers on the vertices.
-        links: (E, 2) directed edges.
+        mesh: which vertices are neighbours.
         strength: (V,) or one number in 0..1: 0 keeps a value, 1 replaces it.
         rounds: how often.
     """
     flat = values.reshape(len(values), -1)
-    count = np.maximum(np.bincount(links[:, 0], minlength=len(flat)), 1)[:, None]
+    one_way = trimesh.graph.edges_to_coo(mesh.edges_unique, len(flat)).astype(np.float64)
+    links = (one_way + one_way.T).tocsr()
+    count = np.maximum(links @ np.ones((len(flat), 1)), 1)
     amount = np.broadcast_to(np.asarray(strength, np.float64), (len(flat),))[:, None]
     for _ in range(rounds):
-        total = np.zeros_like(flat)
-        np.add.at(total, links[:, 0], flat[links[:, 1]])
-        flat = flat + amount * (total / count - flat)
-    return flat.reshape(values.shape)
+        flat = flat + amount * (links @ flat / count - flat)
+    return np.asarray(flat).reshape(values.shape)
 
 
-def project_front(vertices: Floats, faces: Ints, xy: Floats) -> Floats:
-    """Drop points (P, 2) along -Z onto the front-most face; returns (P, 3), mm."""
-    a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
-    area = (b[:, 1] - c[:, 1]) * (a[:, 0] - c[:, 0]) + (c[:, 0] - b[:, 0]) * (a[:, 1] - c[:, 1])
-    area = np.where(np.abs(area) < 1e-9, 1e-9, area)
-    hits = []
-    for x, y in xy:
-        u = ((b[:, 1] - c[:, 1]) * (x - c[:, 0]) + (c[:, 0] - b[:, 0]) * (y - c[:, 1])) / area
-        v = ((c[:, 1] - a[:, 1]) * (x - c[:, 0]) + (a[:, 0] - c[:, 0]) * (y - c[:, 1])) / area
-        inside = (u >= 0) & (v >= 0) & (u + v <= 1)
-        depth = u * a[:, 2] + v * b[:, 2] + (1 - u - v) * c[:, 2]
-        hits.append((x, y, depth[inside].max(initial=-np.inf)))
-    return np.array(hits)
+def project_front(mesh: trimesh.Trimesh, xy: Floats) -> Floats:
+    """Drop points (P, 2) along -Z onto the front-most face; (P, 3) mm, -inf deep for none."""
+    origins = np.c_[xy, np.full(len(xy), mesh.bounds[1, 2] + 1.0)]
+    directions = np.tile([0.0, 0.0, -1.0], (len(xy), 1))
+    hits, ray, _ = _rays(mesh).intersects_location(origins, directions, multiple_hits=False)
+    depth = np.full(len(xy), -np.inf)
+    depth[ray] = hits[:, 2]
+    return np.c_[xy, depth]
 
 
-def cast_outermost(origin: Floats, directions: Floats, vertices: Floats, faces: Ints) -> Floats:
+def cast_outermost(mesh: trimesh.Trimesh, origin: Floats, directions: Floats) -> Floats:
     """Distance (R,) from `origin` to the last face that each ray (R, 3) meets; NaN for none."""
-    a, b, c = (vertices[faces[:, corner]] - origin for corner in range(3))
-    edge1, edge2 = b - a, c - a
-    distances = np.full(len(directions), np.nan)
-    for i, direction in enumerate(directions):
-        p = np.cross(direction, edge2)
-        determinant = (edge1 * p).sum(1)
-        determinant = np.where(np.abs(determinant) < 1e-9, 1e-9, determinant)
-        q = np.cross(-a, edge1)
-        u, v = (-a * p).sum(1) / determinant, q @ direction / determinant
-        t = (edge2 * q).sum(1) / determinant
-        hit = (u >= -1e-6) & (v >= -1e-6) & (u + v <= 1 + 1e-6) & (t > 0)
-        if hit.any():
-            distances[i] = t[hit].max()
-    return distances
+    origins = np.tile(origin, (len(directions), 1))
+    hits, ray, _ = _rays(mesh).intersects_location(origins, directions)
+    distances = np.full(len(directions), -np.inf)
+    np.maximum.at(distances, ray, np.linalg.norm(hits - origin, axis=1))
+    return np.where(np.isfinite(distances), distances, np.nan)
+
+
+def _rays(mesh: trimesh.Trimesh) -> RayMeshIntersector:
+    """In double precision; `mesh.ray` is Embree, in single, on machines that have it."""
+    return RayMeshIntersector(mesh)
 
 
 @dataclass(frozen=True)
@@ -161,31 +124,35 @@ class Anchors:
 
 
 class Surface:
-    """A triangle mesh onto which points can be anchored."""
+    """A triangle mesh onto which points can be anchored.
 
-    CANDIDATES = 12  # the closest triangle is looked for among those with the nearest centres
+    Points beside the surface are tied to it nearly where they are closest to it, by a search
+    among the triangles with the nearest centres. `trimesh.proximity.closest_point` would be exact;
+    but then 39 vertices of the hair would follow the brows by up to 0.03 mm more or less, and the
+    character would no longer be the one that is shipped.
+    """
 
-    def __init__(self, vertices: Floats, faces: Ints) -> None:
-        self.vertices, self.faces = vertices, faces
-        self.normals = vertex_normals(vertices, faces)
-        self._centres = cKDTree(vertices[faces].mean(1))
+    CANDIDATES = 12  # triangles that are looked at
+
+    def __init__(self, mesh: trimesh.Trimesh) -> None:
+        self.mesh = mesh
+        self.normals = vertex_normals(mesh)
+        self._centres = cKDTree(mesh.triangles_center)
 
     def anchor(self, points: Floats) -> Anchors:
         """Tie each of the points (P, 3) to (nearly) the closest point of the surface."""
-        corners = self.faces[self._centres.query(points, self.CANDIDATES)[1]]  # (P, k, 3)
-        a, b, c = (self.vertices[corners[..., i]] for i in range(3))
-        e0, e1, r = b - a, c - a, points[:, None] - a
-        d00, d01, d11 = (e0 * e0).sum(-1), (e0 * e1).sum(-1), (e1 * e1).sum(-1)
-        d20, d21 = (r * e0).sum(-1), (r * e1).sum(-1)
-        area = np.maximum(d00 * d11 - d01 * d01, 1e-9)
-        v, w = (d11 * d20 - d01 * d21) / area, (d00 * d21 - d01 * d20) / area
-        weights = np.clip(np.stack([1 - v - w, v, w], -1), 0, 1)
-        weights /= weights.sum(-1, keepdims=True)
-        foot = weights[..., :1] * a + weights[..., 1:2] * b + weights[..., 2:] * c
-        best = np.linalg.norm(foot - points[:, None], axis=-1).argmin(1)
+        near = self._centres.query(points, self.CANDIDATES)[1]  # (P, k)
+        triangles = self.mesh.triangles[near.ravel()]
+        wanted = np.repeat(points, self.CANDIDATES, axis=0)
+        weights = trimesh.triangles.points_to_barycentric(triangles, wanted).clip(0, 1)
+        weights /= weights.sum(axis=1, keepdims=True)
+        feet = trimesh.triangles.barycentric_to_points(triangles, weights)
+        best = np.linalg.norm(feet - wanted, axis=1).reshape(near.shape).argmin(axis=1)
         row = np.arange(len(points))
-        return Anchors(corners[row, best], weights[row, best])
+        corners = np.asarray(self.mesh.faces)[near[row, best]]
+        return Anchors(corners, weights.reshape(*near.shape, 3)[row, best])
 
     def position(self, anchors: Anchors, lift: float = 0.0) -> Floats:
         """The anchored points (P, 3), raised by `lift` mm along the normal."""
-        return anchors.read(self.vertices) + lift * unit(anchors.read(self.normals))
+        points = anchors.read(np.asarray(self.mesh.vertices))
+        return points + lift * trimesh.unitize(anchors.read(self.normals))

@@ -5,15 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from scipy.interpolate import PchipInterpolator
 
 from assets.builder import source as src
-from assets.builder.geometry import Surface, bridge_rows, cast_outermost, fan, smoothstep, unit
+from assets.builder.geometry import (
+    Surface,
+    bridge_rows,
+    cast_outermost,
+    fan,
+    mesh_of,
+    smoothstep,
+)
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb, table
 from assets.builder.settings import HAIR
 from assets.builder.shapes import Face
 from assets.builder.skin import head_faces
-from assets.builder.source import Floats, Ints
+from assets.builder.source import Floats
 
 _EAR = 0.35  # mask value from which a vertex belongs to an ear
 
@@ -36,20 +44,18 @@ class Hairline:
 
     Attributes:
         centre: (3,) mm.
-        skull: (F, 3) triangles of the head without the ears.
-        vertices: (13380, 3) mm, of the body.
+        skull: the head without the ears, mm.
         azimuths, elevations: (C,) radians of the line, column by column around the head.
     """
 
     centre: Floats
-    skull: Ints
-    vertices: Floats
+    skull: trimesh.Trimesh
     azimuths: Floats
     elevations: Floats
 
     def reach(self, directions: Floats) -> Floats:
         """Distance (R,) from the centre to the skull; gaps are filled around the head."""
-        distance = cast_outermost(self.centre, directions, self.vertices, self.skull)
+        distance = cast_outermost(self.skull, self.centre, directions)
         gaps = np.isnan(distance)
         column = np.arange(len(distance))
         distance[gaps] = np.interp(
@@ -76,7 +82,7 @@ def find_hairline(face: Face) -> Hairline:
     centre = np.array([0, eye_height + HAIR.centre_up, ear_middle[2] + HAIR.centre_forward])
     faces = head_faces(face)
     above = skin[faces][:, :, 1].min(1) > eye_height - HAIR.skull_below
-    skull = faces[~ear[faces].any(1) & above]
+    skull = mesh_of(skin, faces[~ear[faces].any(1) & above])
 
     azimuths = np.arange(HAIR.columns) * 2 * np.pi / HAIR.columns
     knots = [
@@ -93,15 +99,16 @@ def find_hairline(face: Face) -> Hairline:
     jitter = np.random.default_rng(HAIR.seed).uniform(-1, 1, HAIR.columns)
     heights = heights + HAIR.line_jitter * jitter
     scan = np.deg2rad(np.linspace(*HAIR.scan))
+    rays = _spherical(azimuths[:, None], scan).reshape(-1, 3)
+    distances = cast_outermost(skull, centre, rays).reshape(len(azimuths), -1)
     elevations = np.zeros(HAIR.columns)
-    for i, azimuth in enumerate(azimuths):
-        distance = cast_outermost(centre, _spherical(azimuth, scan), skin, skull)
+    for i, distance in enumerate(distances):
         hit = ~np.isnan(distance)
         reached = centre[1] + distance[hit] * np.sin(scan[hit])
         order = np.argsort(reached)
         elevations[i] = np.interp(heights[i], reached[order], scan[hit][order])
     elevations = (elevations + np.roll(elevations[::-1], 1)) / 2  # the same on both sides
-    return Hairline(centre, skull, skin, azimuths, _round_mean(elevations))
+    return Hairline(centre, skull, azimuths, _round_mean(elevations))
 
 
 def above_hairline(face: Face, line: Hairline) -> Floats:
@@ -198,8 +205,8 @@ def _wisps(line: Hairline, skin: Part, surface: Surface) -> Part:
     tip = line.centre + tip_direction * tip_reach[:, None]
     anchors = surface.anchor(root)
     root = surface.position(anchors, HAIR.wisp_root_lift)
-    out = unit(root - line.centre)
-    aside = unit(np.cross(tip - root, out)) * HAIR.wisp_width / 2
+    out = trimesh.unitize(root - line.centre)
+    aside = trimesh.unitize(np.cross(tip - root, out)) * HAIR.wisp_width / 2
     middle = (root + tip) / 2 + out * HAIR.wisp_bulge
     vertices = np.stack([root, middle - aside, middle + aside, tip], axis=1)
     delta = anchors.read(skin.deltas)

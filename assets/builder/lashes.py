@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
-from assets.builder.geometry import bridge_rows, unit
+from assets.builder.geometry import bridge_rows
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb
 from assets.builder.settings import LASHES, LashRow
 from assets.builder.shapes import Eye, Face
@@ -45,7 +46,7 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow) -> Part:
     middle = root + (tip - root) * LASHES.bend_at + bend
     middle_delta = root_delta + (tip_delta - root_delta) * LASHES.bend_at
 
-    aside = unit(np.gradient(root, axis=0)) * row.width / 2
+    aside = trimesh.unitize(np.gradient(root, axis=0)) * row.width / 2
     slim = aside * LASHES.middle_width
     vertices = [root - aside, root + aside, middle - slim, middle + slim, tip]
     deltas = [root_delta, root_delta, middle_delta, middle_delta, tip_delta]
@@ -65,8 +66,8 @@ def _turn_with_lid(eye: Eye, root: Floats, root_delta: Floats, tip: Floats) -> F
     """Displacements (52, S, 3) that turn the upper lashes down as far as the lid is closed."""
     blink = root_delta[ARKIT_INDEX[f"eyeBlink{eye.side}"]]
     strand = tip - root
-    out = unit(root + blink - eye.centre)
-    closed = unit(LASHES.closed_out * out - [0, LASHES.closed_down, 0])
+    out = trimesh.unitize(root + blink - eye.centre)
+    closed = trimesh.unitize(LASHES.closed_out * out - [0, LASHES.closed_down, 0])
     turn = closed * np.linalg.norm(strand, axis=1, keepdims=True) - strand
     closing = root_delta[:, :, 1] / np.minimum(blink[:, 1], -LASHES.blink_from)
     return np.asarray(np.clip(closing, *LASHES.turn_limits)[..., None] * turn)

@@ -8,7 +8,7 @@ import numpy as np
 
 from assets.builder import source as src
 from assets.builder.controls import LEFT_CORNER
-from assets.builder.geometry import edges, smoothstep
+from assets.builder.geometry import mesh_of, smoothstep
 from assets.builder.settings import SHAPES
 from assets.builder.source import Bools, Floats, Ints
 from faceedit_app.core.arkit import ARKIT_INDEX
@@ -55,7 +55,7 @@ def seal_lips(neutral: Floats, deltas: Floats, body: Ints, lips: Floats) -> Floa
         the neutral face with its lips sealed, (N, 3) mm.
     """
     jaw = deltas[ARKIT_INDEX["jawOpen"], :, 1]
-    links = edges(body)
+    links = mesh_of(neutral, body).edges_unique
     links = links[(lips[links] > 0.5).all(1)]
     model = _Lips((jaw < jaw[LEFT_CORNER])[src.BODY], links)
     neutral = neutral.copy()

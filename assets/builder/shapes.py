@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from scipy.spatial import cKDTree
 
 from assets.builder import source as src
-from assets.builder.geometry import MIRROR, edges, fit_sphere, smooth, smoothstep
+from assets.builder.geometry import MIRROR, mesh_of, smooth, smoothstep
 from assets.builder.lips import seal_lips
 from assets.builder.settings import NEUTRAL, SHAPES
 from assets.builder.source import BaseMesh, Floats, Ints, Source
@@ -120,7 +120,9 @@ def _neutral(source: Source, deltas: Floats, mirror: Ints) -> Floats:
 
 def _eye(side: str, mesh: BaseMesh, neutral: Floats) -> Eye:
     helper = src.LEFT_EYE if side == "Left" else src.RIGHT_EYE
-    centre, radius = fit_sphere(neutral[helper])
+    centre, _, _ = trimesh.nsphere.fit_nsphere(neutral[helper])
+    # The root of the mean square, not trimesh's mean, which lies half a micrometre farther out.
+    radius = float(np.sqrt(((neutral[helper] - centre) ** 2).sum(1).mean()))
     skin = cKDTree(neutral[src.BODY])
     rows = []
     for part in ("2", "1"):  # 2 is the upper lid
@@ -131,31 +133,21 @@ def _eye(side: str, mesh: BaseMesh, neutral: Floats) -> Eye:
 
 def _grid_rows(quads: Ints, neutral: Floats, skin: cKDTree) -> Ints:
     """Order a strip of quads into a grid (rows, columns); row 0 is the long border on the skin."""
-    neighbours: dict[int, set[int]] = defaultdict(set)
-    uses: Counter[frozenset[int]] = Counter()
-    for quad in quads.tolist():
-        for a, b in zip(quad, quad[1:] + quad[:1], strict=True):
-            neighbours[a].add(b)
-            neighbours[b].add(a)
-            uses[frozenset((a, b))] += 1
-    border: dict[int, list[int]] = defaultdict(list)
-    for edge in sorted(sorted(edge) for edge, count in uses.items() if count == 1):
-        border[edge[0]].append(edge[1])
-        border[edge[1]].append(edge[0])
+    edges = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
+    edges.sort(axis=1)
+    border = edges[trimesh.grouping.group_rows(edges, require_count=1)]
+    (loop,) = trimesh.graph.fill_traversals(trimesh.graph.traversals(border, "dfs"), border)
     vertices, counts = np.unique(quads, return_counts=True)
-    corners = {int(v) for v in vertices[counts == 1]}
-
-    def walk(start: int, following: int) -> list[int]:
-        path = [start, following]
-        while path[-1] not in corners:
-            path.append(next(v for v in border[path[-1]] if v != path[-2]))
-        return path
-
-    paths = [walk(corner, v) for corner in sorted(corners) for v in border[corner]]
+    corners = np.flatnonzero(np.isin(loop[:-1], vertices[counts == 1]))
+    loop = np.r_[loop[corners[0] : -1], loop[: corners[0] + 1]]  # from a corner round to it
+    corners -= corners[0]
+    stops = [*corners[1:], len(loop) - 1]
+    paths = [loop[a : b + 1].tolist() for a, b in zip(corners, stops, strict=True)]
     longest = max(map(len, paths))
     long_paths = [path for path in paths if len(path) == longest]
     rows = [min(long_paths, key=lambda path: float(skin.query(neutral[path])[0].mean()))]
     used = set(rows[0])
+    neighbours = trimesh.graph.neighbors(edges)
     while True:
         following_row = [[v for v in neighbours[u] if v not in used] for u in rows[-1]]
         if any(len(choice) != 1 for choice in following_row):
@@ -211,12 +203,10 @@ def _smooth_cheeks(
     for eye in eyes:
         away = np.linalg.norm(skin - eye.centre, axis=1)
         strength *= smoothstep(*SHAPES.smooth_keep_eyes, away)
-    links = edges(body)
+    mesh = mesh_of(skin, body)
     for channel in SHAPES.smoothed:
         field = deltas[ARKIT_INDEX[channel], src.BODY]
-        deltas[ARKIT_INDEX[channel], src.BODY] = smooth(
-            field, links, strength, SHAPES.smooth_rounds
-        )
+        deltas[ARKIT_INDEX[channel], src.BODY] = smooth(field, mesh, strength, SHAPES.smooth_rounds)
 
 
 def _round_ears(neutral: Floats, body: Ints, ears: Floats) -> None:
@@ -226,4 +216,4 @@ def _round_ears(neutral: Floats, body: Ints, ears: Floats) -> None:
     lobe = smoothstep(*NEUTRAL.ear_lobe, middle - skin[:, 1])
     whole, most = NEUTRAL.ear_strength
     strength = mask * (whole + (most - whole) * lobe)
-    neutral[src.BODY] = smooth(skin, edges(body), strength, NEUTRAL.ear_rounds)
+    neutral[src.BODY] = smooth(skin, mesh_of(skin, body), strength, NEUTRAL.ear_rounds)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+import trimesh
 
 from assets.builder import source as src
-from assets.builder.geometry import face_normals, fan
+from assets.builder.geometry import fan, mesh_of
 from assets.builder.parts import MATERIAL_INDEX, Part, make_part, srgb
 from assets.builder.settings import SKIN
 from assets.builder.shapes import Face
@@ -54,7 +55,7 @@ def _in_sockets(face: Face, faces: Ints) -> Bools:
     dropped = np.zeros(len(faces), bool)
     for eye in face.eyes:
         corners = face.neutral[faces] - eye.centre
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = trimesh.triangles.cross(corners)
         near = np.linalg.norm(corners, axis=2).max(1) < SKIN.socket_reach * eye.radius
         behind = corners[:, :, 2].max(1) < SKIN.socket_front * eye.radius
         dropped |= near & behind & ((normals * corners.mean(1)).sum(1) < 0)
@@ -101,25 +102,19 @@ def build_base(skin: Part, cuts_from: int) -> Part:
         skin: the cut skin.
         cuts_from: the index of its first vertex on a cut edge.
     """
-    loop = _border_loop(skin.faces, cuts_from)
+    loop = _border_loop(skin, cuts_from)
     rim = skin.vertices[loop]
     middle = rim.mean(0) + np.array([0, SKIN.base_rise, 0])
     vertices = np.concatenate([[middle], rim])
     deltas = np.concatenate([np.zeros((len(skin.deltas), 1, 3)), skin.deltas[:, loop]], axis=1)
     faces = fan(0, 1 + np.arange(len(loop)))
-    if face_normals(vertices, faces)[:, 1].sum() > 0:
+    if trimesh.triangles.cross(vertices[faces])[:, 1].sum() > 0:
         faces = faces[:, ::-1]
     return make_part("base", vertices, faces, "skin", srgb(SKIN.base_color), deltas)
 
 
-def _border_loop(faces: Ints, cuts_from: int) -> Ints:
+def _border_loop(skin: Part, cuts_from: int) -> Ints:
     """The vertices of the longest border that runs along cut edges only, in order."""
-    directed = {(int(f[i]), int(f[i - 2])) for f in faces for i in range(3)}
-    border = {a: b for a, b in directed if (b, a) not in directed and min(a, b) >= cuts_from}
-    loops = []
-    while border:
-        loop = [min(border)]
-        while (following := border.pop(loop[-1], None)) is not None:
-            loop.append(following)
-        loops.append(loop[:-1] if loop[0] == loop[-1] else loop)
-    return np.array(max(loops, key=len))
+    borders = [line.points for line in mesh_of(skin.vertices, skin.faces).outline().entities]
+    longest = max((border for border in borders if border.min() >= cuts_from), key=len)
+    return np.asarray(longest[:0:-1])  # the first vertex comes last again

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 from scipy.spatial import ConvexHull
 
 from assets.builder import source as src
-from assets.builder.geometry import bridge_rows, face_normals, fan, fit_rigid, unit
+from assets.builder.geometry import bridge_rows, fan, fit_rigid
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb
 from assets.builder.settings import TEETH, Jaw
 from assets.builder.shapes import Face
@@ -42,7 +43,7 @@ class Arch:
     def frame(self, along: float) -> tuple[Floats, Floats, Floats]:
         """Point, tangent and outward normal there, each (x, z)."""
         point = self.at(along)
-        tangent = unit(self.at(along + 1.0) - self.at(along - 1.0))
+        tangent = trimesh.unitize(self.at(along + 1.0) - self.at(along - 1.0))
         normal = np.array([-tangent[1], tangent[0]])
         return point, tangent, normal if normal @ (point - self.middle) > 0 else -normal
 
@@ -74,7 +75,8 @@ def _jaw_motion(face: Face, helper: slice, points: Floats) -> Floats:
     before = face.neutral[helper]
     for i, moved in enumerate(face.deltas[:, helper]):
         if np.abs(moved).max() >= TEETH.moves_from:
-            deltas[i] = fit_rigid(before, before + moved).displacement(points)
+            motion = fit_rigid(before, before + moved)
+            deltas[i] = trimesh.transform_points(points, motion) - points
     return deltas
 
 
@@ -96,7 +98,8 @@ def _row(arch: Arch, jaw: Jaw, bite: float, upward: int) -> tuple[Floats, Ints, 
     points, triangles = np.concatenate(vertices), np.concatenate(faces)
     outward = points[triangles].mean(1) - [0, points[:, 1].mean(), arch.middle[1]]
     outward[:, 1] = 0
-    towards = (unit(face_normals(points, triangles)) * unit(outward)).sum(1)
+    normals, _ = trimesh.triangles.normals(points[triangles])
+    towards = (normals * trimesh.unitize(outward)).sum(1)
     shade = np.ones((len(vertices), len(TEETH.levels), TEETH.sides, 1))
     shade[:, 0] = TEETH.root_shade
     return points, triangles[towards > TEETH.back_faces], srgb(TEETH.color) * shade.reshape(-1, 1)
@@ -127,7 +130,7 @@ def _tooth_faces(tooth: Floats) -> Ints:
     cap = fan(last, last + np.arange(1, TEETH.sides))[:-1]
     faces = np.concatenate([walls, cap])
     outward = tooth[faces].mean(1) - tooth.mean(0)
-    inverted = (face_normals(tooth, faces) * outward).sum(1) < 0
+    inverted = (trimesh.triangles.cross(tooth[faces]) * outward).sum(1) < 0
     return np.where(inverted[:, None], faces[:, ::-1], faces)
 
 

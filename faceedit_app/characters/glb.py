@@ -67,6 +67,7 @@ class _Writer:
             moved = np.zeros(1, np.uint32)
         self.document.accessors.append(
             gltf.Accessor(
+                byteOffset=None,  # pygltflib writes 0, which is an error without a buffer view
                 componentType=_FLOAT,
                 count=len(array),
                 type="VEC3",
@@ -87,15 +88,19 @@ class _Writer:
 
 
 def write_rig(path: Path | str, rig: Rig) -> None:
-    """Write `rig` as GLB; the same rig always gives the same bytes."""
+    """Write `rig` as GLB; the same rig always gives the same bytes.
+
+    What glTF has no room for is left out: materials without faces, and colours beyond 0..1, which
+    are clipped.
+    """
     out = _Writer()
     attributes = gltf.Attributes(
         POSITION=out.add(rig.neutral.astype("<f4"), "VEC3", _FLOAT, gltf.ARRAY_BUFFER),
-        COLOR_0=out.add(rig.colors.astype("<f4"), "VEC4", _FLOAT, gltf.ARRAY_BUFFER),
+        COLOR_0=out.add(rig.colors.clip(0, 1).astype("<f4"), "VEC4", _FLOAT, gltf.ARRAY_BUFFER),
     )
     targets = [{"POSITION": out.add_sparse(d.astype("<f4"))} for d in rig.deltas]
     primitives = []
-    for i, material in enumerate(rig.materials):
+    for i, material in enumerate(m for m in rig.materials if m.stop > m.start):
         indices = rig.faces[material.start : material.stop].ravel().astype("<u4")
         primitives.append(
             gltf.Primitive(
