@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__
+from faceedit_app import __version__, character_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 from faceedit_app.core.resources import shipped
@@ -32,7 +32,13 @@ app = typer.Typer(
     no_args_is_help=False,
 )
 
+app.add_typer(character_commands.app, name="character")
+
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
+CharacterOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--character", help="Your character: GLB, VRM, FBX or OBJ with blendshapes."),
+]
 ModelsOption = Annotated[
     Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
     typer.Option("--models", help="Folder of models; those that ship with FaceEdit if absent."),
@@ -86,9 +92,13 @@ def apply(
     reach: Annotated[
         float, typer.Option(help="0 as the networks answer, 1 all the way to what was asked.")
     ] = 1.0,
+    character: CharacterOption = None,
     models: ModelsOption = None,
 ) -> None:
-    """Apply edits to a take and export it in its own format."""
+    """Apply edits to a take and export it in its own format.
+
+    With --character, lips and lids also close on that character where edits close them.
+    """
     from faceedit_app.editing.solving.solver import Mode, Settings
 
     if mode not in list(Mode):
@@ -99,7 +109,10 @@ def apply(
     session = _session(take, _engine(models))
     session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
-    session.export(output)
+    if character:
+        character_commands.export_closed(session, character, output, models)
+    else:
+        session.export(output)
     print(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
@@ -116,6 +129,7 @@ def render(
         Optional[Path],  # noqa: UP045
         typer.Option(help="Edits (JSON) to apply first."),
     ] = None,
+    character: CharacterOption = None,
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take."""
@@ -129,7 +143,8 @@ def render(
     if edits:
         session.load_edits(edits)
     frame = session.take.clip.frame_at(time)
-    write_png(output, snapshot(session.rig, session.rig_weights(frame), width, height))
+    rig = character_commands.rig_of(character) if character else session.rig
+    write_png(output, snapshot(rig, session.weights[frame], width, height))
     print(f"{output}: frame {frame} of {take}")
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.characters.assembly import Assembler, Assembly
-from faceedit_app.characters.character import Character, Part
+from faceedit_app.characters.character import Character, Part, Surface
 from faceedit_app.characters.checklist import Checklist, make_checklist
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.map_file import CharacterMap, Place, map_path, read_map
@@ -38,6 +38,7 @@ _SURFACES = {
     "cornea": "sclera",
     "iris": "iris",
 }
+_CLAY = (0.52, 0.44, 0.4, 1.0)  # where a file says nothing of colour
 _SKIN_SHARE = 0.5  # of a part's vertices that makes it skin
 _FEWEST = 3  # matched channels with which a face can be edited at all
 
@@ -170,7 +171,8 @@ def _rig(
     for number, (part, run) in enumerate(zip(assembly.parts, assembly.runs, strict=True)):
         rows = slice(start, start + len(part.neutral))
         start = rows.stop
-        tint = np.array(part.surface.color, np.float32)
+        is_bare = part.surface == Surface(part.surface.name) and part.colors is None
+        tint = np.array(_CLAY if is_bare else part.surface.color, np.float32)
         own = np.ones((len(part.neutral), 4), np.float32) if part.colors is None else part.colors
         colors.append(own * tint)
         uv.append(np.zeros((len(part.neutral), 2), np.float32) if part.uv is None else part.uv)

@@ -18,7 +18,7 @@ import numpy as np
 
 from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Gaps
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
-from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.core.arrays import Doubles, Floats, Times
 from faceedit_app.core.controls import CONTROL_INDEX, control_named
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Distances, Rig
@@ -32,6 +32,7 @@ _OF_OURS = np.where(ARE_LIPS, 0.15, 0.0)  # and of what is left on ours, this sh
 _IN_FRONT, _DEPTH = 0.1, 0.3
 # In units of what counts as shut: where ours is this open, nothing is asked of theirs any more.
 _LET_GO = 2.5
+_FADE = 0.15  # seconds from the edge of what is edited, within which closing sets in
 _NEEDED = 0.05  # mm by which something has to be too open
 _VARIANCE = 0.04  # of a channel, where no model says how it varies
 # And added where one does: models know how channels go together on our character, not on theirs.
@@ -63,13 +64,35 @@ class Closing:
         )
         self._parts = [part for part in parts if part.rows.size and part.columns.size]
 
-    def __call__(self, weights: Floats) -> Floats:
-        """(T, 52) weights with lips and lids closed; frames without need of it are unchanged."""
+    def __call__(self, weights: Floats, share: Doubles | None = None) -> Floats:
+        """(T, 52) weights with lips and lids closed; frames without need of it are unchanged.
+
+        Args:
+            share: (T,) in 0..1, how far to close on each frame; None is all the way.
+        """
         ours = self.ours.measure(weights)
         closed = weights.copy()
         for part in self._parts:
-            part.close(closed, ours[:, part.rows])
+            part.close(closed, ours[:, part.rows], 1.0 if share is None else share[:, None])
         return closed
+
+    def where_edited(self, tracked: Floats, weights: Floats, times: Times) -> Floats:
+        """(T, 52) weights, closed on the frames that edits have changed, and on no others.
+
+        Args:
+            tracked: (T, 52) before the edits.
+            times: (T,) seconds.
+        """
+        edited = (weights != tracked).any(axis=1)
+        rest = np.flatnonzero(~edited)
+        if not len(rest):
+            return self(weights)
+        # From the nearest frame that nobody has edited on.
+        after = np.minimum(np.searchsorted(rest, np.arange(len(times))), len(rest) - 1)
+        before = np.maximum(after - 1, 0)
+        apart = np.minimum(np.abs(times - times[rest[after]]), np.abs(times - times[rest[before]]))
+        t = np.clip(apart / _FADE, 0.0, 1.0)
+        return self(weights, t * t * (3.0 - 2.0 * t))
 
 
 class _Part:
@@ -111,14 +134,15 @@ class _Part:
         goals = _joined(self._own, self._heights, _scaled(self._depths, _DEPTH))
         self._reach = Reach(goals, self.columns, prior[np.ix_(have, have)], coupled)
 
-    def close(self, weights: Floats, ours: Doubles) -> None:
+    def close(self, weights: Floats, ours: Doubles, share: Doubles | float) -> None:
         """Close what it can of (T, 52) weights, in place.
 
         Args:
             ours: (T, R) mm, the gaps of `rows` on our character.
+            share: (T, 1) in 0..1, how far to close.
         """
         wanted = _LEFT[self.rows] + _OF_OURS[self.rows] * ours
-        firmness = _fading(ours / SHUT[self.rows])
+        firmness = share * _fading(ours / SHUT[self.rows])
         heights = self._heights.signed(weights) - self._touching
         depths = self._depths.measure(weights)
         in_front = _rest(self._depths) + _IN_FRONT
