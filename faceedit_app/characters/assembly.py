@@ -218,13 +218,13 @@ def _ramp(distance: Doubles) -> Doubles:
 def _decimated(part: Part, share: float) -> tuple[Part, Indices]:
     """A part with a share of its triangles, and which of its vertices are left.
 
-    Quadric edge collapse (Garland and Heckbert 1997). Each new vertex takes shapes and texture
-    from the nearest of the vertices that it stands for.
+    Quadric edge collapse (Garland and Heckbert 1997), which leaves the rims of lips and lids. Each
+    new vertex takes shapes and texture from the nearest of the vertices that it stands for.
     """
     if share >= 1 or len(part.faces) < 200:
         return part, np.arange(len(part.neutral))
     places, faces, collapses = fast_simplification.simplify(
-        part.neutral, part.faces, 1.0 - share, return_collapses=True
+        part.neutral, part.faces, 1.0 - share, return_collapses=True, preserve_border=True
     )
     places, faces, mapping = fast_simplification.replay_simplification(
         part.neutral, part.faces, collapses

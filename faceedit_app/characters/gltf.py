@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.characters.bounded import (
+    MOST_TARGETS,
     Damaged,
     check_targets,
     finite,
@@ -230,6 +231,8 @@ def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, 
     They stand in the extras of the mesh or the primitive, or are the accessors' own.
     """
     targets = primitive.get("targets") or []
+    if len(targets) > MOST_TARGETS:
+        raise Damaged(f"{len(targets)} morph targets are more than {MOST_TARGETS}")
     for extras in (mesh.get("extras"), primitive.get("extras")):
         names = extras.get("targetNames") if isinstance(extras, dict) else None
         if isinstance(names, list) and len(names) >= len(targets):
