@@ -71,6 +71,8 @@ class Part:
 
     def only(self, kept: Indices) -> Part:
         """The part with some of its vertices (in order), which its faces must not go beyond."""
+        if len(kept) == len(self.neutral):
+            return self
         place = np.zeros(len(self.neutral), np.int32)
         place[kept] = np.arange(len(kept), dtype=np.int32)
         return replace(

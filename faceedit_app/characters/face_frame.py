@@ -11,11 +11,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character
 from faceedit_app.characters.names import Half, Share
-from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.errors import FileError
 
 Shares = Mapping[str, Sequence[Share]]
@@ -91,9 +92,20 @@ def find_frame(
     for name, moved in (("left eye", left), ("right eye", right), ("mouth", mouth)):
         if not moved.any():
             raise FileError(path, f"its shapes for the {name} move nothing", "export them again")
+    # A vertex counts once, however often seams of texture and normals repeat it.
+    kept = _each_once(points, left + right + mouth > 0)
+    points, left, right, mouth = points[kept], left[kept], right[kept], mouth[kept]
     is_one = any(share.half != Half.WHOLE for c in _EYES for share in shares[c])
     centres = _two_eyes(points, left) if is_one else (_centre(points, left), _centre(points, right))
     return _frame(path, points, centres, _centre(points, mouth), named=not is_one)
+
+
+def _each_once(points: Doubles, moved: Bools) -> Indices:
+    """Which vertices to count: one of those that are moved and lie in one place, and all others."""
+    rows = np.flatnonzero(moved)
+    first = trimesh.grouping.unique_rows(points[rows] / np.ptp(points[rows], axis=0).max(), 6)[0]
+    kept: Indices = np.concatenate((rows[first], np.flatnonzero(~moved)))
+    return kept
 
 
 def _moves(

@@ -211,7 +211,8 @@ class Scene:
             moves = self.document.array(target["POSITION"])
             if moves.shape != (count, 3):
                 raise Damaged("a morph target has another number of vertices than its mesh")
-            targets[name] = _turned(linear, moves[kept].astype(np.float64)).astype(np.float32)
+            moved = moves if len(kept) == count else moves[kept]
+            targets[name] = _turned(linear, moved).astype(np.float32, copy=False)
         return targets
 
     def _material(self, index: Any) -> Json:
@@ -289,7 +290,8 @@ def _own_place(node: Json) -> Doubles:
 def _turned(linear: Doubles, vectors: Doubles) -> Doubles:
     """(V, 3) vectors by one matrix, or by one each."""
     if linear.ndim == 2:
-        return vectors @ linear.T
+        # Most meshes stand where they are drawn, and products with a small matrix are slow.
+        return vectors if np.array_equal(linear, np.eye(3)) else vectors @ linear.T
     turned: Doubles = np.einsum("vij,vj->vi", linear, vectors)
     return turned
 

@@ -20,7 +20,7 @@ JAW, CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
 
 @lru_cache(maxsize=1)
 def leaky_rig() -> Rig:
-    """Our character with a mouthClose that closes four fifths, and a blink that closes most of the way."""
+    """Our character with a mouthClose and a blink that do not close all the way."""
     rig = shipped_rig()
     deltas = rig.deltas.copy()
     deltas[rig.channel_index["mouthClose"]] *= 0.8
