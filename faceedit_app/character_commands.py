@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 import typer
 
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.resources import shipped
 
 if TYPE_CHECKING:
     from faceedit_app.characters.fitted import FittedCharacter
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
+    from faceedit_app.networks.engine import Engine
 
 app = typer.Typer(help="Look at a character of your own.", no_args_is_help=True)
 
@@ -74,11 +74,12 @@ def seal(
 
     from faceedit_app.characters.closure import Gaps, closure, together
     from faceedit_app.core.arkit import ARKIT_INDEX
+    from faceedit_app.editing.opening import load_engine, shipped_rig
     from faceedit_app.editing.solving.closing import Closing
     from faceedit_app.formats.opening import open_take, write_take
 
-    theirs, ours = rig_of(file), _own_rig()
-    covariances = _covariances(models)
+    theirs, ours = rig_of(file), shipped_rig()
+    covariances = _covariances(load_engine(ours, models))
     on_ours, on_theirs = Gaps.of(ours), Gaps.of(theirs)
     own, before, after, changed = [], [], [], []
     _check_output(output, takes)
@@ -133,7 +134,7 @@ def rig_of(path: Path) -> Rig:
     return fitted.rig
 
 
-def export_closed(session: EditSession, path: Path, output: Path, models: Path | None) -> None:
+def export_closed(session: EditSession, path: Path, output: Path, engine: Engine) -> None:
     """Export a take with lips and lids closed on a character where edits have changed it.
 
     Raises:
@@ -147,26 +148,16 @@ def export_closed(session: EditSession, path: Path, output: Path, models: Path |
 
     take: Take = session.take
     session.live.work()
-    closing = Closing(
-        session.rig, rig_of(path), frozenset(take.clip.channels), _covariances(models)
-    )
+    channels = frozenset(take.clip.channels)
+    closing = Closing(session.rig, rig_of(path), channels, _covariances(engine))
     tracked = take.clip.arkit_weights()
     closed = closing.where_edited(tracked, session.weights, take.clip.times)
     columns = [ARKIT_INDEX[channel] for channel in take.clip.channels]
     write_take(output, take, np.ascontiguousarray(closed[:, columns]))
 
 
-def _own_rig() -> Rig:
-    from faceedit_app.characters.glb import read_rig
-
-    return read_rig(shipped("assets/character.glb"))
-
-
-def _covariances(models: Path | None) -> dict[str, Doubles]:
-    from faceedit_app.networks.engine import Engine
-
-    engine = Engine.load(models if models is not None else shipped("models"))
-    return {region: model.covariance for region, model in engine.models.items()}
+def _covariances(engine: Engine) -> dict[str, Doubles]:
+    return {region: model.description.covariance for region, model in engine.models.items()}
 
 
 def _check_output(output: Path | None, takes: Iterable[Path]) -> None:

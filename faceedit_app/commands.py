@@ -1,4 +1,7 @@
-"""The commands of `faceedit`, on the same code as the window."""
+"""The commands of `faceedit`, on the same code as the window.
+
+What needs numpy is imported by the command that needs it: `--help` and `--version` answer at once.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +9,13 @@ import json
 import sys
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import Annotated, Optional
 
 import typer
 
 from faceedit_app import __version__, character_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
-from faceedit_app.core.resources import shipped
-
-if TYPE_CHECKING:
-    from faceedit_app.core.rig import Rig
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.networks.engine import Engine
 
 USAGE_ERROR = 2
 # The laboratory's commands. They are named here because the installed application leaves it out.
@@ -99,6 +96,7 @@ def apply(
 
     With --character, lips and lids also close on that character where edits close them.
     """
+    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.editing.solving.solver import Mode, Settings
 
     if mode not in list(Mode):
@@ -106,11 +104,13 @@ def apply(
     for name, value in (("naturalness", naturalness), ("reach", reach)):
         if not 0 <= value <= 1:
             raise FaceEditError(f"--{name} {value:g}: must be from 0 to 1")
-    session = _session(take, _engine(models))
+    rig = shipped_rig()
+    engine = load_engine(rig, models)
+    session = open_session(take, rig, engine)
     session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
     if character:
-        character_commands.export_closed(session, character, output, models)
+        character_commands.export_closed(session, character, output, engine)
     else:
         session.export(output)
     print(
@@ -133,18 +133,20 @@ def render(
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take."""
+    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
-    session = _session(take, _engine(models) if edits else None)
+    rig = shipped_rig()
+    session = open_session(take, rig, load_engine(rig, models) if edits else None)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
     if edits:
         session.load_edits(edits)
     frame = session.take.clip.frame_at(time)
-    rig = character_commands.rig_of(character) if character else session.rig
-    write_png(output, snapshot(rig, session.weights[frame], width, height))
+    shown = character_commands.rig_of(character) if character else rig
+    write_png(output, snapshot(shown, session.weights[frame], width, height))
     print(f"{output}: frame {frame} of {take}")
 
 
@@ -172,22 +174,3 @@ def _add_laboratory() -> None:
 
 def _left_out() -> None:
     require("faceedit_app.lab", extra="training")
-
-
-def _rig() -> Rig:
-    from faceedit_app.characters.glb import read_rig
-
-    return read_rig(shipped("assets/character.glb"))
-
-
-def _engine(models: Path | None) -> Engine:
-    from faceedit_app.networks.engine import Engine
-
-    return Engine.load(models if models is not None else shipped("models"))
-
-
-def _session(take: Path, engine: Engine | None) -> EditSession:
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.formats.opening import open_take
-
-    return EditSession(open_take(take), _rig(), engine)

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.faces import random_model
+from support.faces import shipped_rig
+from support.networks import write_models
 from support.takes import make_livelink_csv
 
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.regions import REGIONS
 from faceedit_app.formats.opening import open_take
-from faceedit_app.lab.training.model_files import save_model
 from faceedit_app.ui.start import display
 
 EDIT: dict[str, Any] = {
@@ -31,10 +30,7 @@ EDIT: dict[str, Any] = {
 
 @pytest.fixture(scope="module")
 def models(tmp_path_factory: pytest.TempPathFactory) -> str:
-    folder = tmp_path_factory.mktemp("models")
-    for region in REGIONS:
-        save_model(folder / f"{region.id}.safetensors", random_model(region, 2))
-    return str(folder)
+    return str(write_models(tmp_path_factory.mktemp("models"), shipped_rig(), 2))
 
 
 @pytest.fixture
@@ -211,7 +207,7 @@ def test_missing_models_are_told(take: Path, complaint: Callable[..., str]) -> N
     out = take.parent / "out.csv"
     edits = edits_file(take.parent, EDIT)
     text = complaint("apply", take, edits, "-o", out, "--models", take.parent)
-    assert "lower.safetensors" in text
+    assert "lower.onnx" in text
     assert not out.exists()
 
 

@@ -150,7 +150,7 @@ def test_the_bundle_holds_what_a_window_needs(tool: Tool) -> None:
     is_wanted = tool("contents").is_wanted
     plugins = "PySide6/Qt/plugins"
     for name in (
-        "faceedit_app/shipped/models/lower.safetensors",
+        "faceedit_app/shipped/models/lower.onnx",
         "faceedit_app/render/shaders/face.frag",
         f"{plugins}/platforms/libqxcb.so",
         f"{plugins}/platforms/libqwayland.so",
@@ -252,7 +252,7 @@ def test_a_window_that_works_by_itself(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(sys, "excepthook", sys.excepthook)  # restored afterwards
-    monkeypatch.setattr(loading, "load_engine", random_engine)
+    monkeypatch.setattr(loading, "load_engine", lambda rig: random_engine())
     window = bench.window(start=False)
     folder = tmp_path / "smoke"
     folder.mkdir()

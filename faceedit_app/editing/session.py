@@ -1,97 +1,89 @@
-"""The edited take: edits, undo, and the live result that the window and the export read."""
+"""The edited take: what gestures do to it, and the live result that window and export read."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from psygnal import Signal
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import Edit, Op, read_edits, write_edits
+from faceedit_app.editing.edits.describe import describe, describe_edits
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
+from faceedit_app.editing.steps import EditState, Steps
 from faceedit_app.formats.opening import write_take
 from faceedit_app.formats.take import Take
 
-if TYPE_CHECKING:  # torch comes with it, and the window is there before torch
+if TYPE_CHECKING:  # the window is there before the networks are imported
     from faceedit_app.networks.engine import Engine
-
-
-@dataclass(frozen=True)
-class EditState:
-    """What undo steps through.
-
-    Attributes:
-        edits: oldest first.
-        settings: how they are answered.
-        media: the take's sound and film; None = what lies beside it, as it lies there.
-    """
-
-    edits: tuple[Edit, ...] = ()
-    settings: Settings = field(default_factory=Settings)
-    media: Placement | None = None
 
 
 class EditSession:
     """One open take and what the user has done to it.
+
+    A gesture calls `preview…` as often as it likes, then `commit` or `cancel`. What is done by one
+    click is committed at once: `add`, `put`, `remove`, `configure` and so on are one step each.
 
     `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of the plots. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
     read them, do not keep or change them. `live.patience` says how long a change may take before
     the rest is left to `live.work`.
 
-    `on_finished`, where it is set, hears of every finished gesture, undo and redo (the journal).
-
     Args:
         take: the open take.
         rig: the character.
         engine: the networks, or None to edit by the rig alone.
+
+    Signals:
+        previewed(): the session shows what is not kept: a gesture is in progress.
+        changed(): what is kept is shown, after a commit, cancel, undo or redo; or other networks
+            answer.
+        stepped(EditState): what is kept is another state; sent before `changed`, to those who
+            write it down.
     """
+
+    previewed = Signal()
+    changed = Signal()
+    stepped = Signal(EditState)
 
     def __init__(self, take: Take, rig: Rig, engine: Engine | None = None) -> None:
         self.take, self.rig = take, rig
         self._solver = Solver(take.clip, rig, engine)
-        self._state = EditState()
-        self._saved = self._state
-        self._undo: list[EditState] = []
-        self._redo: list[EditState] = []
-        self._floating: tuple[Edit, ...] | None = None
-        self.on_finished: Callable[[EditState], None] | None = None
+        self._steps = Steps()
+        self._saved = self._computed = self._steps.state
         self.live = Live(self._solver)
         self.tracked, self.asked = self.live.tracked, self.live.asked
         self.achieved, self.weights = self.live.achieved, self.live.weights
 
-    # --- what the user did -----------------------------------------------------------------
+    # --- what is kept ------------------------------------------------------------------------
+
+    @property
+    def state(self) -> EditState:
+        """All that is kept; a preview is not in it."""
+        return self._steps.state
 
     @property
     def edits(self) -> tuple[Edit, ...]:
         """The committed edits, oldest first."""
-        return self._state.edits
+        return self.state.edits
 
     @property
     def settings(self) -> Settings:
-        """Mode and naturalness."""
-        return self._state.settings
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is a step back."""
-        return bool(self._undo)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is a step forward."""
-        return bool(self._redo)
+        """Mode, naturalness and reach."""
+        return self.state.settings
 
     @property
     def has_engine(self) -> bool:
@@ -101,82 +93,147 @@ class EditSession:
     @property
     def is_exported(self) -> bool:
         """Whether the present edits are the ones last exported or saved, and media are saved."""
-        return self._state == self._saved
+        return self.state == self._saved
+
+    # --- gestures ----------------------------------------------------------------------------
 
     @property
-    def state(self) -> EditState:
-        """What has been done, without what floats."""
-        return self._state
-
-    @property
-    def is_floating(self) -> bool:
+    def is_previewing(self) -> bool:
         """Whether a gesture is in progress: what is shown is not yet kept."""
-        return self._floating is not None
+        return self._steps.preview is not None
 
     def preview(self, *edits: Edit | None) -> None:
-        """Show the take with more edits that float: a drag in progress. None is no edit."""
+        """Show the take with more edits, as a drag does. None is no edit; without any, cancel."""
         more = tuple(edit for edit in edits if edit is not None)
-        self._float(self._state.edits + more if more else None)
+        if more:
+            self.preview_list(self.edits + more)
+        else:
+            self.cancel()
 
     def preview_list(self, edits: Sequence[Edit]) -> None:
-        """Show the take with another list of edits: one of them is being changed."""
-        self._float(tuple(edits))
+        """Show the take with another list of edits: some of them are being changed."""
+        self._preview(replace(self.state, edits=tuple(edits)))
 
     def preview_replace(self, index: int, edit: Edit) -> None:
         """Show the take with another edit in place of one of the list."""
         self.preview_list(self._with(index, edit))
 
-    def commit(self) -> None:
-        """Keep what floats as one undo step."""
-        if self._floating is not None:
-            # It is shown already: nothing has to be computed, or looked for.
-            edits, self._floating = self._floating, None
-            self._change(replace(self._state, edits=edits), is_shown=True)
+    def preview_settings(self, settings: Settings) -> None:
+        """Show the take as other settings answer its edits."""
+        self._preview(replace(self.state, settings=settings))
 
-    def cancel(self) -> None:
-        """Drop what floats."""
-        self._float(None)
+    def preview_media(self, media: Placement) -> None:
+        """Show the take with this sound and film, there."""
+        self._preview(replace(self.state, media=media))
 
-    def _float(self, edits: tuple[Edit, ...] | None) -> None:
-        self._floating = edits
-        self._refresh()
+    def commit(self, name: str = "", merge: Hashable = None) -> None:
+        """Keep what is previewed as one step.
 
-    def add(self, *edits: Edit) -> None:
-        """Add edits as one undo step."""
-        self._change(replace(self._state, edits=self._state.edits + edits))
+        Args:
+            name: of the step, as Undo shows it; by default what the edits are called that it adds.
+            merge: extends the last step if that had the same key and nothing came between.
+        """
+        if self._steps.preview is not None:
+            self._change(self._steps.preview, name, merge)
 
-    def reset(self, start: float, end: float, controls: Sequence[str] = CONTROL_IDS) -> None:
+    def extends(self, merge: Hashable) -> bool:
+        """Whether a commit with this merge key would extend the last step."""
+        return self._steps.extends(merge)
+
+    def seal(self) -> None:
+        """End the last gesture for good: whatever comes now is a step of its own."""
+        self._steps.seal()
+
+    def cancel(self) -> bool:
+        """Drop what is previewed; False if nothing was."""
+        was_previewing = self._steps.cancel()
+        if was_previewing:
+            self._arrive(is_step=False)
+        return was_previewing
+
+    def _preview(self, state: EditState) -> None:
+        if state != self._steps.preview:
+            self._steps.preview = state
+            self._compute()
+            self.previewed.emit()
+
+    # --- undo --------------------------------------------------------------------------------
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a step back."""
+        return bool(self._steps.done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a step forward."""
+        return bool(self._steps.undone)
+
+    @property
+    def undo_name(self) -> str:
+        """The step that Undo takes back; empty if there is none."""
+        return self._steps.done[-1].name if self.can_undo else ""
+
+    @property
+    def redo_name(self) -> str:
+        """The step that Redo takes again; empty if there is none."""
+        return self._steps.undone[-1].name if self.can_redo else ""
+
+    def undo(self) -> None:
+        """Take the last step back, and drop what is previewed."""
+        if self._steps.undo():
+            self._arrive()
+
+    def redo(self) -> None:
+        """Take the step again that was undone last, and drop what is previewed."""
+        if self._steps.redo():
+            self._arrive()
+
+    # --- one click, one step; its name is by default what the edits are called that it adds ----
+
+    def add(self, *edits: Edit, name: str = "") -> None:
+        """Add edits."""
+        self.put(self.edits + edits, name)
+
+    def reset(
+        self,
+        start: float,
+        end: float,
+        controls: Sequence[str] = CONTROL_IDS,
+        falloff: float = 0.0,
+    ) -> None:
         """Bring controls back to the take as tracked from `start` to `end` seconds."""
-        self.add(Edit(tuple(controls), Op.RESET, start, end, 0.0))
+        self.add(Edit(tuple(controls), Op.RESET, start, end, falloff), name="Reset range")
 
-    def put(self, edits: Sequence[Edit]) -> None:
-        """Have another list of edits, as one undo step."""
-        self._change(replace(self._state, edits=tuple(edits)))
+    def put(self, edits: Sequence[Edit], name: str = "", merge: Hashable = None) -> None:
+        """Have another list of edits."""
+        self._change(replace(self.state, edits=tuple(edits)), name, merge)
 
-    def replace_edit(self, index: int, edit: Edit) -> None:
-        """Put another edit in the place of one, as one undo step."""
-        self._change(replace(self._state, edits=self._with(index, edit)))
+    def replace_edit(self, index: int, edit: Edit, name: str = "") -> None:
+        """Put another edit in the place of one."""
+        self.put(self._with(index, edit), name or describe(edit))
 
     def set_enabled(self, index: int, enabled: bool) -> None:
-        """Switch an edit on or off, as one undo step."""
-        self.replace_edit(index, replace(self.edits[index], enabled=enabled))
+        """Switch an edit on or off."""
+        edit = replace(self.edits[index], enabled=enabled)
+        self.replace_edit(index, edit, "Switch edit on" if enabled else "Switch edit off")
 
     def set_strength(self, index: int, strength: float) -> None:
-        """Make an edit weaker or stronger (0..1.5), as one undo step."""
-        self.replace_edit(index, replace(self.edits[index], strength=strength))
+        """Make an edit weaker or stronger (0..1.5)."""
+        self.replace_edit(index, replace(self.edits[index], strength=strength), "Strength")
 
     def rename(self, index: int, name: str) -> None:
-        """Call an edit something else, as one undo step; "" is its description again."""
-        self.replace_edit(index, replace(self.edits[index], name=name.strip()))
+        """Call an edit something else; "" is its description again."""
+        self.replace_edit(index, replace(self.edits[index], name=name.strip()), "Rename edit")
 
     def remove(self, *indices: int) -> None:
-        """Take edits out of the list, as one undo step."""
+        """Take edits out of the list."""
         gone = {range(len(self.edits))[index] for index in indices}
         kept = tuple(edit for i, edit in enumerate(self.edits) if i not in gone)
-        self._change(replace(self._state, edits=kept))
+        self.put(kept, "Delete edit" if len(gone) == 1 else f"Delete {len(gone)} edits")
 
     def move(self, index: int, to: int) -> None:
-        """Bring an edit to another place in the list, as one undo step.
+        """Bring an edit to another place in the list.
 
         Args:
             index: where it is.
@@ -185,62 +242,53 @@ class EditSession:
         edits = list(self.edits)
         edit = edits.pop(index)
         edits.insert(max(to, 0), edit)
-        self._change(replace(self._state, edits=tuple(edits)))
+        self.put(edits, "Move edit")
 
-    def configure(self, settings: Settings) -> None:
-        """Answer all edits by other settings, as one undo step."""
-        self._change(replace(self._state, settings=settings))
+    def configure(self, settings: Settings, merge: Hashable = None) -> None:
+        """Answer all edits by other settings."""
+        name = self.settings.describe_change(settings)
+        self._change(replace(self.state, settings=settings), name, merge)
 
-    def place(self, media: Placement) -> None:
-        """Have this sound and film, and have them there, as one undo step."""
-        self._change(replace(self._state, media=media))
+    def place(self, media: Placement, name: str = "Sound and film", merge: Hashable = None) -> None:
+        """Have this sound and film, and have them there."""
+        self._change(replace(self.state, media=media), name, merge)
+
+    def restore(self, state: EditState) -> None:
+        """Go to a state that was kept in a file."""
+        self._change(state, "Recovery")
 
     def begin_with(self, state: EditState) -> None:
         """Start from the state that a project holds: there is nothing before it to go back to."""
-        self._undo.clear()
-        self._redo.clear()
-        self._arrive(state)
+        self._steps.begin_with(state)
+        self._arrive(is_step=False)
 
-    def restore(self, state: EditState) -> None:
-        """Go to a state that was kept in a file, as one undo step."""
-        self._change(state)
-
-    def undo(self) -> None:
-        """Take the last step back."""
-        if self._undo:
-            self._redo.append(self._state)
-            self._arrive(self._undo.pop())
-
-    def redo(self) -> None:
-        """Take the step again that was undone last."""
-        if self._redo:
-            self._undo.append(self._state)
-            self._arrive(self._redo.pop())
+    def use_engine(self, engine: Engine) -> None:
+        """Answer by these networks from now on (they load after the window is up)."""
+        self.live.forget()
+        self._solver.use_engine(engine)
+        self._computed = EditState()
+        self._compute()
+        self.changed.emit()
 
     def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
         edits = list(self.edits)
         edits[index] = edit
         return tuple(edits)
 
-    def _change(self, state: EditState, is_shown: bool = False) -> None:
-        """Go to a new state, as one undo step; a step to where one is would be no step."""
-        if state != self._state:
-            self._undo.append(self._state)
-            self._redo.clear()
-            self._arrive(state, is_shown)
+    def _change(self, state: EditState, name: str, merge: Hashable = None) -> None:
+        """Preview and commit at once, with one announcement."""
+        added = state.edits[len(self.edits) :] or state.edits[-1:]
+        was_previewing, self._steps.preview = self.is_previewing, state
+        is_step = self._steps.commit(name or describe_edits(added), merge)
+        if is_step or was_previewing:
+            self._arrive(is_step)
 
-    def _arrive(self, state: EditState, is_shown: bool = False) -> None:
-        self._state, self._floating = state, None
-        if not is_shown:
-            self._refresh()
-        if self.on_finished is not None:
-            self.on_finished(state)
-
-    def use_engine(self, engine: Engine) -> None:
-        """Answer by these networks from now on (they load after the window is up)."""
-        self.live.forget()
-        self._solver.use_engine(engine)
-        self._refresh()
+    def _arrive(self, is_step: bool = True) -> None:
+        """Show what is kept, write it down if it is new, then tell the views."""
+        self._compute()
+        if is_step:
+            self.stepped.emit(self.state)
+        self.changed.emit()
 
     # --- what it looks like ----------------------------------------------------------------
 
@@ -253,9 +301,12 @@ class EditSession:
         """How many frames differ from the take as tracked."""
         return self.live.changed_frames
 
-    def _refresh(self) -> None:
-        edits = self._state.edits if self._floating is None else self._floating
-        self.live.show(self._solver.pieces(edits, self._state.settings))
+    def _compute(self) -> None:
+        """Have the arrays follow what is shown; a change of media alone leaves them as they are."""
+        before, self._computed = self._computed, self._steps.shown
+        edits, settings = self._computed.edits, self._computed.settings
+        if edits != before.edits or settings != before.settings:
+            self.live.show(self._solver.pieces(edits, settings))
 
     # --- files -----------------------------------------------------------------------------
 
@@ -281,11 +332,13 @@ class EditSession:
 
     def mark_saved(self) -> None:
         """What has been done up to now is in a file."""
-        self._saved = self._state
+        self._saved = self.state
+        self._steps.seal()  # Undo leads back to what is in the file
 
     def _mark_exported(self) -> None:
         """The edits are in a file; where sound and film lie is only in projects."""
-        self._saved = replace(self._state, media=self._saved.media)
+        self._saved = replace(self.state, media=self._saved.media)
+        self._steps.seal()
 
     def save_edits(self, path: Path | str) -> None:
         """Save the edits for `faceedit apply` or for another day."""
@@ -298,4 +351,4 @@ class EditSession:
         Raises:
             FileError: it is no edits file.
         """
-        self.add(*read_edits(path))
+        self.add(*read_edits(path), name="Load edits")

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.faces import shipped_rig, talking_clip
+from support.faces import talking_clip
+from support.sessions import session_by_rig
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 from faceedit_app.editing.help.clipboard import TOLERANCE, Copied, copy_range, simplify
 from faceedit_app.editing.session import EditSession
-from faceedit_app.formats.take import Take
 
 MOUTH, WIDTH = CONTROL_INDEX["mouth_opening"], CONTROL_INDEX["mouth_width"]
 
 
 def session(frames: int = 600) -> EditSession:
-    clip = talking_clip(frames)
-    return EditSession(Take(Path("take.csv"), "test", clip, (), (), None), shipped_rig())  # type: ignore[arg-type]
+    return session_by_rig(talking_clip(frames))
 
 
 def _alone(*controls: str) -> Edit:

@@ -9,20 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.faces import shipped_rig
+from support.sessions import demo_take, session_by_networks, shipped_engine
 
 from faceedit_app.core import regions
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import load_presets
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.request import Request, request
-from faceedit_app.formats.opening import open_take
-from faceedit_app.networks.engine import Engine
 
 LOWER = regions.LOWER.own
 WIDTH, LEFT, RIGHT = (CONTROL_INDEX[c] for c in ("mouth_width", "left_corner", "right_corner"))
@@ -141,8 +138,7 @@ SELECTION = (2.0, 6.0)
 
 @lru_cache(maxsize=1)
 def demo() -> EditSession:
-    take = open_take(shipped("assets/demo_take.csv"))
-    return EditSession(take, shipped_rig(), Engine.load(shipped("models")))
+    return session_by_networks(demo_take(), shipped_engine())
 
 
 @lru_cache(maxsize=200)

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
-from support.faces import shipped_rig, talking_clip
+from support.faces import talking_clip
+from support.sessions import session_by_rig, take_of
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession, EditState
+from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.solver import Settings
+from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.take import Take
 
 MOUTH = CONTROL_INDEX["mouth_opening"]
@@ -26,12 +27,12 @@ C = Edit(("mouth_opening",), Op.SET, 2.2, 2.4, 0.1, 9.0)
 
 @lru_cache(maxsize=1)
 def take() -> Take:
-    return Take(Path("take.csv"), "none", talking_clip(180), (), (), None)  # type: ignore[arg-type]
+    return take_of(talking_clip(180))
 
 
 @pytest.fixture
 def session() -> EditSession:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     session.add(A, B, C)
     return session
 
@@ -59,10 +60,10 @@ def test_each_change_of_the_list_is_one_undo_step(session: EditSession, name: st
     change, expected = STEPS[name]
     before = session.weights.copy()
     heard: list[EditState] = []
-    session.on_finished = heard.append
+    session.stepped.connect(heard.append)
     change(session)
     assert session.edits == expected
-    assert not session.is_floating
+    assert not session.is_previewing
     after = session.weights.copy()
     assert [state.edits for state in heard] == [expected]
     session.undo()
@@ -72,7 +73,7 @@ def test_each_change_of_the_list_is_one_undo_step(session: EditSession, name: st
     np.testing.assert_array_equal(session.weights, after)
     assert len(heard) == 3
 
-    fresh = EditSession(take(), shipped_rig())
+    fresh = session_by_rig(take())
     fresh.add(*expected)
     np.testing.assert_array_equal(fresh.weights, after)
 
@@ -93,9 +94,9 @@ NO_STEPS: dict[str, Callable[[EditSession], object]] = {
 @pytest.mark.parametrize("name", NO_STEPS)
 def test_what_changes_nothing_is_no_step(session: EditSession, name: str) -> None:
     before, heard = session.weights.copy(), []
-    session.on_finished = heard.append
+    session.stepped.connect(heard.append)
     NO_STEPS[name](session)
-    assert not session.is_floating
+    assert not session.is_previewing
     np.testing.assert_array_equal(session.weights, before)
     assert heard == []
     session.undo()
@@ -104,14 +105,14 @@ def test_what_changes_nothing_is_no_step(session: EditSession, name: str) -> Non
 
 def test_what_floats_is_shown_and_heard_of_by_nobody(session: EditSession) -> None:
     heard: list[EditState] = []
-    session.on_finished = heard.append
+    session.stepped.connect(heard.append)
     before = session.asked.copy()
     session.preview_replace(0, replace(A, strength=0.0))
-    assert session.is_floating
+    assert session.is_previewing
     assert (session.asked[70:90, MOUTH] < before[70:90, MOUTH] - 1).all()
     assert session.edits == (A, B, C)
     session.undo()
-    assert not session.is_floating
+    assert not session.is_previewing
     assert heard == [EditState()]
 
 
@@ -128,14 +129,14 @@ def test_position_that_is_not_there_is_an_error_and_no_step(
 
 
 def test_edit_that_is_off_or_without_strength_leaves_no_trace() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     session.add(replace(A, enabled=False), replace(B, strength=0.0))
     assert session.changed_frames() == 0
     np.testing.assert_array_equal(session.asked, session.tracked)
 
 
 def test_strength_is_how_much_of_the_change_is_made() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     hold = slice(62, 90)
     for strength in (0.5, 1.0, 1.5):
         session.preview(replace(A, strength=strength))
@@ -149,7 +150,7 @@ def test_strength_is_how_much_of_the_change_is_made() -> None:
 
 
 def test_smooth_and_reset_never_overshoot() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     session.add(A)
     reset = Edit(("mouth_opening",), Op.RESET, 1.0, 1.5, 0.0)
     for strength, left in ((0.5, 2.0), (1.0, 0.0), (1.5, 0.0)):
@@ -182,7 +183,7 @@ def test_a_name_computes_nothing_anew() -> None:
 
 
 def test_scale_may_be_about_a_length() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     session.add(replace(A, op=Op.SCALE, value=0.5, about=0.0))
     inside = slice(60, 91)
     np.testing.assert_allclose(
@@ -193,7 +194,7 @@ def test_scale_may_be_about_a_length() -> None:
 
 
 def test_drawn_line_is_followed() -> None:
-    session = EditSession(take(), shipped_rig())
+    session = session_by_rig(take())
     points = ((1.1, 5.0), (1.3, 9.0))
     session.add(Edit(("mouth_opening",), Op.DRAW, 1.0, 1.5, 0.0, points=points))
     at = [60, 66, 72, 78, 90]

@@ -19,9 +19,8 @@ from faceedit_app.editing.edits.edit import (
     Company,
     Edit,
     Op,
-    read_edits,
-    write_edits,
 )
+from faceedit_app.editing.files.edits_file import read_edits, write_edits
 
 GOOD: dict[str, Any] = {
     "control": "mouth_opening",
@@ -122,20 +121,20 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "not an object": ([1, 2], "not an object"),
     "nothing": (None, "not an object"),
     "unknown company": (without(companions="nose"), '"companions" must be one of yield, along'),
-    "unknown field": (without(ease=1), "unknown field 'ease'"),
+    "unknown field": (without(ease=1), 'unknown field "ease"'),
     "unknown control": (without(control="nose"), "unknown control 'nose'"),
     "no control": (without("control"), '"control"'),
     "number as control": (without(control=5), '"control"'),
     "both spellings": (without(controls=["mouth_width"]), '"control"'),
     "empty controls": (without("control", controls=[]), "names no control"),
-    "number among controls": (without("control", controls=["mouth_width", 1]), '"control"'),
+    "number among controls": (without("control", controls=["mouth_width", 1]), '"controls"'),
     "a control twice": (without("control", controls=["mouth_width"] * 2), "twice"),
     "unknown op": (without(op="shake"), "offset, set, scale, smooth, reset"),
     "list as op": (without(op=["set"]), '"op"'),
     "no op": (without("op"), '"op"'),
-    "no start": (without("start"), 'lacks "start"'),
-    "no end": (without("end"), 'lacks "end"'),
-    "no value": (without("value"), 'lacks "value"'),
+    "no start": (without("start"), '"start" is missing'),
+    "no end": (without("end"), '"end" is missing'),
+    "no value": (without("value"), '"value" is missing'),
     "text as start": (without(start="2.0"), '"start" is not a number'),
     "truth as value": (without(value=True), '"value" is not a number'),
     "nothing as falloff": (without(falloff=None), '"falloff" is not a number'),
@@ -147,6 +146,9 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "infinite": (without(value=float("inf")), "must lie between"),
     "not a number": (without(start=float("nan")), "must lie between"),
     "beyond all sums": (without(start=-1e308, falloff=1e308), "must lie between"),
+    "endless name": (without(name="x" * 1001), '"name" is longer than 1,000 characters'),
+    "endless control": (without(control="[" * 900), "unknown control '[[["),
+    "half a character": (without(name="\ud83d"), '"name" has a damaged character'),
     "beyond all floats": (without(value=10**400), "must lie between"),
 }
 

@@ -18,8 +18,8 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import Media, Placement
 from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.journal import Journal, pending_journals
-from faceedit_app.editing.session import EditState
 from faceedit_app.editing.solving.solver import Settings
+from faceedit_app.editing.steps import EditState
 
 DEMO = shipped("assets/demo_take.csv")
 
@@ -224,15 +224,13 @@ VICTIM = """
 import sys, time
 from pathlib import Path
 sys.path.insert(0, {tests!r})
-from support.faces import random_rig, shipped_rig
+from support.sessions import session_by_rig
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files.journal import Journal
-from faceedit_app.editing.session import EditSession
-from faceedit_app.formats.opening import open_take
 
-session = EditSession(open_take({take!r}), shipped_rig())
+session = session_by_rig(Path({take!r}))
 journal = Journal(session.take.path, folder=Path({folder!r}))
-session.on_finished = journal.record
+session.stepped.connect(journal.record)
 edit = lambda i, mm: Edit(("mouth_opening",), Op.OFFSET, i, i + 0.3, 0.1, mm)
 for i in range(6):
     session.preview(edit(i, 1.0))

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.faces import shipped_rig, talking_clip
+from support.faces import talking_clip
+from support.sessions import session_by_rig
 
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -22,7 +23,6 @@ from faceedit_app.editing.help.clipboard import copy_range
 from faceedit_app.editing.help.problems import find_problems
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import request
-from faceedit_app.formats.take import Take
 
 GESTURE = 0.25  # seconds that nobody waits for
 
@@ -44,8 +44,7 @@ def spread_edits(count: int = 500, seconds: float = 598.0) -> list[Edit]:
 
 @pytest.fixture(scope="module")
 def session() -> EditSession:
-    clip = talking_clip(36_000)
-    session = EditSession(Take(Path("take.csv"), "none", clip, (), (), None), shipped_rig())  # type: ignore[arg-type]
+    session = session_by_rig(talking_clip(36_000))
     session.add(*spread_edits())
     return session
 

@@ -4,27 +4,17 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from support.faces import shipped_rig, talking_clip
+from support.sessions import demo_take, session_by_rig
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
-from faceedit_app.editing.session import EditSession
-from faceedit_app.formats.opening import open_take
-from faceedit_app.formats.take import Take
-
-
-@lru_cache(maxsize=1)
-def demo() -> Take:
-    return open_take(shipped("assets/demo_take.csv"))
 
 
 def still_clip(seconds: float = 6.0, rate: float = 60.0) -> Clip:
@@ -50,7 +40,7 @@ def with_blink(clip: Clip, at: float, left: float, right: float, width: float = 
 
 
 def test_demo_take_has_the_two_faults_that_were_built_in_and_no_other() -> None:
-    session = EditSession(demo(), shipped_rig())
+    session = session_by_rig(demo_take())
     blink, lips = find_problems(session)
     assert (blink.kind, lips.kind) == (Kind.BLINK, Kind.LIPS)
     assert blink.start == pytest.approx(4.62, abs=0.05)
@@ -64,7 +54,7 @@ def test_demo_take_has_the_two_faults_that_were_built_in_and_no_other() -> None:
 def test_the_same_is_found_at_30_frames_a_second_and_in_a_noisier_recording(
     step: int, noise: float
 ) -> None:
-    clip = demo().clip
+    clip = demo_take().clip
     weights = clip.arkit_weights()[::step]
     weights = weights + np.random.default_rng(0).normal(0, noise, weights.shape)
     weights = np.maximum(weights, 0).astype(np.float32)
@@ -73,7 +63,7 @@ def test_the_same_is_found_at_30_frames_a_second_and_in_a_noisier_recording(
 
 
 def test_proposals_mend_the_demo_take_and_leave_the_rest_alone() -> None:
-    session = EditSession(demo(), shipped_rig())
+    session = session_by_rig(demo_take())
     problems = find_problems(session)
     session.preview(*(edit for problem in problems for edit in problem.fix))
     assert find_problems(session) == []
@@ -159,8 +149,7 @@ def test_gap_at_the_very_end_is_told() -> None:
 
 
 def test_ten_minutes_are_searched_in_no_time() -> None:
-    clip = talking_clip(36_000)
-    session = EditSession(Take(Path("take.csv"), "test", clip, (), (), None), shipped_rig())  # type: ignore[arg-type]
+    session = session_by_rig(talking_clip(36_000))
     began = time.perf_counter()
     find_problems(session)
     assert time.perf_counter() - began < 1.0

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from support.faces import shipped_rig
+from support.sessions import session_by_rig
 from support.takes import make_livelink_csv, make_plain_csv
 from test_edits_file import edits
 
@@ -30,9 +30,8 @@ from faceedit_app.editing.files.project import (
     read_project,
     write_project,
 )
-from faceedit_app.editing.session import EditSession, EditState
 from faceedit_app.editing.solving.solver import Mode, Settings
-from faceedit_app.formats.opening import open_take
+from faceedit_app.editing.steps import EditState
 
 EDITS = (
     Edit(("mouth_opening",), Op.OFFSET, 2.0, 2.4, 0.2, 8.0, name="Größer"),
@@ -118,6 +117,11 @@ def test_saving_over_a_project_that_cannot_be_written_leaves_it(take: Path, tmp_
 
 # --- damaged files -------------------------------------------------------------------------------
 
+
+def nested(depth: int) -> list[Any]:
+    return [nested(depth - 1)] if depth else []
+
+
 GOOD: dict[str, Any] = {
     "version": 1,
     "take": {"path": "take.csv", "size": 5, "sha256": "00"},
@@ -127,30 +131,49 @@ BAD: dict[str, tuple[Any, str]] = {
     "list": ([], "is no FaceEdit project"),
     "no version": ({}, "version None"),
     "later version": (GOOD | {"version": 2}, "update FaceEdit"),
-    "unknown field": (GOOD | {"camera": 1}, "unknown field 'camera'"),
-    "no take": ({"version": 1, "edits": []}, "take is not an object"),
-    "take without a path": (GOOD | {"take": {"size": 5, "sha256": ""}}, "no path"),
-    "take without a size": (GOOD | {"take": {"path": "x", "sha256": ""}}, "no size"),
-    "truth as size": (GOOD | {"take": {"path": "x", "size": True, "sha256": ""}}, "no size"),
-    "nul in the path": (GOOD | {"take": {"path": "x\0", "size": 1, "sha256": ""}}, "no path"),
+    "unknown field": (GOOD | {"camera": 1}, 'unknown field "camera"'),
+    "no take": ({"version": 1, "edits": []}, '"take" is missing'),
+    "take without a path": (GOOD | {"take": {"size": 5, "sha256": ""}}, '"take.path" is missing'),
+    "take without a size": (GOOD | {"take": {"path": "x", "sha256": ""}}, '"take.size" is missing'),
+    "truth as size": (
+        GOOD | {"take": {"path": "x", "size": True, "sha256": ""}},
+        '"take.size" is not',
+    ),
+    "nul in the path": (
+        GOOD | {"take": {"path": "x\0", "size": 1, "sha256": ""}},
+        '"take.path" is not',
+    ),
     "no edits": (GOOD | {"edits": None}, '"edits"'),
     "bad edit": (GOOD | {"edits": [{"control": "nose"}]}, "edit 1: "),
     "edit is a number": (GOOD | {"edits": [3]}, "edit 1: "),
-    "bad mode": (GOOD | {"settings": {"mode": "x"}}, "mode must be one of"),
-    "list as mode": (GOOD | {"settings": {"mode": []}}, "mode must be one of"),
-    "wild naturalness": (GOOD | {"settings": {"naturalness": 7}}, "naturalness must lie"),
-    "settings are a list": (GOOD | {"settings": []}, "settings is not an object"),
-    "unknown setting": (GOOD | {"settings": {"x": 1}}, "unknown field 'x'"),
-    "view is a text": (GOOD | {"view": "x"}, "view is not an object"),
-    "playhead is a text": (GOOD | {"view": {"playhead": "x"}}, "playhead is not a number"),
-    "playhead is none": (GOOD | {"view": {"playhead": float("nan")}}, "playhead must lie"),
-    "negative falloff": (GOOD | {"view": {"falloff": -1}}, "falloff must lie"),
-    "half a selection": (GOOD | {"view": {"selection": [1]}}, "selection is no pair"),
+    "bad mode": (GOOD | {"settings": {"mode": "x"}}, '"settings.mode" must be one of'),
+    "list as mode": (GOOD | {"settings": {"mode": []}}, '"settings.mode" must be one of'),
+    "wild naturalness": (
+        GOOD | {"settings": {"naturalness": 7}},
+        '"settings.naturalness" must lie',
+    ),
+    "settings are a list": (GOOD | {"settings": []}, '"settings" is not an object'),
+    "unknown setting": (GOOD | {"settings": {"x": 1}}, 'unknown field "settings.x"'),
+    "view is a text": (GOOD | {"view": "x"}, '"view" is not an object'),
+    "playhead is a text": (GOOD | {"view": {"playhead": "x"}}, '"view.playhead" is not a number'),
+    "playhead is none": (GOOD | {"view": {"playhead": float("nan")}}, '"view.playhead" must lie'),
+    "negative falloff": (GOOD | {"view": {"falloff": -1}}, '"view.falloff" must lie'),
+    "half a selection": (
+        GOOD | {"view": {"selection": [1]}},
+        '"view.selection" is not made of two',
+    ),
     "selection backwards": (GOOD | {"view": {"selection": [2, 1]}}, "ends before it begins"),
-    "ui is a list": (GOOD | {"view": {"ui": []}}, "ui is not an object"),
-    "audio is a text": (GOOD | {"audio": "x.wav"}, "audio is not an object"),
-    "film without a path": (GOOD | {"film": {"offset": 1}}, "film has no path"),
-    "offset is a text": (GOOD | {"film": {"path": "x", "offset": "1"}}, "offset is not"),
+    "endless list in ui": (GOOD | {"view": {"ui": {"a": nested(9)}}}, '"view.ui" holds too much'),
+    "no number in ui": (GOOD | {"view": {"ui": {"a": [float("nan")]}}}, '"view.ui" holds a number'),
+    "no character in ui": (GOOD | {"view": {"ui": {"\ud800": 1}}}, '"view.ui" has a damaged'),
+    "no character in a path": (
+        GOOD | {"take": {"path": "\ud800", "size": 1, "sha256": ""}},
+        "path",
+    ),
+    "ui is a list": (GOOD | {"view": {"ui": []}}, '"view.ui" is not an object'),
+    "audio is a text": (GOOD | {"audio": "x.wav"}, '"audio" is not an object'),
+    "film without a path": (GOOD | {"film": {"offset": 1}}, '"film.path" is missing'),
+    "offset is a text": (GOOD | {"film": {"path": "x", "offset": "1"}}, '"film.offset" is not'),
 }
 
 
@@ -261,7 +284,7 @@ def test_fingerprint_of_an_open_take_is_that_of_the_file_it_was(tmp_path: Path) 
     cut = tmp_path / "cut.csv"
     cut.write_bytes(b"\xef\xbb\xbf" + paths[-1].read_bytes().rstrip())
     for path in [*paths, cut]:
-        was, session = fingerprint(path), EditSession(open_take(path), shipped_rig())
+        was, session = fingerprint(path), session_by_rig(path)
         if path.parent == tmp_path:
             path.unlink()
         assert session.fingerprint == was

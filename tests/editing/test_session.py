@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from support.faces import random_engine, shipped_rig, talking_clip
+from support.faces import talking_clip
+from support.sessions import engine, session_by_networks, session_by_rig
 from support.takes import livelink_names, make_livelink_csv
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
-from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -22,35 +21,10 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.formats.opening import open_take
-from faceedit_app.formats.take import Take
-from faceedit_app.networks.engine import Engine
 
 MOUTH = CONTROL_INDEX["mouth_opening"]
 LIDS = ("left_eyelid", "right_eyelid")
 CLOSE, JAW = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
-
-
-class Nowhere:
-    """The source of a take that was never in a file."""
-
-    def encode(self, tracked: np.ndarray, edited: np.ndarray) -> bytes:
-        return edited.tobytes()
-
-
-def take_of(clip: Clip) -> Take:
-    return Take(Path("take.csv"), "none", clip, (), (), Nowhere())
-
-
-@lru_cache(maxsize=1)
-def engine() -> Engine:
-    return random_engine(11)
-
-
-def session_of(clip: Clip, networks: Engine | None = None, **how: object) -> EditSession:
-    session = EditSession(take_of(clip), shipped_rig(), networks or engine())
-    if how:
-        session.configure(Settings(**how))  # type: ignore[arg-type]
-    return session
 
 
 def offset(
@@ -77,7 +51,7 @@ def assert_believable(session: EditSession) -> None:
 
 
 def test_session_without_edits_is_the_take() -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     np.testing.assert_array_equal(session.clip_weights(), session.take.clip.weights)
     np.testing.assert_array_equal(session.achieved, session.tracked)
     np.testing.assert_array_equal(session.asked, session.tracked)
@@ -89,7 +63,7 @@ def test_session_without_edits_is_the_take() -> None:
 @pytest.mark.parametrize("control", ["mouth_width", "right_eyelid"])
 def test_preserve_leaves_frames_that_no_edit_reaches_bit_for_bit(control: str, rate: float) -> None:
     clip = talking_clip(round(6 * rate), rate)
-    session = session_of(clip)
+    session = session_by_networks(clip)
     edit = offset(control, 2.5, 2.8, -3.0)
     session.add(edit)
     first, last = affected(edit)
@@ -105,7 +79,7 @@ def test_preserve_leaves_frames_that_no_edit_reaches_bit_for_bit(control: str, r
 
 @pytest.mark.parametrize("mode", list(Mode))
 def test_channels_of_other_regions_and_carried_ones_never_change(mode: Mode) -> None:
-    session = session_of(talking_clip(), mode=mode)
+    session = session_by_networks(talking_clip(), mode=mode)
     session.add(offset("mouth_opening", 1.0, 1.3, 6.0))
     changed = (session.weights != session.take.clip.weights).any(axis=0)
     assert set(np.flatnonzero(changed)) <= set(columns("lower"))
@@ -115,7 +89,7 @@ def test_channels_of_other_regions_and_carried_ones_never_change(mode: Mode) -> 
 def test_corrective_beyond_the_jaw_is_untouched_by_an_edit_of_the_eyes() -> None:
     clip = talking_clip(seed=3)
     clip.weights[:, CLOSE] = clip.weights[:, JAW] + 0.123456
-    session = session_of(clip)
+    session = session_by_networks(clip)
     session.add(offset(LIDS, 0.5, 2.5, -2.0))
     lower = columns("lower")
     np.testing.assert_array_equal(session.weights[:, lower], clip.weights[:, lower])
@@ -123,7 +97,7 @@ def test_corrective_beyond_the_jaw_is_untouched_by_an_edit_of_the_eyes() -> None
 
 @pytest.mark.parametrize("mode", list(Mode))
 def test_resynthesis_and_preserving_reach_over_their_own_frames(mode: Mode) -> None:
-    session = session_of(talking_clip(), mode=mode)
+    session = session_by_networks(talking_clip(), mode=mode)
     session.add(offset(LIDS, 1.0, 1.3, -3.0))
     changed = (session.weights != session.take.clip.weights).any(axis=1)
     assert changed.all() == (mode is Mode.RESYNTHESIZE)
@@ -133,7 +107,7 @@ def test_resynthesis_and_preserving_reach_over_their_own_frames(mode: Mode) -> N
 def test_channels_that_the_take_lacks_stay_absent_and_the_rest_is_edited() -> None:
     absent = {"mouthClose", "mouthFunnel", "eyeBlinkLeft", "browInnerUp"}
     channels = tuple(c for c in ARKIT_CHANNELS[::-1] if c not in absent)
-    session = session_of(talking_clip(channels=channels))
+    session = session_by_networks(talking_clip(channels=channels))
     session.add(offset("mouth_opening", 1.0, 1.5, 5.0), offset(LIDS, 1.0, 1.5, -3.0))
     assert not session.weights[:, [ARKIT_INDEX[c] for c in absent]].any()
     assert session.clip_weights().shape == session.take.clip.weights.shape
@@ -142,13 +116,13 @@ def test_channels_that_the_take_lacks_stay_absent_and_the_rest_is_edited() -> No
 
 def test_corrective_stays_where_the_take_has_no_jaw() -> None:
     channels = tuple(c for c in ARKIT_CHANNELS if c != "jawOpen")
-    session = session_of(talking_clip(channels=channels))
+    session = session_by_networks(talking_clip(channels=channels))
     session.add(offset("mouth_opening", 1.0, 1.5, -5.0))
     assert (session.weights[:, CLOSE] <= session.take.clip.arkit_weights()[:, CLOSE]).all()
 
 
 def test_take_without_a_single_modelled_channel_changes_nothing() -> None:
-    session = session_of(talking_clip(channels=("tongueOut", "jawLeft")))
+    session = session_by_networks(talking_clip(channels=("tongueOut", "jawLeft")))
     session.add(offset(("mouth_opening", "left_eyelid"), 1.0, 1.5, 5.0))
     np.testing.assert_array_equal(session.clip_weights(), session.take.clip.weights)
 
@@ -157,7 +131,7 @@ def test_tracked_weights_above_one_stay_where_nothing_is_edited_and_end_where_it
     clip = talking_clip(300)
     blink = ARKIT_INDEX["eyeBlinkLeft"]
     clip.weights[:, blink] = 1.05
-    session = session_of(clip)
+    session = session_by_networks(clip)
     session.add(offset(LIDS, 2.0, 2.4, 2.0))
     held = (clip.times >= 2.0) & (clip.times <= 2.4)
     first, last = affected(session.edits[0])
@@ -174,7 +148,7 @@ def test_tracked_weights_above_one_stay_where_nothing_is_edited_and_end_where_it
 @pytest.mark.parametrize("has_engine", [True, False])
 def test_face_goes_where_it_was_asked(has_engine: bool, naturalness: float) -> None:
     clip = talking_clip(240)
-    session = EditSession(take_of(clip), shipped_rig(), engine() if has_engine else None)
+    session = session_by_networks(clip) if has_engine else session_by_rig(clip)
     session.configure(Settings(naturalness=naturalness))
     session.add(offset("mouth_opening", 1.5, 2.5, 3.0))
     held = (clip.times >= 1.5) & (clip.times <= 2.5)
@@ -188,7 +162,7 @@ def test_face_goes_where_it_was_asked(has_engine: bool, naturalness: float) -> N
 def test_naturalness_changes_the_answer() -> None:
     answers = []
     for naturalness in (0.0, 0.5, 1.0):
-        session = session_of(talking_clip(), naturalness=naturalness)
+        session = session_by_networks(talking_clip(), naturalness=naturalness)
         session.add(offset("mouth_width", 1.0, 1.5, -2.0))
         answers.append(session.weights.copy())
     for one, other in ((0, 1), (1, 2), (0, 2)):
@@ -215,7 +189,7 @@ WILD: dict[str, tuple[Edit, ...]] = {
 @pytest.mark.parametrize("naturalness", [0.0, 1.0])
 @pytest.mark.parametrize("name", WILD)
 def test_wild_edit_still_gives_a_face(name: str, naturalness: float, mode: Mode) -> None:
-    session = session_of(talking_clip(150), mode=mode, naturalness=naturalness)
+    session = session_by_networks(talking_clip(150), mode=mode, naturalness=naturalness)
     session.add(*WILD[name])
     assert_believable(session)
     assert session.changed_frames() > 0
@@ -223,13 +197,13 @@ def test_wild_edit_still_gives_a_face(name: str, naturalness: float, mode: Mode)
 
 @pytest.mark.parametrize("start", [-8.0, 30.0])
 def test_edit_beyond_the_ends_of_the_take_changes_nothing(start: float) -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     session.add(offset("mouth_opening", start, start + 1, 8.0))
     np.testing.assert_array_equal(session.weights, session.take.clip.weights)
 
 
 def test_edit_across_the_end_of_the_take_changes_its_end() -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     session.add(offset("mouth_opening", 2.8, 40.0, 4.0), offset("left_eyelid", -9.0, 0.1, -2.0))
     assert_believable(session)
     changed = (session.weights != session.take.clip.weights).any(axis=1)
@@ -241,7 +215,7 @@ def test_edit_across_the_end_of_the_take_changes_its_end() -> None:
 @pytest.mark.parametrize("mode", list(Mode))
 @pytest.mark.parametrize("frames", [1, 2, 3])
 def test_take_of_hardly_any_frames_can_be_edited(frames: int, mode: Mode) -> None:
-    session = session_of(talking_clip(frames), mode=mode)
+    session = session_by_networks(talking_clip(frames), mode=mode)
     for op, value in ((Op.OFFSET, 3.0), (Op.SMOOTH, 0.1), (Op.SCALE, 1.5), (Op.SET, 5.0)):
         session.add(Edit(CONTROL_IDS, op, 0.0, 0.1, 0.1, value))
         assert_believable(session)
@@ -254,7 +228,7 @@ def test_take_with_gaps_and_uneven_times_can_be_edited() -> None:
     steps[[50, 51, 120]] = (0.5, 2.0, 4.0)
     times = np.concatenate([[0.0], np.cumsum(steps)])
     clip = talking_clip(rate=50.0, times=times)
-    session = session_of(clip)
+    session = session_by_networks(clip)
     gap = float(times[51])
     session.add(offset("mouth_opening", gap - 0.2, gap + 0.3, 5.0), offset(LIDS, 9.0, 9.2, -3.0))
     assert_believable(session)
@@ -266,7 +240,7 @@ def test_take_with_gaps_and_uneven_times_can_be_edited() -> None:
 
 
 def test_reset_returns_the_face_to_the_take() -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     session.add(offset(CONTROL_IDS, 0.5, 2.5, 2.0))
     session.reset(1.0, 2.0)
     inside = (session.take.clip.times >= 1.0) & (session.take.clip.times <= 2.0)
@@ -282,10 +256,10 @@ def test_smoothing_asks_for_the_same_whatever_else_is_edited() -> None:
     """A Gaussian of half a second reads two seconds to either side, in any window."""
     clip = talking_clip(900)
     smooth = Edit(("mouth_opening",), Op.SMOOTH, 5.0, 6.0, 0.0, 0.5)
-    alone = session_of(clip)
+    alone = session_by_networks(clip)
     alone.add(smooth)
     expected = alone.asked[300:361, MOUTH].copy()
-    without_engine = EditSession(take_of(clip), shipped_rig(), None)
+    without_engine = session_by_rig(clip)
     without_engine.add(smooth)
     np.testing.assert_allclose(without_engine.asked[300:361, MOUTH], expected, atol=1e-3)
     alone.add(offset("left_eyelid", 6.1, 14.0, -1.0))
@@ -296,7 +270,7 @@ def test_smoothing_asks_for_the_same_whatever_else_is_edited() -> None:
 
 
 def test_drag_is_one_step_however_often_it_is_previewed() -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     before = session.weights.copy()
     for millimetres in (1.0, 2.0, 3.0):
         session.preview(offset("mouth_opening", 1.0, 1.2, millimetres))
@@ -312,7 +286,7 @@ def test_drag_is_one_step_however_often_it_is_previewed() -> None:
 
 
 def test_cancelled_drag_leaves_nothing() -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     session.preview(offset("mouth_opening", 1.0, 1.2, 5.0))
     session.cancel()
     np.testing.assert_array_equal(session.weights, session.take.clip.weights)
@@ -321,7 +295,7 @@ def test_cancelled_drag_leaves_nothing() -> None:
 
 
 def test_undo_and_redo_go_through_the_same_states() -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     states = [session.weights.copy()]
     steps: list[Callable[[], None]] = [
         lambda: session.add(offset("mouth_opening", 0.5, 0.8, 4.0)),
@@ -346,7 +320,7 @@ def test_undo_and_redo_go_through_the_same_states() -> None:
 
 
 def test_new_step_forgets_what_was_undone() -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     session.add(offset("mouth_opening", 1.0, 1.2, 5.0))
     session.undo()
     session.add(offset("mouth_width", 1.0, 1.2, 1.0))
@@ -354,18 +328,18 @@ def test_new_step_forgets_what_was_undone() -> None:
 
 
 def test_same_settings_again_are_no_step() -> None:
-    session = session_of(talking_clip())
+    session = session_by_networks(talking_clip())
     session.configure(Settings())
     assert not session.can_undo
 
 
 def test_networks_that_arrive_late_answer_like_those_that_were_there() -> None:
     edits = (offset("mouth_opening", 0.5, 0.8, 4.0), offset(LIDS, 1.5, 1.8, -3.0))
-    late = EditSession(take_of(talking_clip()), shipped_rig(), None)
+    late = session_by_rig(talking_clip())
     late.add(*edits)
     assert not late.has_engine
     late.use_engine(engine())
-    early = session_of(talking_clip())
+    early = session_by_networks(talking_clip())
     early.add(*edits)
     np.testing.assert_array_equal(late.weights, early.weights)
     np.testing.assert_array_equal(late.achieved, early.achieved)
@@ -376,19 +350,19 @@ def test_networks_that_arrive_late_answer_like_those_that_were_there() -> None:
 
 def test_export_without_edits_is_the_file_itself(tmp_path: Path) -> None:
     source = make_livelink_csv(tmp_path / "a.csv")
-    session = EditSession(open_take(source), shipped_rig(), engine())
+    session = session_by_networks(source)
     session.export(tmp_path / "b.csv")
     assert (tmp_path / "b.csv").read_bytes() == source.read_bytes()
 
 
 def test_export_opened_again_is_what_was_on_screen(tmp_path: Path) -> None:
     source = make_livelink_csv(tmp_path / "a.csv", seconds=3, dropped=[40, 41, 42])
-    session = EditSession(open_take(source), shipped_rig(), engine())
+    session = session_by_networks(source)
     session.add(offset("mouth_opening", 1.5, 1.8, 6.0))
     assert not session.is_exported
     session.export(tmp_path / "b.csv")
     assert session.is_exported
-    again = EditSession(open_take(tmp_path / "b.csv"), shipped_rig(), engine())
+    again = session_by_networks(tmp_path / "b.csv")
     np.testing.assert_allclose(again.weights, session.weights, atol=1e-9)
     np.testing.assert_allclose(again.tracked, session.achieved, atol=1e-4)
     before, after = (p.read_bytes().splitlines() for p in (source, tmp_path / "b.csv"))
@@ -400,10 +374,10 @@ def test_export_opened_again_is_what_was_on_screen(tmp_path: Path) -> None:
 
 def test_edits_saved_and_loaded_give_the_same_export(tmp_path: Path) -> None:
     take = open_take(make_livelink_csv(tmp_path / "a.csv"))
-    session = EditSession(take, shipped_rig(), engine())
+    session = session_by_networks(take)
     session.add(offset("mouth_opening", 0.2, 0.5, 6.0), offset(LIDS, 1.0, 1.3, -3.0))
     session.save_edits(tmp_path / "edits.json")
-    other = EditSession(take, shipped_rig(), engine())
+    other = session_by_networks(take)
     other.load_edits(tmp_path / "edits.json")
     np.testing.assert_array_equal(other.weights, session.weights)
     other.undo()
@@ -448,11 +422,11 @@ def test_result_depends_on_the_edits_and_not_on_the_way_to_them(
     actions: list[tuple[str, object]],
 ) -> None:
     clip = talking_clip(180, 30.0, seed=5)
-    session = session_of(clip)
+    session = session_by_networks(clip)
     for name, argument in actions:
         getattr(session, name)(*(() if argument is None else (argument,)))
     session.cancel()
-    fresh = session_of(clip)
+    fresh = session_by_networks(clip)
     fresh.configure(session.settings)
     fresh.add(*session.edits)
     for live in ("weights", "asked", "achieved"):
@@ -471,9 +445,9 @@ def test_exports_of_two_ways_to_the_same_edits_have_the_same_bytes(tmp_path: Pat
     weights = np.clip(np.random.default_rng(0).random((180, 52)), 0, 1)
     take = open_take(make_livelink_csv(tmp_path / "a.csv", weights=weights, names=livelink_names()))
     edits = [offset("mouth_opening", 0.3, 0.6, 5.0), offset(LIDS, 1.6, 1.9, -4.0)]
-    straight = EditSession(take, shipped_rig(), engine())
+    straight = session_by_networks(take)
     straight.add(*edits)
-    wandering = EditSession(take, shipped_rig(), engine())
+    wandering = session_by_networks(take)
     wandering.preview(offset("mouth_opening", 0.2, 2.0, -5.0))
     wandering.configure(Settings(Mode.RESYNTHESIZE))
     wandering.cancel()

@@ -7,18 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.places import SHARED
+from support.sessions import session_by_networks, session_by_rig, shipped_engine
 
-from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX, canonical_channel
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.regions import MODELLED_CHANNELS
-from faceedit_app.core.resources import shipped
-from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import SPILL
 from faceedit_app.formats.opening import open_take
-from faceedit_app.networks.engine import Engine
 
 LIVELINK = sorted((SHARED / "data" / "livelink").glob("*.csv"))
 START, END, FALLOFF = 20.0, 20.4, 0.2
@@ -29,18 +26,8 @@ pytestmark = pytest.mark.skipif(
 every_take = pytest.mark.parametrize("path", LIVELINK, ids=lambda path: path.stem)
 
 
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    return read_rig(shipped("assets/character.glb"))
-
-
-@pytest.fixture(scope="module")
-def engine() -> Engine:
-    return Engine.load(shipped("models"))
-
-
-def edited(path: Path, rig: Rig, engine: Engine, *edits: Edit) -> EditSession:
-    session = EditSession(open_take(path), rig, engine)
+def edited(path: Path, *edits: Edit) -> EditSession:
+    session = session_by_networks(path, shipped_engine())
     session.add(*edits)
     return session
 
@@ -51,11 +38,9 @@ def edited(path: Path, rig: Rig, engine: Engine, *edits: Edit) -> EditSession:
     [("mouth_opening", 8.0), ("mouth_width", -4.0), ("left_corner", 4.0), ("right_eyelid", -6.0)],
 )
 def test_one_edit_of_a_real_take(
-    path: Path, control: str, millimetres: float, rig: Rig, engine: Engine, tmp_path: Path
+    path: Path, control: str, millimetres: float, tmp_path: Path
 ) -> None:
-    session = edited(
-        path, rig, engine, Edit((control,), Op.OFFSET, START, END, FALLOFF, millimetres)
-    )
+    session = edited(path, Edit((control,), Op.OFFSET, START, END, FALLOFF, millimetres))
     out = tmp_path / "out.csv"
     session.export(out)
     again = open_take(out)
@@ -71,7 +56,7 @@ def test_one_edit_of_a_real_take(
     assert 0 < changed <= np.count_nonzero(~outside)
 
     column = CONTROL_INDEX[control]
-    measured = rig.controls(rig.from_arkit(again.clip.arkit_weights()))[inside, column]
+    measured = session_by_rig(out).tracked[inside, column]
     moved = measured - session.tracked[inside, column]
     asked = session.asked[inside, column] - session.tracked[inside, column]
     open_to_move = np.abs(asked) > 0.5  # an eye that is closed already cannot close
@@ -91,20 +76,16 @@ def test_one_edit_of_a_real_take(
 
 
 @every_take
-def test_no_edit_exports_the_source(path: Path, rig: Rig, engine: Engine, tmp_path: Path) -> None:
-    edited(path, rig, engine).export(tmp_path / "out.csv")
+def test_no_edit_exports_the_source(path: Path, tmp_path: Path) -> None:
+    edited(path).export(tmp_path / "out.csv")
     assert (tmp_path / "out.csv").read_bytes() == path.read_bytes()
 
 
 @every_take
-def test_wild_edits_of_a_real_take_stay_within_what_a_face_can_do(
-    path: Path, rig: Rig, engine: Engine
-) -> None:
+def test_wild_edits_of_a_real_take_stay_within_what_a_face_can_do(path: Path) -> None:
     frame = 1 / 30
     session = edited(
         path,
-        rig,
-        engine,
         Edit(("mouth_opening",), Op.OFFSET, START, START + frame, 0.0, 80.0),
         Edit(("left_eyelid", "right_eyelid"), Op.OFFSET, 0.0, 1e4, 0.0, -20.0),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,8 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from support.faces import random_engine, shipped_rig
+from support.faces import shipped_rig
+from support.sessions import engine
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.controls import CONTROL_IDS
@@ -36,8 +38,9 @@ from faceedit_app.editing.help.clipboard import Copied, copy_range
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import load_presets
 from faceedit_app.editing.help.problems import find_problems
-from faceedit_app.editing.session import EditSession, EditState
+from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.solving.solver import Mode, Settings
+from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
@@ -51,11 +54,6 @@ PRESETS = load_presets(Path("nowhere"))[0]
 def small_take() -> Take:
     with tempfile.TemporaryDirectory() as folder:
         return open_take(make_livelink_csv(Path(folder) / "take.csv", SECONDS, 30))
-
-
-@lru_cache(maxsize=1)
-def networks() -> Engine:
-    return random_engine(3)
 
 
 moments = st.floats(0.0, SECONDS).map(lambda seconds: round(seconds, 3))
@@ -97,19 +95,31 @@ class Editing(RuleBasedStateMachine):
     @initialize()
     def open(self) -> None:
         self.take = small_take()
-        self.session = EditSession(self.take, shipped_rig(), self.engine())
+        self.session = open_session(self.take, shipped_rig(), self.engine())
         self.past: list[tuple[EditState, bytes]] = [(EditState(), self.exported())]
         self.at = 0
+        self.key: str | None = None  # of the last step, as long as it may be extended
+        self.dropped: list[tuple[EditState, bytes]] = []  # what that step took from redo
 
     def exported(self) -> bytes:
         weights = self.session.clip_weights()
         return self.take.source.encode(self.take.clip.weights, weights)
 
-    def finished(self) -> None:
+    def finished(self, merge: str | None = None) -> None:
         """A gesture came to its end: it is a new step if it changed something."""
-        if self.session.state != self.past[self.at][0]:
-            self.past[self.at + 1 :] = [(self.session.state, self.exported())]
+        state = self.session.state
+        if state == self.past[self.at][0]:
+            return
+        if merge is None or merge != self.key:
+            self.dropped, self.key = self.past[self.at + 1 :], merge
+            self.past[self.at + 1 :] = [(state, self.exported())]
             self.at += 1
+        elif state != self.past[self.at - 1][0]:
+            self.past[self.at] = (state, self.exported())
+        else:
+            self.past[self.at :] = self.dropped
+            self.at -= 1
+            self.key = None
 
     def an_index(self, data: st.DataObject) -> int:
         return data.draw(st.integers(0, len(self.session.edits) - 1))
@@ -136,6 +146,29 @@ class Editing(RuleBasedStateMachine):
     @rule(how=any_settings)
     def configure(self, how: Settings) -> None:
         self.session.configure(how)
+        self.finished()
+
+    @rule(shares=st.lists(st.sampled_from([0.0, 0.5, 1.0]), max_size=4), back=st.booleans())
+    def turn_the_wheel_over_naturalness(self, shares: list[float], back: bool) -> None:
+        for share in [*shares, *[self.session.settings.naturalness] * back]:
+            settings = replace(self.session.settings, naturalness=share)
+            self.session.configure(settings, merge="naturalness")
+            self.finished("naturalness")
+
+    @rule(hows=st.lists(any_settings, max_size=3), keep=st.booleans())
+    def drag_a_setting(self, hows: list[Settings], keep: bool) -> None:
+        for how in hows:
+            self.session.preview_settings(how)
+        self.session.commit("Naturalness") if keep else self.session.cancel()
+        self.finished()
+
+    @rule(offsets=st.lists(st.floats(-9, 9), max_size=3), keep=st.booleans())
+    def drag_the_sound(self, offsets: list[float], keep: bool) -> None:
+        before = self.exported()
+        for offset in offsets:
+            self.session.preview_media(Placement(Media(Path("/a.wav"), offset)))
+        self.session.commit("Move sound") if keep else self.session.cancel()
+        assert self.exported() == before
         self.finished()
 
     @rule(preset=st.sampled_from(PRESETS), start=moments, end=moments, selected=st.booleans())
@@ -202,14 +235,17 @@ class Editing(RuleBasedStateMachine):
     def undo(self, times: int) -> None:
         for _ in range(times):
             self.session.undo()
-        self.at = max(self.at - times, 0)
-        self.check()
+        self.went_to(max(self.at - times, 0))
 
     @rule(times=st.integers(1, 6))
     def redo(self, times: int) -> None:
         for _ in range(times):
             self.session.redo()
-        self.at = min(self.at + times, len(self.past) - 1)
+        self.went_to(min(self.at + times, len(self.past) - 1))
+
+    def went_to(self, at: int) -> None:
+        if at != self.at:
+            self.at, self.key = at, None
         self.check()
 
     def check(self) -> None:
@@ -222,7 +258,7 @@ class Editing(RuleBasedStateMachine):
         if hasattr(self, "past"):
             assert self.session.can_undo == (self.at > 0)
             assert self.session.can_redo == (self.at < len(self.past) - 1)
-            assert not self.session.is_floating
+            assert not self.session.is_previewing
 
     def teardown(self) -> None:
         if not hasattr(self, "past"):
@@ -236,7 +272,7 @@ class Editing(RuleBasedStateMachine):
         for _ in range(back):
             self.session.redo()
         assert (self.session.state, self.exported()) == final
-        fresh = EditSession(self.take, shipped_rig(), self.engine())
+        fresh = open_session(self.take, shipped_rig(), self.engine())
         fresh.restore(final[0])
         assert self.take.source.encode(self.take.clip.weights, fresh.clip_weights()) == final[1]
 
@@ -245,7 +281,7 @@ class EditingWithNetworks(Editing):
     """The same, answered by networks."""
 
     def engine(self) -> Engine | None:
-        return networks()
+        return engine()
 
 
 @pytest.mark.timeout(600)

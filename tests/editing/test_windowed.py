@@ -2,44 +2,23 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-from pathlib import Path
+from dataclasses import asdict
 
 import numpy as np
 import pytest
-from support.faces import random_engine, shipped_rig, talking_clip
+from support.faces import shipped_rig, talking_clip
+from support.sessions import engine, session_by_networks, shipped_engine
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
-from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
-from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.chunks import CHUNK, Piece
 from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.solver import Patch, Solver
-from faceedit_app.formats.take import Take
-from faceedit_app.networks.engine import Engine
 
 RATES = (24.0, 25.0, 29.97, 30.0, 60.0)
 OPS = (Op.OFFSET, Op.SET, Op.SCALE, Op.SMOOTH, Op.RESET)
-
-
-class Nowhere:
-    """The source of a take that was never in a file."""
-
-    def encode(self, tracked: np.ndarray, edited: np.ndarray) -> bytes:
-        return edited.tobytes()
-
-
-@lru_cache(maxsize=1)
-def engine() -> Engine:
-    return random_engine(5)
-
-
-@lru_cache(maxsize=1)
-def shipped_engine() -> Engine:
-    return Engine.load(shipped("models"))
 
 
 def random_clip(random: np.random.Generator, frames: int | None = None) -> Clip:
@@ -74,14 +53,6 @@ def random_edits(random: np.random.Generator, duration: float, most: int = 5) ->
     return tuple(random_edit(random, duration) for _ in range(int(random.integers(1, most + 1))))
 
 
-def session_of(clip: Clip, settings: Settings | None = None) -> EditSession:
-    take = Take(Path("take.csv"), "none", clip, (), (), Nowhere())
-    session = EditSession(take, shipped_rig(), engine())
-    if settings is not None:
-        session.configure(settings)
-    return session
-
-
 def whole(solver: Solver, edits: tuple[Edit, ...], settings: Settings) -> list[np.ndarray]:
     """Every chunk of the take, also those that no edit affects, one after the other."""
     pieces = solver.pieces(edits, settings)
@@ -105,7 +76,7 @@ def test_what_is_shown_is_the_whole_take_computed(seed: int) -> None:
     edits = random_edits(random, clip.duration)
     mode = Mode.RESYNTHESIZE if random.random() < 0.2 else Mode.PRESERVE
     settings = Settings(mode, float(random.choice([0.0, 0.6, 1.0])))
-    session = session_of(clip, settings)
+    session = session_by_networks(clip, **asdict(settings))
     for i in range(len(edits)):  # as a user would: each is dragged before it is kept
         session.preview(random_edit(random, clip.duration))
         session.preview(edits[i])
@@ -125,7 +96,7 @@ def test_what_lies_far_away_does_not_matter(seed: int) -> None:
     cut = int(random.integers(1000, 1900))
     # The last chunk of the short take ends where the long one's goes on: look before it.
     alone = Clip(clip.weights[:cut], clip.channels, clip.times[:cut], clip.rate)
-    short, long = session_of(alone), session_of(clip)
+    short, long = session_by_networks(alone), session_by_networks(clip)
     short._solver.medians = long._solver.medians  # what a scale is about is the whole take's
     last = max(len(short._solver.chunks) - 2, 0)
     sure = int(short._solver.chunks.rows[last])
@@ -147,10 +118,10 @@ def test_chunks_answer_as_the_networks_do_over_the_whole_take(
     solver = Solver(clip, shipped_rig(), networks)
     padded = len(solver.grid) + -len(solver.grid) % networks.scale
     for region in networks.models:
-        at_once = networks.answer(region, solver.grid[None], naturalness)[0]
+        at_once = networks.answer(region, solver.grid, naturalness)
         for chunk in range(len(solver.chunks)):
             first, last = solver.chunks.windows[chunk]
-            answer = networks.answer(region, solver.grid[None, first:last], naturalness)[0]
+            answer = networks.answer(region, solver.grid[first:last], naturalness)
             rows = solver.chunks.slice(chunk)
             inner = slice(rows.start, min(rows.stop + 2, padded))
             np.testing.assert_allclose(
@@ -163,7 +134,7 @@ def test_what_waits_comes_out_as_what_was_computed_at_once(seed: int) -> None:
     """Visible part first, the rest in slices, other edits in between: nothing of it shows."""
     random = np.random.default_rng(2000 + seed)
     clip = random_clip(random, 3000)
-    patient, hasty = session_of(clip), session_of(clip)
+    patient, hasty = session_by_networks(clip), session_by_networks(clip)
     hasty.live.patience = 0.0
     edits = [Edit(("mouth_opening",), Op.OFFSET, 0.0, clip.duration, 0.0, 2.0)]
     edits += random_edits(random, clip.duration)
@@ -185,7 +156,7 @@ def test_what_waits_comes_out_as_what_was_computed_at_once(seed: int) -> None:
 
 
 def test_the_frame_on_screen_comes_first_and_giving_up_leaves_nothing() -> None:
-    session = session_of(talking_clip(6000, 60.0))
+    session = session_by_networks(talking_clip(6000, 60.0))
     tracked = session.weights.copy()
     session.live.patience = 0.0
     session.live.look(3000, 2900, 3100)
@@ -199,7 +170,10 @@ def test_the_frame_on_screen_comes_first_and_giving_up_leaves_nothing() -> None:
 
 
 def test_an_export_waits_for_what_is_not_computed_yet() -> None:
-    session, other = session_of(talking_clip(3000)), session_of(talking_clip(3000))
+    session, other = (
+        session_by_networks(talking_clip(3000)),
+        session_by_networks(talking_clip(3000)),
+    )
     session.live.patience = 0.0
     edit = Edit(("mouth_width",), Op.OFFSET, 0.0, 50.0, 0.0, -3.0)
     session.add(edit)
@@ -209,7 +183,7 @@ def test_an_export_waits_for_what_is_not_computed_yet() -> None:
 
 
 def test_moving_one_edit_computes_only_the_chunks_it_touches() -> None:
-    session = session_of(talking_clip(20_000, 60.0))
+    session = session_by_networks(talking_clip(20_000, 60.0))
     session.add(Edit(("mouth_opening",), Op.OFFSET, 0.0, 400.0, 0.0, 2.0))
     session.add(Edit(("mouth_width",), Op.OFFSET, 100.0, 100.2, 0.1, 2.0))
     assert session.live.progress[1] <= 3

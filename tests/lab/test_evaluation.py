@@ -11,7 +11,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from support.faces import random_engine, shipped_rig
-from support.performances import DISTANCES, folder_of_takes, performance, tiny
+from support.networks import write_models
+from support.performances import RIG, folder_of_takes, performance, tiny
 
 from faceedit_app.cli import main
 from faceedit_app.core.regions import REGIONS
@@ -46,8 +47,8 @@ def test_training_writes_models_card_losses_and_no_checkpoint(models: Path) -> N
     names = {p.relative_to(models).as_posix() for p in models.rglob("*") if p.is_file()}
     regions = [region.id for region in REGIONS]
     assert names == {
-        *(f"{r}.safetensors" for r in regions),
-        *(f"holden/{r}.safetensors" for r in regions),
+        *(f"{r}.onnx" for r in regions),
+        *(f"holden/{r}.onnx" for r in regions),
         "README.md",
         "losses.svg",
     }
@@ -91,12 +92,7 @@ def test_evaluate_writes_the_json_of_the_promise(
 
 
 def test_models_without_the_baseline_are_measured_without_it(takes: Path, tmp_path: Path) -> None:
-    from support.faces import random_model
-
-    from faceedit_app.lab.training.model_files import save_model
-
-    for region in REGIONS:
-        save_model(tmp_path / f"{region.id}.safetensors", random_model(region))
+    write_models(tmp_path, shipped_rig())
     file = tmp_path / "e.json"
     assert main(["evaluate", str(takes), "--models", str(tmp_path), "--json", str(file)]) == 0
     found = json.loads(file.read_text())
@@ -159,7 +155,7 @@ def test_ctrl_c_keeps_what_there_is_and_says_so(
     given = ["train", "--data", str(takes), "-o", str(out)]
     assert main(given) == 130
     assert "Stopped" in capsys.readouterr().out
-    assert (out / "lower.safetensors").exists()
+    assert (out / "lower.onnx").exists()
     assert (out / "checkpoint" / "lower.regressor.safetensors").exists()
     monkeypatch.setattr(loop, "_epoch", real)
     assert main(given) == 0
@@ -171,7 +167,7 @@ def test_finetuning_starts_from_models(
 ) -> None:
     given = ["train", "--data", str(takes), "-o", str(tmp_path / "m"), "--finetune"]
     assert main([*given, "--models", str(models), "--epochs", "1", "--no-baseline"]) == 0
-    assert (tmp_path / "m" / "lower.safetensors").exists()
+    assert (tmp_path / "m" / "lower.onnx").exists()
     assert not (tmp_path / "m" / "holden").exists()
 
 
@@ -183,7 +179,7 @@ def test_statistics_tell_sources_apart(takes: Path, capsys: pytest.CaptureFixtur
 def test_systems_that_give_the_truth_back_have_no_error() -> None:
     """A stand-in that knows the take: every metric must say that it is right."""
     take = performance(8.0)
-    fitted = [fit_region(r, [performance(25.0)], DISTANCES, tiny()).model for r in REGIONS]
+    fitted = [fit_region(r, [performance(25.0)], RIG, tiny()).model for r in REGIONS]
     systems = Systems.of(*fitted)
     from faceedit_app.core.arkit import ARKIT_INDEX
 

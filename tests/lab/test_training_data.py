@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.performances import DISTANCES, performance, tiny
+from support.performances import DISTANCES, RIG, performance, tiny
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX
@@ -122,17 +122,17 @@ def test_mirroring_twice_is_the_same() -> None:
 
 def test_epochs_differ_with_variety_and_repeat_with_their_number() -> None:
     takes = [performance(30.0, seed=s) for s in range(2)]
-    ours = Examples(LOWER, takes, DISTANCES, tiny())
-    again = Examples(LOWER, takes, DISTANCES, tiny())
+    ours = Examples(LOWER, takes, RIG, tiny())
+    again = Examples(LOWER, takes, RIG, tiny())
     np.testing.assert_array_equal(ours.epoch(3).weights, again.epoch(3).weights)
     assert not np.array_equal(ours.epoch(3).weights[:4], ours.epoch(4).weights[:4])
-    plain = Examples(LOWER, takes, DISTANCES, tiny("paper"))
+    plain = Examples(LOWER, takes, RIG, tiny("paper"))
     np.testing.assert_array_equal(plain.epoch(1).weights, plain.epoch(2).weights)
 
 
 def test_recorded_takes_are_natural_and_wild_ones_are_not() -> None:
     takes = [performance(30.0, seed=s) for s in range(2)]
-    natural = Examples(LOWER, takes, DISTANCES, tiny("paper")).natural
+    natural = Examples(LOWER, takes, RIG, tiny("paper")).natural
     columns = [ARKIT_INDEX[c] for c in LOWER.channels]
     own = takes[0].weights[:, columns].astype(np.float64)
     assert np.mean(natural.distance(own) <= natural.limit) >= 0.99
@@ -143,7 +143,7 @@ def test_recorded_takes_are_natural_and_wild_ones_are_not() -> None:
 
 def test_too_little_data_is_told_in_one_line() -> None:
     with pytest.raises(FileError, match="too little for the lower face"):
-        Examples(LOWER, [performance(3.0)], DISTANCES, tiny())
+        Examples(LOWER, [performance(3.0)], RIG, tiny())
 
 
 def test_papers_recipe_is_the_papers() -> None:

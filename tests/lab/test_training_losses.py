@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from support.performances import DISTANCES, performance, tiny
+from support.performances import DISTANCES, RIG, performance, tiny
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX
@@ -26,7 +26,7 @@ def batch() -> Batch:
 
 @pytest.fixture(scope="module")
 def losses() -> Losses:
-    examples = Examples(LOWER, [performance(30.0)], DISTANCES, tiny())
+    examples = Examples(LOWER, [performance(30.0)], RIG, tiny())
     return Losses(examples.own_distances, tiny())
 
 
@@ -131,7 +131,7 @@ def test_wild_bursts_push_one_control_for_some_frames() -> None:
 
 
 def test_lids_that_pass_each_other_count_as_shut() -> None:
-    examples = Examples(REGIONS[2], [performance(30.0)], DISTANCES, tiny())
+    examples = Examples(REGIONS[2], [performance(30.0)], RIG, tiny())
     losses = Losses(examples.own_distances, tiny())
     weights = np.zeros((1, 16, 52), np.float32)
     shut = [ARKIT_INDEX[c] for c in ("eyeBlinkLeft", "eyeBlinkRight")]

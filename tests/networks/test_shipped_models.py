@@ -24,7 +24,7 @@ LIDS = ("left_eyelid", "right_eyelid")
 
 @pytest.fixture(scope="module")
 def engine() -> Engine:
-    return Engine.load(shipped("models"))
+    return Engine.load(shipped("models"), shipped_rig())
 
 
 @pytest.fixture(scope="module")
@@ -139,4 +139,4 @@ def test_model_card_names_every_model(engine: Engine) -> None:
     card = Path(shipped("models")) / "README.md"
     text = card.read_text(encoding="utf-8")
     for region in engine.models:
-        assert f"{region}.safetensors" in text
+        assert f"{region}.onnx" in text

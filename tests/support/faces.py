@@ -5,22 +5,16 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-import torch
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROLS
-from faceedit_app.core.regions import REGIONS, Region
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Material, Rig
-from faceedit_app.lab.training.model_files import RegionModel, as_file
-from faceedit_app.lab.training.models import RegionNetworks
 from faceedit_app.networks.engine import Engine
-from faceedit_app.networks.inference import RegionAnswer
-
-# Networks this small gain nothing from threads, and lose much where others use the machine.
-torch.set_num_threads(1)
+from support.networks import random_region
 
 
 @lru_cache(maxsize=1)
@@ -50,47 +44,10 @@ def random_rig(
     )
 
 
-def random_networks(
-    controls: int, channels: int, widths: tuple[int, ...] = (4, 6, 8), seed: int = 0
-) -> RegionNetworks:
-    """Networks that were never trained, in which the autoencoder answers as well."""
-    torch.manual_seed(seed)
-    networks = RegionNetworks(controls, channels, widths)
-    torch.nn.init.normal_(networks.autoencoder.out.weight, std=0.2)
-    for module in networks.modules():
-        if isinstance(module, torch.nn.BatchNorm1d):
-            module.running_mean.uniform_(-0.1, 0.1)
-            module.running_var.uniform_(0.5, 1.5)
-    return networks.eval()
-
-
-def random_model(region: Region, seed: int = 0) -> RegionModel:
-    """A region's model with random networks and a random covariance."""
-    random = np.random.default_rng(seed)
-    count = len(region.channels)
-    mixing = random.normal(0, 0.2, (count, count)) / np.sqrt(count)
-    networks = random_networks(len(region.controls), count, seed=seed)
-    return RegionModel(
-        region=region.id,
-        controls=region.controls,
-        channels=region.channels,
-        networks=networks,
-        covariance=mixing @ mixing.T + 0.01 * np.eye(count),
-        low=np.full(len(region.controls), 0.2),
-        high=np.full(len(region.controls), 60.0),
-        widths=(4, 6, 8),
-        notes="random",
-    )
-
-
-def random_models(seed: int = 0) -> list[RegionModel]:
-    """Random networks for every region: they answer, and what they answer is nonsense."""
-    return [random_model(region, seed + i) for i, region in enumerate(REGIONS)]
-
-
 def random_engine(seed: int = 0) -> Engine:
-    """An engine of `random_models`."""
-    return Engine({m.region: RegionAnswer(as_file(m)) for m in random_models(seed)})
+    """Random networks for every region, made for the shipped face."""
+    rig = shipped_rig()
+    return Engine({r.id: random_region(r, rig, seed + i) for i, r in enumerate(REGIONS)})
 
 
 def talking_clip(

@@ -13,7 +13,8 @@ from faceedit_app.lab.training.settings import RECIPES, FitSettings
 from faceedit_app.lab.training.synthesis import write_livelink
 from support.faces import shipped_rig
 
-DISTANCES = shipped_rig().arkit_distances
+RIG = shipped_rig()
+DISTANCES = RIG.arkit_distances
 
 
 def performance(seconds: float = 20.0, seed: int = 0, source: str = "someone") -> Performance:

@@ -18,6 +18,7 @@ from faceedit_app import render
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
+from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.start.window import MainWindow
@@ -100,8 +101,8 @@ class Bench:
         return answer
 
     @staticmethod
-    def _no_engine() -> Any:
-        raise FileError("models/lower.safetensors", "is missing", "train the networks")
+    def _no_engine(_rig: object) -> Any:
+        raise FileError("models/lower.onnx", "is missing", "train the networks")
 
     def _renderer(self, rig: object, width: int, height: int) -> FakeRenderer:
         self.renderers.append(FakeRenderer(rig, width, height))
@@ -182,11 +183,15 @@ def drag(widget: QWidget, by: QPoint, button: Qt.MouseButton) -> None:
     QTest.mouseRelease(widget, button, pos=start + by)
 
 
+def session_of(window: MainWindow) -> EditSession:
+    """The session of the take that is open."""
+    assert window.document.session is not None
+    return window.document.session
+
+
 def add_edit(window: MainWindow, value: float = 6.0) -> None:
     """An edit as a drag would leave it."""
-    assert window.document.session is not None
-    window.document.session.add(Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, value))
-    window.document.changed.emit()
+    session_of(window).add(Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, value))
 
 
 def trigger(window: MainWindow, command: str) -> None:

@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.takes import make_livelink_csv
-from support.windows import Bench
+from support.windows import Bench, session_of
 
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state import background_solving as solving
 
@@ -25,11 +24,6 @@ def window(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> MainWindow:
     monkeypatch.setattr(solving, "REDRAW", 0.0)
     monkeypatch.setattr(solving, "QUIET", 0.0)
     return bench.window(make_livelink_csv(bench.folder / "long.csv", seconds=60.0))
-
-
-def session_of(window: MainWindow) -> EditSession:
-    assert window.document.session is not None
-    return window.document.session
 
 
 def parts(window: MainWindow) -> solving.Solving:
@@ -77,7 +71,7 @@ def test_a_gesture_that_is_still_computed_is_dropped_by_cancel(
     window.document.preview(WIDE)
     assert parts(window).is_busy
     parts(window).cancel()
-    assert not session_of(window).is_floating
+    assert not session_of(window).is_previewing
     assert session_of(window).changed_frames() == 0
 
 

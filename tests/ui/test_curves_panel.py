@@ -39,6 +39,8 @@ def open_panel(qtbot: QtBot, session: EditSession) -> CurvesPanel:
     qtbot.waitExposed(panel)
     timeline.open(session.take.clip)
     panel.set_session(session)
+    session.previewed.connect(panel.refresh)
+    session.changed.connect(panel.refresh)
     QApplication.processEvents()
     return panel
 
@@ -114,7 +116,7 @@ def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, pause:
     plot, session = panel.plots[index], session_of(panel)
     per_pixel = plot.current_scale.mm_per_pixel
     committed: list[int] = []
-    panel.committed.connect(lambda: committed.append(1))
+    session.changed.connect(lambda: committed.append(1))
     start = place(plot, 1.5)
     drag(plot, start, start + QPoint(4, -12), pause=pause)
     assert len(session.edits) == 1
@@ -139,7 +141,7 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
     frame = session.take.clip.frame_at(2.1)
     before = float(session.asked[frame, 0])
     steps: list[float] = []
-    panel.edited.connect(lambda: steps.append(float(session.asked[frame, 0])))
+    session.previewed.connect(lambda: steps.append(float(session.asked[frame, 0])))
     start = place(plot, 2.1)
     drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
     wanted = pytest.approx(before + 20 * plot.current_scale.mm_per_pixel, abs=0.01)
@@ -155,7 +157,7 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
 def test_many_moves_are_few_previews_and_the_last_counts(panel: CurvesPanel) -> None:
     plot, session = panel.plots[0], session_of(panel)
     steps: list[int] = []
-    panel.edited.connect(lambda: steps.append(1))
+    session.previewed.connect(lambda: steps.append(1))
     start = place(plot, 2.1)
     QTest.mousePress(plot, LEFT, NONE, start)
     for i in range(200):

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, Q
 from pytestqt.qtbot import QtBot
 
 from faceedit_app.editing.files.journal import Pending
-from faceedit_app.editing.session import EditState
+from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
 
 

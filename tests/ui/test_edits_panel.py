@@ -8,11 +8,10 @@ from PySide6.QtCore import QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QStyle, QStyleOptionViewItem
-from support.windows import Bench, drag_curve
+from support.windows import Bench, drag_curve, session_of
 from test_curves_panel import drag, turn
 
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.edits.delegate import cells
 from faceedit_app.ui.edits.model import columns
 from faceedit_app.ui.edits.panel import EditsPanel
@@ -32,13 +31,7 @@ def window(bench: Bench) -> MainWindow:
         session.add(
             Edit(("mouth_opening",), Op.OFFSET, start, start + 0.3, 0.1, 4.0, 0.2, name=name)
         )
-    window.document.changed.emit()
     return window
-
-
-def session_of(window: MainWindow) -> EditSession:
-    assert window.document.session is not None
-    return window.document.session
 
 
 def panel_of(window: MainWindow) -> EditsPanel:
@@ -149,7 +142,6 @@ def test_the_falloff_of_a_chosen_edit_is_not_that_of_the_next_drag(window: MainW
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)
     # An edit of the whole take shows no band, and takes nothing over.
     session.add(Edit(("mouth_width",), Op.OFFSET, 0.0, line.duration, 0.0, 1.0, name="all"))
-    window.document.changed.emit()
     click(panel, 3)
     assert panel.current == 3
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)
@@ -162,7 +154,6 @@ def test_new_edits_are_scrolled_to(window: MainWindow) -> None:
     panel, session = panel_of(window), session_of(window)
     for number in range(20):
         session.add(Edit(("mouth_width",), Op.OFFSET, 0.5, 0.6, 0.1, 1.0, name=str(number)))
-    window.document.changed.emit()
     panel.select_new(2)
     shown = panel.list.viewport().rect()
     assert shown.contains(panel.list.visualRect(panel.model.index(21)))

@@ -9,15 +9,14 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
-from support.windows import Bench
+from support.windows import Bench, session_of
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help import presets
-from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.commands.fix import FIXES
 from faceedit_app.ui.edits.expression_dialog import MoodDialog
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.page.problems_bar import ProblemsHead
@@ -35,11 +34,6 @@ def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Mai
     return window
 
 
-def session_of(window: MainWindow) -> EditSession:
-    assert window.document.session is not None
-    return window.document.session
-
-
 def editor_of(window: MainWindow) -> Editor:
     assert window.editor is not None
     return window.editor
@@ -54,8 +48,8 @@ def trigger(window: MainWindow, *names: str) -> None:
 def test_every_fix_is_one_step_and_ready_to_be_weakened(window: MainWindow) -> None:
     session = session_of(window)
     window.timeline.go_to_time(4.8)
-    for fix in FIXES:
-        trigger(window, f"fix_{fix}")
+    for fix in shipped_presets():
+        trigger(window, f"fix_{fix.id}")
         assert session.edits, fix
         assert editor_of(window).edits.rows == list(range(len(session.edits)))
         assert editor_of(window).edits.strength.isEnabled()

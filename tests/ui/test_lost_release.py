@@ -75,11 +75,11 @@ def test_a_drag_on_a_curve_is_kept_as_one_step(bench: Bench, lose: Lose, tool: T
     assert session is not None
     hold(plot, QPoint(30, -30))
     assert editor.curves.is_dragging
-    bench.qtbot.waitUntil(lambda: session.is_floating)
+    bench.qtbot.waitUntil(lambda: session.is_previewing)
     shown = session.live.asked.copy()
     lose(window, plot)
     assert not editor.curves.is_dragging
-    assert not session.is_floating
+    assert not session.is_previewing
     assert len(session.edits) == 2
     assert (session.live.asked == shown).all(), "the stray move did not drag"
     QTest.mouseRelease(plot, LEFT, pos=QPoint(9, 9))  # it comes after all
@@ -180,7 +180,7 @@ def test_a_slider_is_let_go_of(bench: Bench, lose: Lose) -> None:
         slider.setSliderPosition(40)
         lose(window, slider)
         assert not slider.isSliderDown()
-        assert not session.is_floating
+        assert not session.is_previewing
     assert session.settings.naturalness == pytest.approx(0.4)
     assert session.edits[0].strength == pytest.approx(0.4)
 
@@ -198,5 +198,4 @@ def test_hovering_does_not_take_part_in_nudges_by_keys(bench: Bench) -> None:
     bench.qtbot.wait(60)
     assert (session.live.asked == shown).all()
     window.actions_["raise"].trigger()
-    editor.curves.settle()
     assert [edit.value for edit in session.edits] == [1.0]

@@ -13,6 +13,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
+from support.faces import random_engine
 from support.films import make_broadcast_wav, make_film, make_wav, number_of
 from support.takes import make_livelink_csv
 from support.windows import Bench, drag_curve, drop, trigger
@@ -677,7 +678,7 @@ def test_a_dropped_drag_of_the_sound_is_no_step(bench: Bench, devices: list[Fake
     before, wave = session.state, editor_of(window).sound.waveform
     mouse(wave, QEvent.Type.MouseButtonPress, 50, Qt.KeyboardModifier.AltModifier)
     mouse(wave, QEvent.Type.MouseMove, 150, Qt.KeyboardModifier.AltModifier)
-    window.document.changed.emit()  # a wide edit was computed meanwhile: the drag goes on
+    session.use_engine(random_engine(3))  # the networks are loaded meanwhile: the drag goes on
     assert window.media.placement.sound != Kept(bench.folder / "voice.wav")
     QTest.keyClick(wave, Qt.Key.Key_Escape)
     assert session.state == before
@@ -743,11 +744,11 @@ def test_a_sound_that_arrives_during_a_drag_leaves_the_drag_alone(
         QEvent.Type.MouseMove, QPointF(start - QPoint(0, 30)), glob, Qt.MouseButton.NoButton,
         Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier,
     ))  # fmt: skip
-    bench.qtbot.waitUntil(lambda: session.is_floating)
+    bench.qtbot.waitUntil(lambda: session.is_previewing)
     window.media.add(make_wav(bench.folder / "voice.wav"))
     settle(bench, window)
     assert window.media.sound is not None
-    assert session.is_floating
+    assert session.is_previewing
     assert not session.can_undo
     QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, pos=start - QPoint(0, 30))
     assert len(session.edits) == 1

@@ -13,20 +13,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PySide6.QtTest import QTest
-from support.windows import Bench
+from support.windows import Bench, session_of
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
-from faceedit_app.editing.session import EditSession, EditState
+from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover, Unsaved
 from faceedit_app.ui.commands.project import ProjectCommands
 from faceedit_app.ui.start.window import MainWindow
-
-
-def session_of(window: MainWindow) -> EditSession:
-    assert window.document.session is not None
-    return window.document.session
 
 
 def add_edit(window: MainWindow) -> None:
@@ -157,7 +152,7 @@ from faceedit_app.ui.commands.project import ProjectCommands
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.core.errors import FileError
 loading.prepare_renderer = lambda: None
-def no_engine():
+def no_engine(_rig):
     raise FileError("x", "is missing", "train")
 loading.load_engine = no_engine
 start = MainWindow.start

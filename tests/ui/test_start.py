@@ -103,7 +103,7 @@ def test_missing_networks_are_told_without_being_in_the_way(bench: Bench) -> Non
 def test_networks_answer_once_they_are_loaded(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(loading, "load_engine", random_engine)
+    monkeypatch.setattr(loading, "load_engine", lambda rig: random_engine())
     window = bench.editing()
     assert window.document.session is not None
     assert window.document.session.has_engine

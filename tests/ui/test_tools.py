@@ -198,16 +198,18 @@ def test_the_keyboard_moves_the_focused_curve_as_one_step(bench: Bench) -> None:
     for _ in range(3):
         window.actions_["lower"].trigger()
     window.actions_["raise_fine"].trigger()
-    assert session.edits == ()
-    window.actions_["forward"].trigger()
-    window.actions_["lower"].trigger()
-    assert len(session.edits) == 1
-    edit = session.edits[0]
+    (edit,) = session.edits
     assert edit.value == pytest.approx(-1.45)
     assert edit.controls == ("left_eyelid", "right_eyelid")
-    window.actions_["undo"].trigger()  # the nudge that floats still
-    assert len(session.edits) == 1
+    window.actions_["forward"].trigger()
+    window.actions_["lower"].trigger()
+    assert len(session.edits) == 2, "at another frame it is another edit"
+    window.actions_["undo"].trigger()
+    assert session.edits == (edit,)
     window.actions_["undo"].trigger()
     assert session.edits == ()
     window.actions_["raise"].trigger()
-    bench.qtbot.waitUntil(lambda: len(session.edits) == 1, timeout=3000)
+    window.actions_["lower"].trigger()
+    assert session.edits == ()
+    assert not session.can_undo
+    assert session.can_redo, "up and down again is no step, and costs no redo"

@@ -8,7 +8,8 @@ from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, drag_curve, drop, open_path, trigger
 
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.editing.edits.edit import Op, read_edits
+from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands.dialogs import Unsaved
 from faceedit_app.ui.start.window import MainWindow

@@ -43,6 +43,12 @@ def describe(edit: Edit) -> str:
             return f"Add to {_lower(what)}"
 
 
+def describe_edits(edits: Sequence[Edit]) -> str:
+    """What a step that makes these edits is called: as they are, if they are called alike."""
+    names = {describe(edit) for edit in edits}
+    return names.pop() if len(names) == 1 else f"{len(edits)} edits"
+
+
 def _describe_set(edit: Edit, what: str) -> str:
     closing = {control_named(name).closes for name in edit.controls}
     if edit.value <= 0 and len(closing) == 1 and None not in closing:

@@ -1,28 +1,25 @@
-"""One user action on controls over a time range, and the file that lists them."""
+"""One user action on controls over a time range, and how it is written as JSON."""
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
-from faceedit_app.core.errors import FileError
-from faceedit_app.editing.files.documents import read_document
+from faceedit_app.core.fields import (
+    LARGEST,
+    LONGEST_TEXT,
+    FieldError,
+    Fields,
+    clean_text,
+)
 
-VERSION = 1
-Word = TypeVar("Word", bound=StrEnum)
-# Far beyond any take and any face, and far below where sums stop being numbers.
-LARGEST = 1e6
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
 MOST_POINTS = 200_000
@@ -88,7 +85,7 @@ class Edit:
 
     def __post_init__(self) -> None:
         if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
-            raise ValueError(f"unknown control {unknown[0]!r}")
+            raise ValueError(f"unknown control {unknown[0][:40]!r}")
         if not self.controls:
             raise ValueError("it names no control")
         if len(set(self.controls)) < len(self.controls):
@@ -108,6 +105,8 @@ class Edit:
             raise ValueError(f"a smooth needs a value of at most {LONGEST_SMOOTH:.0f} seconds")
         if self.about is not None and self.op is not Op.SCALE:
             raise ValueError("only a scale is about something")
+        if self.name != clean_text(self.name):
+            raise ValueError(f"its name has a damaged character or over {LONGEST_TEXT} of them")
         if self.points or self.op in WITH_POINTS:
             self._check_points()
 
@@ -230,94 +229,49 @@ def _optional(edit: Edit) -> dict[str, Any]:
     return entry
 
 
-def from_json(entry: Mapping[str, Any]) -> Edit:
+def from_json(entry: Any) -> Edit:
     """Read one entry of an edits file.
 
     Raises:
         ValueError: what is wrong with it, as a phrase.
     """
-    if extra := set(entry) - _FIELDS:
-        raise ValueError(f"it has an unknown field {sorted(extra)[0]!r}")
-    names = entry.get("controls", [entry.get("control")])
-    if (
-        {"control", "controls"} <= set(entry)
-        or not isinstance(names, list)
-        or not all(isinstance(name, str) for name in names)
-    ):
-        raise ValueError('it needs "control" (a name) or "controls" (a list of names)')
-    op = _one_of(Op, entry, "op")
-    company = _one_of(Company, {"companions": Company.YIELD, **entry}, "companions")
-    required = {"start", "end"} | (set() if op in WITHOUT_VALUE else {"value"})
-    for name in sorted(required - set(entry)):
-        raise ValueError(f'it lacks "{name}"')
-    numbers = {"falloff": 0.0} | {
-        k: _number(entry[k], f'its "{k}"') for k in _NUMBERS if k in entry
-    }
-    enabled, name = entry.get("enabled", True), entry.get("name", "")
-    if not isinstance(enabled, bool):
-        raise ValueError('its "enabled" is neither true nor false')
-    if not isinstance(name, str):
-        raise ValueError('its "name" is not a text')
-    points = _points(entry.get("points", []))
-    return Edit(
-        tuple(names),
-        op,
-        **numbers,
-        enabled=enabled,
-        name=name,
-        points=points,
-        companions=company,
+    fields = Fields(entry)
+    op = fields.choice("op", Op)
+    edit = Edit(
+        controls=_controls(fields),
+        op=op,
+        start=fields.number("start"),
+        end=fields.number("end"),
+        falloff=fields.number("falloff", 0.0),
+        value=fields.number("value", 0.0 if op in WITHOUT_VALUE else None),
+        falloff_out=fields.number_or_none("falloff_out"),
+        strength=fields.number("strength", 1.0),
+        enabled=fields.flag("enabled", True),
+        name=fields.text("name", ""),
+        about=fields.number_or_none("about"),
+        points=fields.pairs("points", MOST_POINTS),
+        companions=fields.choice("companions", Company, Company.YIELD),
     )
+    fields.finish()
+    return edit
 
 
-_NUMBERS = ("start", "end", "falloff", "value", "falloff_out", "strength", "about")
-_FIELDS = {"control", "controls", "op", "enabled", "name", "points", "companions", *_NUMBERS}
+def _controls(fields: Fields) -> tuple[str, ...]:
+    if fields.has("control") == fields.has("controls"):
+        raise FieldError('it needs "control" (a name) or "controls" (a list of names)')
+    return (fields.text("control"),) if fields.has("control") else fields.texts("controls")
 
 
-def _one_of(kind: type[Word], entry: Mapping[str, Any], field: str) -> Word:
-    try:
-        return kind(str(entry.get(field)))
-    except ValueError:
-        raise ValueError(f'its "{field}" must be one of {", ".join(kind)}') from None
-
-
-def _number(number: Any, what: str) -> float:
-    if isinstance(number, bool) or not isinstance(number, int | float):
-        raise ValueError(f"{what} is not a number")
-    # Whole numbers have no largest; one that no float holds is as bad as infinity.
-    return float(min(max(number, -1e300), 1e300))
-
-
-def _points(entry: Any) -> tuple[tuple[float, float], ...]:
-    what = 'its "points"'
-    if not isinstance(entry, list) or not all(isinstance(p, list) and len(p) == 2 for p in entry):
-        raise ValueError(f"{what} are no list of [seconds, millimetres]")
-    return tuple((_number(t, f"one of {what}"), _number(mm, f"one of {what}")) for t, mm in entry)
-
-
-def write_edits(path: Path | str, edits: Iterable[Edit]) -> None:
-    """Save edits as a readable JSON file, one edit a line."""
-    lines = ",\n    ".join(json.dumps(to_json(edit)) for edit in edits)
-    text = f'{{\n  "version": {VERSION},\n  "edits": [\n    {lines}\n  ]\n}}\n'
-    write_atomically(path, text.encode())
-
-
-def read_edits(path: Path | str) -> tuple[Edit, ...]:
-    """Read an edits file.
+def edits_from(fields: Fields, name: str = "edits") -> tuple[Edit, ...]:
+    """Read a list of edits.
 
     Raises:
-        FileError: it cannot be read, is no edits file, or an edit in it is not usable.
+        FieldError: which edit is wrong, and how.
     """
-    path = Path(path)
-    document = read_document(path, "edits file", VERSION)
-    if not isinstance(document.get("edits"), list):
-        raise FileError(path, 'has no list of "edits"', "choose an edits file saved by FaceEdit")
     edits = []
-    for number, entry in enumerate(document["edits"], start=1):
+    for number, entry in enumerate(fields.items(name), start=1):
         try:
-            if not isinstance(entry, dict):
-                raise ValueError("it is not an object")
             edits.append(from_json(entry))
         except ValueError as error:
-            raise FileError(path, f"edit {number}: {error}", "correct that edit") from error
+            raise FieldError(f"edit {number}: {error}") from error
     return tuple(edits)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-LARGEST = 1e6  # seconds
+from faceedit_app.core.fields import Fields
 
 
 @dataclass(frozen=True)
@@ -32,6 +30,24 @@ class Placement:
     film: Media | None = None
 
 
+def describe_change(before: Placement, after: Placement) -> str:
+    """What a step from one placement to another is called, such as "Move film".
+
+    A film and its own sound come, move and go together: such a step is the film's.
+    """
+    for name, old, new in (
+        ("film", before.film, after.film),
+        ("sound", before.sound, after.sound),
+    ):
+        if old is None and new is not None:
+            return f"Add {name}"
+        if old is not None and new is None:
+            return f"Remove {name}"
+        if old is not None and new is not None and old != new:
+            return f"Move {name}" if old.path == new.path else f"Replace {name}"
+    return "Sound and film"
+
+
 def to_json(placement: Placement | None) -> dict[str, Any] | None:
     """For the journal; `None` is what lies beside the take by itself."""
 
@@ -43,19 +59,16 @@ def to_json(placement: Placement | None) -> dict[str, Any] | None:
     return {"sound": entry(placement.sound), "film": entry(placement.film)}
 
 
-def from_json(entry: Mapping[str, Any] | None) -> Placement | None:
+def placement_from(fields: Fields | None) -> Placement | None:
     """Read what `to_json` made.
 
     Raises:
-        ValueError, KeyError, TypeError: it is damaged.
+        FieldError: it is damaged.
     """
+    if fields is None:
+        return None
+    return Placement(*(_media(fields.fields_or_none(name)) for name in ("sound", "film")))
 
-    def media(entry: Mapping[str, Any] | None) -> Media | None:
-        if entry is None:
-            return None
-        offset = float(entry["offset"])
-        if not math.isfinite(offset) or abs(offset) > LARGEST:
-            raise ValueError("its offset is no number of seconds")
-        return Media(Path(entry["path"]), offset)
 
-    return None if entry is None else Placement(media(entry["sound"]), media(entry["film"]))
+def _media(fields: Fields | None) -> Media | None:
+    return None if fields is None else Media(Path(fields.path("path")), fields.number("offset"))

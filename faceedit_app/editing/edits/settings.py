@@ -30,3 +30,9 @@ class Settings:
     def __post_init__(self) -> None:
         if not 0 <= self.naturalness <= 1:
             raise ValueError(f"naturalness {self.naturalness:g}: must be from 0 to 1")
+
+    def describe_change(self, to: Settings) -> str:
+        """What a step from these settings to others is called, such as "Naturalness"."""
+        if to.mode != self.mode:
+            return to.mode.value.capitalize()
+        return "Naturalness" if to.naturalness != self.naturalness else "Reach"

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.fields import Fields
 from faceedit_app.formats.take import Take
 
 SEARCH_SECONDS = 2.0  # a network drive with a million files must not keep the user waiting
@@ -22,6 +23,15 @@ class Fingerprint:
 
     size: int
     sha256: str
+
+
+def fingerprint_from(fields: Fields) -> Fingerprint:
+    """Read `size` and `sha256`.
+
+    Raises:
+        FieldError: one is wrong.
+    """
+    return Fingerprint(fields.whole("size"), fields.text("sha256"))
 
 
 def fingerprint(path: Path) -> Fingerprint:

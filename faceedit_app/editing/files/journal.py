@@ -22,13 +22,14 @@ from typing import Any
 import platformdirs
 
 from faceedit_app.core.errors import FileError
-from faceedit_app.editing.edits.edit import Edit, from_json, to_json
-from faceedit_app.editing.edits.media import from_json as placement_from_json
+from faceedit_app.core.fields import MOST_BYTES, Fields, parse
+from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
+from faceedit_app.editing.edits.media import placement_from
 from faceedit_app.editing.edits.media import to_json as placement_to_json
 from faceedit_app.editing.files.filelock import lock, try_lock
-from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
-from faceedit_app.editing.files.project import settings_from_json
-from faceedit_app.editing.session import EditState
+from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint, fingerprint_from
+from faceedit_app.editing.files.project import settings_from
+from faceedit_app.editing.steps import EditState
 
 VERSION = 1
 _SUFFIX = ".jsonl"
@@ -45,7 +46,7 @@ class Journal:
     """Writes down one session.
 
     `note` is "" as long as all is well, else one line for the user. Connect it by
-    `session.on_finished = journal.record`.
+    `session.stepped.connect(journal.record)`.
 
     Args:
         take: the open take.
@@ -232,16 +233,21 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
     found = []
     for path in (folder or journal_folder()).glob(f"*{_SUFFIX}"):
         try:
+            if not path.is_file():
+                continue
             with path.open("r+b") as file:
                 if not try_lock(file.fileno()):
                     continue  # its session runs
-                when = os.fstat(file.fileno()).st_mtime
-                pending = _read(path, file.read(), when)
+                about = os.fstat(file.fileno())
+                if about.st_size > MOST_BYTES:
+                    continue
+                content, when = file.read(), about.st_mtime
         except OSError:
             continue
+        pending = _read(path, content, when)
         if pending is not None:
             found.append(pending)
-        elif time.time() - when > _YOUNG:
+        elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # there was no gesture
             with contextlib.suppress(OSError):
                 path.unlink()
     return sorted(found, key=lambda pending: pending.when, reverse=True)
@@ -250,22 +256,24 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
 def _read(path: Path, content: bytes, when: float) -> Pending | None:
     """What a journal holds; None if there is nothing to recover."""
     lines = content.split(b"\n")[:-1]  # what no newline ends was being written
+    if not lines:
+        return None
     try:
-        head = json.loads(lines[0])
-        if head["version"] != VERSION:
+        head = Fields(parse(lines[0]))
+        if head.whole("version") != VERSION:
             return None
-        take = Path(head["take"])
-        project = Path(head["project"]) if "project" in head else None
-        print_ = Fingerprint(**head["fingerprint"]) if "fingerprint" in head else None
-    except (IndexError, KeyError, TypeError, ValueError):
+        take = Path(head.path("take"))
+        project = Path(head.path("project")) if head.has("project") else None
+        print_ = fingerprint_from(head.fields("fingerprint")) if head.has("fingerprint") else None
+    except ValueError:
         return None
     state, step, gestures = None, 0, 0
     for line in lines[1:]:
         try:
-            entry = json.loads(line)
+            entry = Fields(parse(line))
             state = _replay(state, step, entry)
-            step = entry["step"]
-        except (IndexError, KeyError, TypeError, ValueError):
+            step = entry.whole("step")
+        except ValueError:
             break  # a damaged disk: what came before is still good
         gestures += 1
     if state is None:
@@ -273,18 +281,25 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
     return Pending(path, take, print_, project, state, gestures, when)
 
 
-def _replay(state: EditState | None, step: int, entry: dict[str, Any]) -> EditState:
-    if "edits" in entry:
-        edits = [from_json(edit) for edit in entry["edits"]]
-        media = placement_from_json(entry.get("media"))
-        return EditState(tuple(edits), settings_from_json(entry["settings"]), media)
-    if state is None or entry["step"] != step + 1:
+def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
+    """The state after a gesture.
+
+    Raises:
+        ValueError: it is damaged, or another gesture is missing before it.
+    """
+    if entry.has("edits"):
+        media = placement_from(entry.fields_or_none("media"))
+        return EditState(edits_from(entry), settings_from(entry.fields("settings")), media)
+    if state is None or entry.whole("step") != step + 1:
         raise ValueError("a line is missing")
     edits = list(state.edits)
-    at, drop = entry["at"], entry["drop"]
-    if not 0 <= at <= at + drop <= len(edits):
+    at, drop = entry.whole("at"), entry.whole("drop")
+    if at + drop > len(edits):
         raise ValueError("it does not fit the edits before it")
-    edits[at : at + drop] = [from_json(edit) for edit in entry["add"]]
-    settings = settings_from_json(entry["settings"]) if "settings" in entry else state.settings
-    media = placement_from_json(entry["media"]) if "media" in entry else state.media
+    edits[at : at + drop] = edits_from(entry, "add")
+    settings, media = state.settings, state.media
+    if entry.has("settings"):
+        settings = settings_from(entry.fields("settings"))
+    if entry.has("media"):
+        media = placement_from(entry.fields_or_none("media"))
     return EditState(tuple(edits), settings, media)

@@ -5,7 +5,6 @@ The format is described in docs/project_format.md.
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -15,17 +14,18 @@ from typing import Any
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
-from faceedit_app.editing.edits.edit import from_json, to_json
-from faceedit_app.editing.edits.media import LARGEST, Media
-from faceedit_app.editing.files.documents import read_document
+from faceedit_app.core.fields import FieldError, Fields, read_document, to_text
+from faceedit_app.editing.edits.edit import edits_from, to_json
+from faceedit_app.editing.edits.media import Media
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
     find_by_content,
     find_by_name,
     fingerprint,
+    fingerprint_from,
 )
-from faceedit_app.editing.session import EditState
-from faceedit_app.editing.solving.solver import Mode, Settings
+from faceedit_app.editing.steps import EditState
 
 VERSION = 1
 SUFFIX = ".faceedit"
@@ -85,8 +85,8 @@ def write_project(path: Path | str, project: Project) -> None:
         if media is not None:
             tail[name] = {"path": _relative(media.path, path), "offset": media.offset}
     # One edit a line: the file can be read, and compared with an older one.
-    edits = ",".join(f"\n    {json.dumps(to_json(e))}" for e in project.state.edits)
-    begin, end = (json.dumps(part, indent=2, ensure_ascii=False) for part in (head, tail))
+    edits = ",".join(f"\n    {to_text(to_json(e))}" for e in project.state.edits)
+    begin, end = (to_text(part, indent=2) for part in (head, tail))
     text = f'{begin[:-2]},\n  "edits": [{edits}\n  ],{end[1:]}\n'
     write_atomically(path, text.encode())
 
@@ -98,69 +98,62 @@ def read_project(path: Path | str) -> Project:
         FileError: it cannot be read, is no project, or something in it is not usable.
     """
     path = Path(path).absolute()
-    document = read_document(path, "FaceEdit project", VERSION)
+    fields = read_document(path, "FaceEdit project", VERSION)
     try:
-        return _from_document(document, path)
-    except ValueError as error:
+        return _from_document(fields, path)
+    except FieldError as error:
         raise FileError(path, f"is damaged: {error}", "correct it or use an older copy") from error
 
 
-def _from_document(document: dict[str, Any], path: Path) -> Project:
-    _only(document, {"version", "take", "settings", "edits", "view", "audio", "film"}, "it")
-    take = _object(document.get("take"), "take", {"path", "size", "sha256"})
-    size, digest = take.get("size"), take.get("sha256")
-    if isinstance(size, bool) or not isinstance(size, int) or not isinstance(digest, str):
-        raise ValueError("its take has no size and sha256")
-    entries = document.get("edits")
-    if not isinstance(entries, list):
-        raise ValueError('it has no list of "edits"')
-    edits = []
-    for number, entry in enumerate(entries, start=1):
-        try:
-            edits.append(from_json(_object(entry, "edit")))
-        except ValueError as error:
-            raise ValueError(f"edit {number}: {error}") from error
-    return Project(
-        take=_absolute(take, path, "take"),
-        fingerprint=Fingerprint(size, digest),
-        state=EditState(tuple(edits), settings_from_json(document.get("settings", {}))),
-        view=_view(document.get("view", {})),
-        audio=_media(document, "audio", path),
-        film=_media(document, "film", path),
+def _from_document(fields: Fields, path: Path) -> Project:
+    take = fields.fields("take")
+    project = Project(
+        take=_absolute(take, path),
+        fingerprint=fingerprint_from(take),
+        state=EditState(edits_from(fields), settings_from(fields.fields("settings", {}))),
+        view=_view(fields.fields("view", {})),
+        audio=_media(fields, "audio", path),
+        film=_media(fields, "film", path),
     )
+    take.finish()
+    fields.finish()
+    return project
 
 
-def settings_from_json(entry: Any) -> Settings:
+def settings_from(fields: Fields) -> Settings:
     """Read `settings`; what is absent is as in a new session.
 
     Raises:
-        ValueError: what is wrong with them, as a phrase.
+        FieldError: which field is wrong, and how.
     """
-    entry = _object(entry, "settings", {"mode", "naturalness", "reach"})
-    try:
-        mode = Mode(entry.get("mode", Mode.PRESERVE))
-    except ValueError:
-        raise ValueError(f"its mode must be one of {', '.join(Mode)}") from None
-    numbers = {k: _number(entry.get(k, 1.0), k, 0, 1) for k in ("naturalness", "reach")}
-    return Settings(mode, **numbers)
-
-
-def _view(entry: Any) -> View:
-    entry = _object(entry, "view", {"playhead", "visible", "selection", "falloff", "ui"})
-    return View(
-        playhead=_number(entry.get("playhead", 0.0), "playhead"),
-        visible=_range(entry.get("visible"), "visible"),
-        selection=_range(entry.get("selection"), "selection"),
-        falloff=_number(entry.get("falloff", 0.2), "falloff", 0),
-        ui=_object(entry.get("ui", {}), "ui"),
+    settings = Settings(
+        mode=fields.choice("mode", Mode, Mode.PRESERVE),
+        naturalness=fields.number("naturalness", 1.0, 0.0, 1.0),
+        reach=fields.number("reach", 1.0, 0.0, 1.0),
     )
+    fields.finish()
+    return settings
 
 
-def _media(document: Mapping[str, Any], name: str, path: Path) -> Media | None:
-    if document.get(name) is None:
+def _view(fields: Fields) -> View:
+    view = View(
+        playhead=fields.number("playhead", 0.0),
+        visible=fields.span("visible"),
+        selection=fields.span("selection"),
+        falloff=fields.number("falloff", 0.2, 0.0),
+        ui=fields.plain("ui"),
+    )
+    fields.finish()
+    return view
+
+
+def _media(fields: Fields, name: str, project: Path) -> Media | None:
+    entry = fields.fields_or_none(name)
+    if entry is None:
         return None
-    entry = _object(document[name], name, {"path", "offset"})
-    return Media(_absolute(entry, path, name), _number(entry.get("offset", 0.0), "offset"))
+    media = Media(_absolute(entry, project), entry.number("offset", 0.0))
+    entry.finish()
+    return media
 
 
 def _relative(file: Path, project: Path) -> str:
@@ -171,43 +164,8 @@ def _relative(file: Path, project: Path) -> str:
         return file.absolute().as_posix()
 
 
-def _absolute(entry: Mapping[str, Any], project: Path, name: str) -> Path:
-    text = entry.get("path")
-    if not isinstance(text, str) or not text or "\0" in text:
-        raise ValueError(f"its {name} has no path")
-    return Path(os.path.normpath(project.parent / text))
-
-
-def _object(entry: Any, name: str, known: set[str] | None = None) -> dict[str, Any]:
-    if not isinstance(entry, dict):
-        raise ValueError(f"its {name} is not an object")
-    if known is not None:
-        _only(entry, known, f"its {name}")
-    return entry
-
-
-def _only(entry: Mapping[str, Any], known: set[str], what: str) -> None:
-    if extra := set(entry) - known:
-        raise ValueError(f"{what} has an unknown field {sorted(extra)[0]!r}")
-
-
-def _number(value: Any, name: str, low: float = -LARGEST, high: float = LARGEST) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"its {name} is not a number")
-    if not low <= value <= high:
-        raise ValueError(f"its {name} must lie between {low:g} and {high:g}")
-    return float(value)
-
-
-def _range(value: Any, name: str) -> tuple[float, float] | None:
-    if value is None:
-        return None
-    if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"its {name} is no pair of seconds")
-    first, last = (_number(end, name) for end in value)
-    if last < first:
-        raise ValueError(f"its {name} ends before it begins")
-    return first, last
+def _absolute(fields: Fields, project: Path) -> Path:
+    return Path(os.path.normpath(project.parent / fields.path("path")))
 
 
 # --- where the take is ---------------------------------------------------------------------------

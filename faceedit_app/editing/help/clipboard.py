@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, MIRRORED_CONTROL
 from faceedit_app.editing.edits.edit import Company, Edit, Op
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.session import EditSession
 
 Points = tuple[tuple[float, float], ...]
 

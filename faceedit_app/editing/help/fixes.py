@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,10 +21,7 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.presets import Alone, Find, Preset
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.session import EditSession
-
+from faceedit_app.editing.session import EditSession
 
 TOUCHING = 0.5  # mm between inner lips that surely touch, in a take whose lips never do
 STILL = 0.8  # of the open eye: a lid that stays above does not blink

@@ -2,25 +2,26 @@
 
 A preset file is JSON: `name`, `hint`, `edits` as in an edits file with times from 0 to `seconds`,
 and how it is placed: `find` (a place that the take itself names), `stretch` (a selection takes
-the place of `seconds`) and `alone` (where it goes without a selection).
+the place of `seconds`) and `alone` (where it goes without a selection). Those that ship are named
+`NN_id.json`: menus list them by number, in groups by its first digit. They also say how the window
+offers them: `menu`, `key`, `icon` and `button`. Another fix takes one more file, and no code.
 """
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cache
 from pathlib import Path
-from typing import Any
 
 import platformdirs
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.editing.edits.edit import Edit, from_json, to_json
-from faceedit_app.editing.files.documents import read_document
+from faceedit_app.core.fields import FieldError, Fields, clean_text, read_document, to_text
+from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
 
 VERSION = 1
 SHIPPED = Path(__file__).parent / "presets"
@@ -48,9 +49,13 @@ class Preset:
 
     Attributes:
         id: the file's name without its ending and number, such as `close_lips`.
-        name, hint: for the user.
+        name, hint: for the user; the hint is a sentence.
         edits: with times from 0 to `seconds`.
         find, stretch, alone: how it is placed.
+        menu: its text in a menu, with an `&` before the letter that chooses it.
+        key, icon: its shortcut and the name of its icon, if it has them.
+        has_button: it stands in the tool bar, not under "More".
+        group: menus draw a line between those of different groups.
         path: its file.
         own: the user made it.
     """
@@ -63,6 +68,11 @@ class Preset:
     find: Find | None
     stretch: bool
     alone: Alone
+    menu: str
+    key: str
+    icon: str
+    has_button: bool
+    group: str
     path: Path
     own: bool
 
@@ -70,6 +80,16 @@ class Preset:
 def own_folder() -> Path:
     """Where the user's presets are."""
     return Path(platformdirs.user_data_dir("FaceEdit", appauthor=False)) / "presets"
+
+
+@cache
+def shipped_presets() -> tuple[Preset, ...]:
+    """The one-click fixes, in the order of the menu.
+
+    Raises:
+        FileError: one of them is damaged.
+    """
+    return tuple(read_preset(path) for path in sorted(SHIPPED.glob("*.json")))
 
 
 def load_presets(folder: Path | None = None) -> tuple[list[Preset], list[str]]:
@@ -81,14 +101,13 @@ def load_presets(folder: Path | None = None) -> tuple[list[Preset], list[str]]:
     Returns:
         The presets, and a line on each file of the user's that is none.
     """
-    found = [read_preset(path) for path in sorted(SHIPPED.glob("*.json"))]
     own, notes = [], []
     for path in sorted((folder or own_folder()).glob("*.json")):
         try:
             own.append(read_preset(path, own=True))
         except FaceEditError as error:
             notes.append(str(error))
-    return found + sorted(own, key=lambda preset: preset.name.lower()), notes
+    return [*shipped_presets(), *sorted(own, key=lambda preset: preset.name.lower())], notes
 
 
 def read_preset(path: Path, own: bool = False) -> Preset:
@@ -97,38 +116,36 @@ def read_preset(path: Path, own: bool = False) -> Preset:
     Raises:
         FileError: it cannot be read or is none.
     """
-    document = read_document(path, "preset", VERSION)
+    fields = read_document(path, "preset", VERSION)
     try:
-        return _from_document(document, path, own)
-    except (ValueError, TypeError, KeyError) as error:
-        reason = f"it lacks {error}" if isinstance(error, KeyError) else str(error)
-        raise FileError(path, f"is no preset: {reason}", "delete it and save it again") from error
+        return _from_document(fields, path, own)
+    except FieldError as error:
+        raise FileError(path, f"is no preset: {error}", "delete it and save it again") from error
 
 
-def _from_document(document: dict[str, Any], path: Path, own: bool) -> Preset:
-    name, hint, seconds = document["name"], document.get("hint", ""), document["seconds"]
-    if not isinstance(name, str) or not isinstance(hint, str) or not name:
-        raise ValueError("its name or hint is not a text")
-    if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 <= seconds < 1e6:
-        raise ValueError('its "seconds" is no length of time')
-    entries = document["edits"]
-    if not isinstance(entries, list) or not entries:
-        raise ValueError("it has no edits")
-    if not all(isinstance(entry, dict) for entry in entries):
-        raise ValueError("one of its edits is not an object")
-    find = document.get("find")
-    return Preset(
-        id=re.sub(r"^\d+_", "", path.stem),
-        name=name,
-        hint=hint,
-        edits=tuple(from_json(entry) for entry in entries),
-        seconds=float(seconds),
-        find=Find(find) if find is not None else None,
-        stretch=bool(document.get("stretch", True)),
-        alone=Alone(document.get("alone", Alone.FROM_PLAYHEAD)),
+def _from_document(fields: Fields, path: Path, own: bool) -> Preset:
+    number, name = re.fullmatch(r"(\d*)_?(.*)", path.stem).groups()  # type: ignore[union-attr]
+    preset = Preset(
+        id=name,
+        name=fields.text("name"),
+        hint=fields.text("hint", ""),
+        edits=edits_from(fields),
+        seconds=fields.number("seconds", low=0.0),
+        find=fields.choice_or_none("find", Find),
+        stretch=fields.flag("stretch", True),
+        alone=fields.choice("alone", Alone, Alone.FROM_PLAYHEAD),
+        menu=fields.text("menu", "") or fields.text("name"),
+        key=fields.text("key", ""),
+        icon=fields.text("icon", ""),
+        has_button=fields.flag("button", False),
+        group=number[:1],
         path=path,
         own=own,
     )
+    fields.finish()
+    if not preset.name or not preset.edits:
+        raise FieldError("it has no name" if not preset.name else "it has no edits")
+    return preset
 
 
 def save_preset(
@@ -152,7 +169,7 @@ def save_preset(
         FileError: there is one of that name, or it cannot be written.
         FaceEditError: it has no name, or there is no edit in the selection.
     """
-    name = name.strip()
+    name = clean_text(name.strip())
     if not name:
         raise FaceEditError("The preset has no name; give it one")
     kept = [
@@ -171,7 +188,7 @@ def save_preset(
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(folder, f"cannot be made ({reason})", "check its permissions") from error
-    head = json.dumps(
+    head = to_text(
         {
             "version": VERSION,
             "name": name,
@@ -181,9 +198,8 @@ def save_preset(
             "seconds": end - start,
         },
         indent=2,
-        ensure_ascii=False,
     )
-    lines = ",\n    ".join(json.dumps(to_json(edit), ensure_ascii=False) for edit in kept)
+    lines = ",\n    ".join(to_text(to_json(edit)) for edit in kept)
     text = f'{head[:-2]},\n  "edits": [\n    {lines}\n  ]\n}}\n'
     write_atomically(path, text.encode())
     return read_preset(path, own=True)

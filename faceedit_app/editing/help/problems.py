@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,11 +19,8 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
+from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.filters import moving_mean
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.session import EditSession
-
 
 SHAKES = 0.15  # mm to and fro between frames
 # Ripple against the movement from frame to frame: 0.37 for noise, 0.18 for a quarter of the

@@ -31,9 +31,8 @@ class Answers:
 
     def __init__(self, engine: Engine, grid: Doubles) -> None:
         self._engine, self._grid = engine, grid
-        self._columns = {
-            name: engine.columns(name) for name in engine.models
-        }  # of the curves that a region listens to
+        # Of the curves that a region listens to.
+        self._columns = {name: model.columns for name, model in engine.models.items()}
         self._tracked: dict[tuple[str, int, float], Floats] = {}
         self._recent: dict[tuple[str, int, float], tuple[Doubles, Doubles]] = {}
 
@@ -57,7 +56,7 @@ class Answers:
             for region, entry in known.items()
             if entry is None or not np.array_equal(entry[0], heard[region])
         ]
-        answers = self._engine.answer_all(new, curves, naturalness)
+        answers = {region: self._engine.answer(region, curves, naturalness) for region in new}
         for region, entry in known.items():
             kept = (heard[region], answers[region]) if region in answers else entry
             assert kept is not None
@@ -72,10 +71,11 @@ class Answers:
         """The same for the take as tracked; all of them are kept, for one naturalness."""
         if any(known != naturalness for _, _, known in self._tracked):
             self._tracked.clear()
-        new = [name for name in regions if (name, window[0], naturalness) not in self._tracked]
         curves = self._grid[slice(*window)]
-        for region, answer in self._engine.answer_all(new, curves, naturalness).items():
-            self._tracked[region, window[0], naturalness] = answer.astype(np.float32)
+        for name in regions:
+            if (name, window[0], naturalness) not in self._tracked:
+                answer = self._engine.answer(name, curves, naturalness)
+                self._tracked[name, window[0], naturalness] = answer.astype(np.float32)
         return {
             name: self._tracked[name, window[0], naturalness].astype(np.float64) for name in regions
         }

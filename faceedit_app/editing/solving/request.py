@@ -16,6 +16,7 @@ from faceedit_app.editing.solving.filters import gaussian
 # How far beyond an edit the networks may let the face prepare and follow through, in seconds.
 # Speech moves its lips into a closure in about this time.
 SPILL = 0.25
+FARTHEST = 10_000.0  # mm: what is asked for stays a number, however many edits scale it
 NARROW = 0.01  # frames: a smooth of less changes nothing
 
 
@@ -80,7 +81,7 @@ def request(
             now = curves[rows, column]
             # A distance cannot be negative: 0 is touching.
             curves[rows, column] = np.where(
-                mask > 0, np.maximum(now + share * (wanted - now), 0.0), now
+                mask > 0, np.clip(now + share * (wanted - now), 0.0, FARTHEST), now
             )
             if edit.op is Op.RESET:
                 hold[rows, column] *= 1 - share
@@ -91,7 +92,8 @@ def request(
                 influence[rows, column] = np.maximum(influence[rows, column], spread)
         if companions is not None and before is not None:
             added = companions.follow(edit, curves[rows] - before, claimed[rows])
-            curves[rows] = np.where(added != 0, np.maximum(curves[rows] + added, 0.0), curves[rows])
+            moved = np.clip(curves[rows] + added, 0.0, FARTHEST)
+            curves[rows] = np.where(added != 0, moved, curves[rows])
         for column in companions.claims(edit) if companions is not None else ():
             claimed[rows, column] = np.maximum(claimed[rows, column], mask)
     return Request(curves, hold, influence)

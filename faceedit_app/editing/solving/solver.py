@@ -36,6 +36,8 @@ __all__ = ["Mode", "Patch", "Settings", "Solver"]
 
 # How far above the range seen in training a request is followed, as a share of that range.
 BEYOND = 0.1
+# Where in that range a face at rest is: with it, the demo take is resynthesized best.
+AT_REST = 0.25
 
 
 @dataclass(frozen=True)
@@ -83,10 +85,11 @@ class Solver:
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
-        # Networks that listen to a control which the character lacks hear an ordinary face.
+        # Networks that listen to a control which the character lacks hear a face at rest.
         self._heard = self.grid.copy()
         for column in np.flatnonzero(~self._has_control & np.isfinite(self._low)):
-            self._heard[:, column] = 0.5 * (self._low[column] + self._high[column])
+            low, high = self._low[column], self._high[column]
+            self._heard[:, column] = low + AT_REST * (high - low)
         self._answers = Answers(engine, self._heard) if engine else None
 
     def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
@@ -227,7 +230,7 @@ class _Part:
         missing: frozenset[str],
     ) -> None:
         self.region = region
-        self._model = engine.models[region.id] if engine else None
+        self._model = engine.models[region.id].description if engine else None
         self.own = tuple(name for name in region.own if name not in missing)
         self.own_columns = np.array([CONTROL_INDEX[name] for name in self.own], np.intp)
         self._distances = distances.select(self.own_columns)

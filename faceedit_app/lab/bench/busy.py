@@ -43,7 +43,6 @@ def busy(desk: Desk, times: int, frames: int = FRAMES, count: int = EDITS) -> di
     """Measure 4: what is done to the list of edits, and to the whole take."""
     session = desk.open(long_take(frames, RATE))
     session.add(*spread_edits(count, session.take.clip.duration))
-    desk.window.document.changed.emit()
     desk.settle()
     editor, act = desk.editor, desk.window.actions_
     row = _nearest(session.edits, desk.window.timeline.time)

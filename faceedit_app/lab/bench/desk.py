@@ -15,6 +15,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
@@ -68,7 +69,7 @@ class Desk:
 
     def open(self, take: Take, size: int = 640) -> EditSession:
         """Put a take on the screen, and the middle of it in view."""
-        self.window.document.adopt(EditSession(take, self.rig, self.engine))
+        self.window.document.adopt(open_session(take, self.rig, self.engine))
         viewport = self.editor.face.viewport
         if not viewport.can_draw:
             viewport.open(self.rig)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import json
+import math
 import os
 import shutil
 import signal
@@ -22,10 +23,11 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench.clocks import Times, repeat
 from faceedit_app.lab.bench.desk import long_take
-from faceedit_app.networks.engine import Engine
+from faceedit_app.networks.engine import ENDING, Engine
 from faceedit_app.render.camera import FIELD_OF_VIEW, Camera, default_camera, projection
 
 FRAMES, SIZE = 202, 640
+TRAINING = all(importlib.util.find_spec(name) is not None for name in ("onnx", "torch"))
 _BLENDER_SECONDS = 180  # about 25 are needed where both engines draw without a GPU
 
 
@@ -43,9 +45,9 @@ def naive(engine: Engine, rig: Rig, times: int) -> Times:
 
     def once() -> None:
         curves = rig.arkit_distances.measure(weights).astype(np.float64)
-        both = np.stack([curves, curves + 1.0])
         for region in REGIONS:
-            engine.answer(region.id, both, 1.0)
+            for version in (curves, curves + 1.0):
+                engine.answer(region.id, version, 1.0)
         rig.arkit_distances.measure(weights)
         vertices = rig.vertices(rig.from_arkit(weights[100]))
         mesh = trimesh.Trimesh(vertices, rig.faces, vertex_colors=colors, process=False)
@@ -61,28 +63,64 @@ def naive(engine: Engine, rig: Rig, times: int) -> Times:
         renderer.delete()
 
 
-def holden(times: int) -> Times | None:
-    """Holden's networks for the three regions, on 202 frames, in torch on one thread."""
-    if importlib.util.find_spec("torch") is None:
+def in_torch(folder: Path, times: int) -> Times | None:
+    """The networks of a folder for the three regions, on 202 frames, in torch on one thread."""
+    if not TRAINING:
         return None
     import torch
 
-    from faceedit_app.lab.training.holden import HoldenNetworks
+    from faceedit_app.lab.training.model_files import load_trained
 
-    nets = [HoldenNetworks(len(r.controls), len(r.channels)).eval() for r in REGIONS]
-    inputs = [torch.randn(1, len(r.controls), FRAMES) for r in REGIONS]
+    regions = [load_trained(folder / f"{region.id}{ENDING}") for region in REGIONS]
+    inputs = [
+        torch.randn(1, len(region.description.controls), _padded(FRAMES, region.networks.scale))
+        for region in regions
+    ]
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
         with torch.inference_mode():
-            return repeat(lambda: [net(x) for net, x in zip(nets, inputs, strict=True)], times)
+            return repeat(
+                lambda: [
+                    region.networks.answers(curves)
+                    for region, curves in zip(regions, inputs, strict=True)
+                ],
+                times,
+            )
     finally:
         torch.set_num_threads(threads)
 
 
-def cpu_limit(engine: Engine, times: int) -> Times:
+def _padded(frames: int, scale: int) -> int:
+    return scale * -(-frames // scale)
+
+
+def multiplications(path: Path, frames: int) -> int:
+    """How many a region's networks need to answer so many frames: those of their convolutions."""
+    import onnx
+
+    model = onnx.load(path)
+    for value in (*model.graph.input, *model.graph.output):
+        value.type.tensor_type.shape.dim[0].dim_value = frames
+    graph = onnx.shape_inference.infer_shapes(model, data_prop=True).graph
+    lengths = {
+        value.name: value.type.tensor_type.shape.dim[-1].dim_value for value in graph.value_info
+    }
+    sizes = {tensor.name: math.prod(tensor.dims) for tensor in graph.initializer}
+    return sum(
+        sizes[node.input[1]] * lengths[node.output[0]]
+        for node in graph.node
+        if node.op_type == "Conv"
+    )
+
+
+def cpu_limit(folder: Path, times: int) -> Times | None:
     """As many multiplications as the networks need for 202 frames, as one product of matrices."""
-    needed = sum(engine.models[region.id].products for region in REGIONS) * FRAMES
+    if not TRAINING:
+        return None
+    needed = sum(
+        multiplications(folder / f"{region.id}{ENDING}", _padded(FRAMES, 4)) for region in REGIONS
+    )
     side = 384
     rows = max(round(needed / side**2), 1)
     random = np.random.default_rng(0)
@@ -215,10 +253,12 @@ def _output(command: list[str], folder: str) -> str:
 
 def of_all(engine: Engine, rig: Rig, times: int) -> dict[str, Times | None]:
     """Those that run in this process."""
+    models = shipped("models")
     references: dict[str, Times | None] = {
         "naive": naive(engine, rig, max(times // 5, 3)),
-        "holden": holden(times),
-        "cpu_limit": cpu_limit(engine, times),
+        "torch": in_torch(models, times),
+        "holden": in_torch(models / "holden", times),
+        "cpu_limit": cpu_limit(models, times),
     }
     try:
         references["gl_limit"] = gl_limit(rig, times)

@@ -24,7 +24,16 @@ from faceedit_app.lab.bench.desk import Desk
 from faceedit_app.networks.engine import Engine
 from faceedit_app.ui.start.app import application
 
-PACKAGES = ("numpy", "scipy", "PySide6_Essentials", "pyqtgraph", "pyrender2", "PyOpenGL", "torch")
+PACKAGES = (
+    "numpy",
+    "onnxruntime",
+    "scipy",
+    "PySide6_Essentials",
+    "pyqtgraph",
+    "pyrender2",
+    "PyOpenGL",
+    "torch",
+)
 
 
 @dataclass(frozen=True)
@@ -51,7 +60,8 @@ def run(plan: Plan, say: Callable[[str], None] = lambda _: None) -> dict[str, An
         say: told what is being measured.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-    rig, engine = read_rig(shipped("assets/character.glb")), Engine.load(shipped("models"))
+    rig = read_rig(shipped("assets/character.glb"))
+    engine = Engine.load(shipped("models"), rig)
     found: dict[str, Any] = {"machine": machine()}
     say("starting")
     found["start_s"], found["peak_mb"] = _starts(plan)
@@ -101,7 +111,7 @@ def _compared(
 ) -> tuple[dict[str, Any], dict[str, float | None]]:
     """How many times as long as ours each reference takes."""
     ratio: dict[str, float | None] = dict.fromkeys(
-        ("naive", "holden", "gl_limit", "cpu_limit", "blender")
+        ("naive", "torch", "holden", "gl_limit", "cpu_limit", "blender")
     )
     if not plan.compared:
         return {}, ratio

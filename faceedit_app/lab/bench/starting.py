@@ -81,11 +81,12 @@ def _instead_of_the_demo(loading: Any, frames: int) -> None:
     from pathlib import Path
 
     from faceedit_app.core.rig import Rig
+    from faceedit_app.editing import opening
     from faceedit_app.editing.session import EditSession
     from faceedit_app.lab.bench.desk import long_take
 
     def open_session(_path: Path, rig: Rig) -> EditSession:
-        return EditSession(long_take(frames), rig)
+        return opening.open_session(long_take(frames), rig)
 
     loading.open_session = open_session
 

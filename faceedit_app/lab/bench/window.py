@@ -46,7 +46,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
         ("curves", solve.Solver, "solve"),
         ("controls", solve, "request"),
         ("controls", solve.Solver, "_believable"),
-        ("networks", Engine, "answer_all"),
+        ("networks", Engine, "answer"),
         ("plots", CurvesPanel, "refresh"),
         ("draw", Viewport, "_draw"),
         ("draw", FaceRenderer, "begin"),
@@ -74,7 +74,6 @@ def _drag_of_one(desk: Desk, times: int) -> Times:
     """The ordinary drag: one curve, in a selection of 0.4 s, where the lids are edited too."""
     session, line = desk.session, desk.window.timeline
     session.add(Edit(LIDS, Op.OFFSET, 0.0, session.take.clip.duration, 0.0, -1.0))
-    desk.window.document.changed.emit()
     line.select((line.time - 0.2, line.time + 0.2))
     desk.press(LIP_OPENING, line.time)
     once = desk.dragged(LIP_OPENING)
@@ -89,8 +88,7 @@ def networks(engine: Engine, times: int) -> Times:
     """The three regions' networks on 202 frames, as the paper measures them."""
     demo = long_take(FRAMES).clip
     curves = np.random.default_rng(0).normal(30.0, 3.0, (len(demo), len(CONTROLS)))
-    regions = tuple(region.id for region in REGIONS)
-    return repeat(lambda: engine.answer_all(regions, curves, 1.0), times)
+    return repeat(lambda: [engine.answer(region.id, curves, 1.0) for region in REGIONS], times)
 
 
 def lengths(desk: Desk, frames: tuple[int, ...], times: int) -> dict[str, Any]:

@@ -18,9 +18,10 @@ from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import affected
-from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.formats.take import Take
 from faceedit_app.lab.evaluation.metrics import boundary_jump, clipped_share
 from faceedit_app.networks.engine import Engine
@@ -114,7 +115,7 @@ def run_benchmark(
     out = []
     for number, take in enumerate(takes):
         progress(number, len(takes))
-        session = EditSession(take, rig, engine)
+        session = open_session(take, rig, engine)
         for trial in trials(take, session.tracked.astype(np.float64)):
             for mode in Mode:
                 for naturalness in NATURALNESS:
@@ -169,7 +170,7 @@ def _distance(
     rows = slice(int(span[0] * 25.0), int(span[-1] * 25.0) + 2)
     far = [float("nan")]
     for region in REGIONS:
-        natural = engine.models[region.id].natural
+        natural = engine.models[region.id].description.natural
         if region.id in regions and natural is not None:
             columns = [ARKIT_INDEX[c] for c in region.channels]
             far.append(float(natural.distance(grid[:, columns])[rows].max()) / natural.limit)

@@ -156,7 +156,7 @@ def evaluate_takes(
         FaceEditError: the takes are too short.
     """
     rig = read_rig(shipped("assets/character.glb"))
-    systems = Systems.load(models)
+    systems = Systems.load(models, rig)
     figures = measure_systems(performances, systems, rig)
     takes = [open_take(take.path) for take in performances if take.path is not None]
     figures.outcomes = run_benchmark(takes, rig, systems.engine, progress)
@@ -262,8 +262,8 @@ def _score(
     rig: Rig,
 ) -> Score:
     columns = _columns(region)
-    controls = [CONTROL_INDEX[c] for c in systems.engine.models[region.id].controls]
-    natural = systems.engine.models[region.id].natural
+    model = systems.engine.models[region.id]
+    controls, natural = model.columns, model.description.natural
     squares, vertices, misses, far, wild = [], [], [], [], []
     high, rough = np.zeros(2), np.zeros(2)
     for take, answer in zip(takes, answers, strict=True):

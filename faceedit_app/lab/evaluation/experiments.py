@@ -90,7 +90,7 @@ the proportions only.
 def robustness(setting: Setting) -> Path:
     """The paper's robustness figure: believable and unbelievable mouth openings in."""
     make_folder(setting.output)
-    systems = Systems.load(setting.models)
+    systems = Systems.load(setting.models, setting.rig)
     return setting.write("robustness", robustness_part(setting.unseen, systems, setting))
 
 

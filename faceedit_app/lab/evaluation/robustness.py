@@ -62,7 +62,7 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
     """
     if not takes:
         raise FaceEditError("robustness needs takes to measure on: --held-out DIR")
-    model = systems.engine.models[LOWER.id]
+    natural = systems.engine.models[LOWER.id].description.natural
     distances = place.rig.arkit_distances
     controls = np.concatenate([distances.measure(take.weights) for take in takes])
     rest = np.median(controls, axis=0).astype(np.float64)
@@ -75,7 +75,7 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
             weights[:, _columns()] = answer
             opening = distances.measure(weights)[:, OPENING].astype(np.float64)
             lines.append(_line(LABELS[system], opening, color, False))
-            far = model.natural.distance(answer) / model.natural.limit if model.natural else None
+            far = natural.distance(answer) / natural.limit if natural else None
             rows.append(
                 [
                     name,

@@ -101,10 +101,9 @@ class Setting:
             self.progress.update(bar, advance=1)
 
         regions = [self.rig.measures(region) for region in regions]
-        distances = self.rig.arkit_distances
-        models = [fit_region(r, takes, distances, settings, report).model for r in regions]
+        models = [fit_region(r, takes, self.rig, settings, report).model for r in regions]
         others = (
-            [fit_holden(r, takes, distances, settings, report)[0] for r in regions]
+            [fit_holden(r, takes, self.rig, settings, report)[0] for r in regions]
             if baseline
             else []
         )

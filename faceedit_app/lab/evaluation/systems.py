@@ -6,12 +6,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import REGIONS
-from faceedit_app.lab.training.holden import FOLDER, HoldenModel, load_holden
-from faceedit_app.lab.training.model_files import RegionModel, as_file
-from faceedit_app.networks.engine import Engine
-from faceedit_app.networks.inference import RegionAnswer
+from faceedit_app.core.rig import Rig
+from faceedit_app.lab.training.holden import FOLDER
+from faceedit_app.lab.training.model_files import TrainedRegion
+from faceedit_app.networks.engine import ENDING, Engine, load_region
 
 SYSTEMS = ("regressor", "system", "holden")
 
@@ -26,38 +25,38 @@ class Systems:
     """
 
     engine: Engine
-    baseline: dict[str, HoldenModel] = field(default_factory=dict)
+    baseline: Engine = field(default_factory=lambda: Engine({}))
 
     @classmethod
-    def load(cls, folder: Path) -> Systems:
+    def load(cls, folder: Path, rig: Rig) -> Systems:
         """Read a folder of models; the baseline, if the folder has one.
 
         Raises:
-            FileError: a model is missing or damaged.
+            FileError: a model is missing or damaged, or for another character.
         """
-        engine, baseline = Engine.load(folder), {}
-        for region in REGIONS:
-            path = folder / FOLDER / f"{region.id}.safetensors"
-            if path.exists():
-                baseline[region.id] = load_holden(path)
-                if baseline[region.id].channels != region.channels:
-                    raise FileError(path, "answers other channels", "train the models again")
-        return cls(engine, baseline)
+        others = folder / FOLDER
+        baseline = {
+            region.id: load_region(others, region, rig)
+            for region in REGIONS
+            if (others / f"{region.id}{ENDING}").exists()
+        }
+        return cls(Engine.load(folder, rig), Engine(baseline))
 
     @classmethod
-    def of(cls, *models: RegionModel, baseline: tuple[HoldenModel, ...] = ()) -> Systems:
+    def of(cls, *models: TrainedRegion, baseline: tuple[TrainedRegion, ...] = ()) -> Systems:
         """Systems that were just trained."""
-        engine = Engine({m.region: RegionAnswer(as_file(m)) for m in models})
-        return cls(engine, {m.region: m for m in baseline})
+        ours, theirs = (
+            Engine({one.description.region: one.answering() for one in some})
+            for some in (models, baseline)
+        )
+        return cls(ours, theirs)
 
     def names(self, region: str) -> tuple[str, ...]:
         """The systems that know a region."""
-        return SYSTEMS if region in self.baseline else SYSTEMS[:2]
+        return SYSTEMS if region in self.baseline.models else SYSTEMS[:2]
 
     def answer(self, system: str, region: str, curves: Doubles) -> Doubles:
         """Curves (T, C) mm at 25 fps -> (T, K) weights of a region, not bounded."""
         if system == "holden":
-            return self.baseline[region].answer(curves)
-        answers = self.engine.answer(region, curves[None], 1.0 if system == "system" else 0.0)
-        weights: Doubles = answers[0]
-        return weights
+            return self.baseline.answer(region, curves, 1.0)
+        return self.engine.answer(region, curves, 1.0 if system == "system" else 0.0)

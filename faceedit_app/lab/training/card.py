@@ -11,6 +11,7 @@ from faceedit_app import __version__
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.fit import Fitted
 from faceedit_app.lab.training.settings import FitSettings, as_json
+from faceedit_app.networks.engine import ENDING
 
 LICENCES = "licences.md"
 FIGURES_START = "<!-- figures: written by faceedit experiment -->"
@@ -38,7 +39,8 @@ def model_card(
         takes[take.source] += 1
     sources = "\n".join(f"| `{name}` | {takes[name]} | {seconds[name]:.0f} |" for name in seconds)
     rows = "\n".join(
-        f"| {result.model.region} | {len(result.model.controls)} → {len(result.model.channels)} | "
+        f"| {result.model.description.region} | "
+        f"{len(result.model.description.controls)} → {len(result.model.description.channels)} | "
         f"{result.windows[0]} / {result.windows[1]} | "
         + " | ".join(
             f"{result.mse[k]:.4f}, {result.control_mm[k]:.2f}" for k in ("regressor", "system")
@@ -48,8 +50,7 @@ def model_card(
     )
     hashes = "\n".join(
         f"    {hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder)}"
-        for path in sorted(folder.rglob("*.safetensors"))
-        if "checkpoint" not in path.parts
+        for path in sorted(folder.rglob(f"*{ENDING}"))
     )
     numbers = "\n".join(f"- {name}: {value}" for name, value in as_json(settings).items())
     licences = (
@@ -61,9 +62,12 @@ def model_card(
 
 Written by `faceedit train` of FaceEdit {__version__}. For each face region a regressor (controls to
 blendshape weights) and a stacked denoising autoencoder, after Berson, Soladié, Barrielle and
-Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019). One safetensors file a
-region; nothing in it is ever executed. The folder `holden`, where it is there, holds the baseline
-that the evaluation compares with; the application does not read it.
+Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019). One ONNX file a region;
+nothing is ever executed but the operators of its graph. The folder `holden`, where it is there,
+holds the baseline that the evaluation compares with; the application does not read it.
+
+They are made for the character {fitted[0].model.description.made_for.name}; FaceEdit refuses them
+with another one.
 
 They are meant for editing tracked facial animation on ARKit channels, at 25 frames per second
 inside. They are not meant for recognising people or feelings, and have seen few people.

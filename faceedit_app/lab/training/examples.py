@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,8 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import Region
 from faceedit_app.core.resample import GRID_RATE
-from faceedit_app.core.rig import Distances
+from faceedit_app.core.rig import Distances, Rig
+from faceedit_app.lab.training.architectures import Architecture
 from faceedit_app.lab.training.data import (
     Performance,
     Windows,
@@ -25,7 +27,8 @@ from faceedit_app.lab.training.data import (
 )
 from faceedit_app.lab.training.settings import FitSettings
 from faceedit_app.lab.training.variety import play, split_sides
-from faceedit_app.networks.files import Natural
+from faceedit_app.networks.description import Description, Natural
+from faceedit_app.networks.made_for import MadeFor
 
 SYNTHETIC = "synthetic"
 """The source whose takes no person played: the folder that `faceedit synthesize` wrote."""
@@ -39,7 +42,7 @@ class Examples:
 
     Args:
         performances: takes; a share of their blocks is held out.
-        distances: the controls as a function of the 52 weights in ARKit order.
+        rig: the character that the controls are measured on.
 
     Attributes:
         validation: held-out windows as recorded.
@@ -52,10 +55,11 @@ class Examples:
         self,
         region: Region,
         performances: Sequence[Performance],
-        distances: Distances,
+        rig: Rig,
         settings: FitSettings,
     ) -> None:
-        self.region, self.distances, self.settings = region, distances, settings
+        self.region, self.rig, self.settings = region, rig, settings
+        self.distances = rig.arkit_distances
         self._train, held = stretches(performances, settings)
         self.validation = self._windows(*cut_windows(held, settings.window, settings.overlap))
         if not len(self.validation) or not len(self.epoch(0)):
@@ -105,6 +109,28 @@ class Examples:
         controls = self._recorded.controls.transpose(0, 2, 1).reshape(-1, len(self.mean))
         bounds: Doubles = np.percentile(controls, self.settings.range_percentiles, axis=0)
         return bounds
+
+    def describe(self, networks: Architecture, **more: Any) -> Description:
+        """What the file of networks that learned from these examples says about them.
+
+        Args:
+            networks: they are that.
+            more: fields of `Description` that are otherwise, or that examples know nothing of.
+        """
+        low, high = self.bounds
+        known = Description(
+            region=self.region.id,
+            controls=self.region.controls,
+            channels=self.region.channels,
+            made_for=MadeFor.of(self.rig, self.region.controls),
+            architecture={"name": networks.name, **networks.settings},
+            scale=networks.scale,
+            context=networks.radius,
+            covariance=self.covariance,
+            low=low,
+            high=high,
+        )
+        return replace(known, **more)
 
     @cached_property
     def own_distances(self) -> Distances:

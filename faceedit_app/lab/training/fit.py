@@ -17,14 +17,15 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import Region
-from faceedit_app.core.rig import Distances
+from faceedit_app.core.rig import Distances, Rig
+from faceedit_app.lab.training.architectures import ARCHITECTURES, Stacked
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import Examples
 from faceedit_app.lab.training.loop import Checkpoint, History, learn
 from faceedit_app.lab.training.losses import Batch, Losses, salt_and_pepper, wild_bursts
-from faceedit_app.lab.training.model_files import RegionModel
-from faceedit_app.lab.training.models import RegionNetworks
+from faceedit_app.lab.training.model_files import TrainedRegion
 from faceedit_app.lab.training.settings import FitSettings, as_json
 
 REGRESSOR, AUTOENCODER = 1, 2
@@ -55,7 +56,7 @@ class Fitted:
         stopped: the user stopped the training; the best so far is kept.
     """
 
-    model: RegionModel
+    model: TrainedRegion
     mse: dict[str, float]
     control_mm: dict[str, float]
     windows: tuple[int, int]
@@ -66,30 +67,31 @@ class Fitted:
 def fit_region(
     region: Region,
     performances: Sequence[Performance],
-    distances: Distances,
+    rig: Rig,
     settings: FitSettings,
     report: Callable[[Epoch], None] = lambda epoch: None,
-    start: RegionModel | None = None,
+    start: TrainedRegion | None = None,
     checkpoints: Path | None = None,
 ) -> Fitted:
     """Train a region's regressor, then its autoencoder behind the frozen regressor.
 
     Args:
-        distances: the controls as a function of the 52 weights in ARKit order.
+        rig: the character that the controls are measured on, and the networks are made for.
         report: called after each epoch.
         start: go on from these networks, with their input mean and within their ranges.
         checkpoints: folder to keep the state in, and to go on from.
     """
     torch.manual_seed(settings.seed)
-    examples = Examples(region, performances, distances, settings)
+    examples = Examples(region, performances, rig, settings)
     losses = Losses(examples.own_distances, settings)
     networks = _networks(region, examples, settings, start)
     low, high = examples.bounds
     covariance = examples.covariance
     if start is not None:
-        low, high = np.minimum(low, start.low), np.maximum(high, start.high)
-        covariance = 0.5 * (covariance + start.covariance)
-    mark = fingerprint(performances, distances, settings, start)
+        known = start.description
+        low, high = np.minimum(low, known.low), np.maximum(high, known.high)
+        covariance = 0.5 * (covariance + known.covariance)
+    mark = fingerprint(performances, rig.arkit_distances, settings, start)
     histories: dict[str, History] = {}
 
     def stage(name: str, number: int, of: int, network: nn.Module) -> None:
@@ -117,26 +119,22 @@ def fit_region(
             networks.adapted.requires_grad_(False)
             learned.append(networks.adapted)
         stage("autoencoder", AUTOENCODER, settings.epochs_autoencoder, learned)
-    model = RegionModel(
-        region=region.id,
-        controls=region.controls,
-        channels=region.channels,
-        networks=networks.eval(),
+    description = examples.describe(
+        networks,
         covariance=covariance,
-        low=low.astype(np.float64),
-        high=high.astype(np.float64),
-        widths=start.widths if start else settings.widths,
+        low=low,
+        high=high,
         notes=json.dumps(as_json(settings)),
         natural=examples.natural,
     )
-    return _judge(model, losses, examples, histories)
+    return _judge(TrainedRegion(description, networks.eval()), losses, examples, histories)
 
 
 def fingerprint(
     performances: Sequence[Performance],
     distances: Distances,
     settings: FitSettings,
-    start: RegionModel | None = None,
+    start: TrainedRegion | None = None,
 ) -> str:
     """A text that is the same for the same takes, controls, settings and beginning."""
     takes = [
@@ -152,23 +150,21 @@ def fingerprint(
 
 
 def _networks(
-    region: Region, examples: Examples, settings: FitSettings, start: RegionModel | None
-) -> RegionNetworks:
+    region: Region, examples: Examples, settings: FitSettings, start: TrainedRegion | None
+) -> Stacked:
     if start is not None:
-        return copy.deepcopy(start.networks).requires_grad_(True)
-    networks = RegionNetworks(
-        len(region.controls),
-        len(region.channels),
-        settings.widths,
-        settings.residual,
-        settings.adapt_statistics,
-    )
-    networks.mean.copy_(torch.from_numpy(examples.mean))
+        networks = copy.deepcopy(start.networks).requires_grad_(True)
+    else:
+        kind = ARCHITECTURES[settings.architecture]
+        networks = kind.of(len(region.controls), len(region.channels), settings)
+        networks.mean.copy_(torch.from_numpy(examples.mean)[:, None])
+    if not isinstance(networks, Stacked):
+        raise FaceEditError(f"the architecture {networks.name!r} is not trained in two stages")
     return networks
 
 
 def _forward(
-    networks: RegionNetworks,
+    networks: Stacked,
     settings: FitSettings,
     bounds: Sequence[np.ndarray[tuple[int], np.dtype[np.float64]]],
     system: bool,
@@ -190,14 +186,11 @@ def _forward(
 
 
 def _judge(
-    model: RegionModel, losses: Losses, examples: Examples, histories: dict[str, History]
+    model: TrainedRegion, losses: Losses, examples: Examples, histories: dict[str, History]
 ) -> Fitted:
     batch = Batch.of(examples.validation, np.arange(len(examples.validation)))
     with torch.inference_mode():
-        answers = {
-            "regressor": model.networks(batch.controls, 0.0),
-            "system": model.networks(batch.controls, 1.0),
-        }
+        answers = model.networks.answers(batch.controls)
         return Fitted(
             model,
             {k: float(losses.mse(v, batch)) for k, v in answers.items()},

@@ -17,15 +17,16 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.resources import shipped
-from faceedit_app.core.rig import Distances
+from faceedit_app.core.rig import Rig
 from faceedit_app.lab.training.card import model_card
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.data import Performance, load_performances
 from faceedit_app.lab.training.fit import Epoch, Fitted, fit_region
-from faceedit_app.lab.training.holden import FOLDER, fit_holden, save_holden
+from faceedit_app.lab.training.holden import FOLDER, fit_holden
 from faceedit_app.lab.training.loop import History
-from faceedit_app.lab.training.model_files import RegionModel, load_model, save_model
+from faceedit_app.lab.training.model_files import TrainedRegion, load_trained, save_trained
 from faceedit_app.lab.training.settings import RECIPES, FitSettings
+from faceedit_app.networks.engine import ENDING
 
 CARD = "README.md"
 LOSSES = "losses.svg"
@@ -133,18 +134,17 @@ def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
         raise FileError(plan.output, "cannot be made", "choose another folder") from error
     performances = load_performances(plan.folders, plan.exclude)
     rig = read_rig(shipped("assets/character.glb"))
-    distances = rig.arkit_distances
     fitted = []
     for region in map(rig.measures, REGIONS):
         report = _reporter(progress, region.label, _epochs(settings, plan.baseline))
         start = begin.get(region.id)
-        result = fit_region(region, performances, distances, settings, report, start, checkpoints)
-        path = plan.output / f"{region.id}.safetensors"
-        save_model(path, result.model)
+        result = fit_region(region, performances, rig, settings, report, start, checkpoints)
+        path = plan.output / f"{region.id}{ENDING}"
+        save_trained(path, result.model)
         fitted.append(result)
         yield path
         if plan.baseline and not result.stopped:
-            yield _baseline(region, performances, distances, settings, report, plan.output, result)
+            yield _baseline(region, performances, rig, settings, report, plan.output, result)
         if result.stopped:
             raise KeyboardInterrupt
     chart_file = plan.output / LOSSES
@@ -160,25 +160,25 @@ def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
 def _baseline(
     region: Region,
     performances: Sequence[Performance],
-    distances: Distances,
+    rig: Rig,
     settings: FitSettings,
     report: Report,
     output: Path,
     result: Fitted,
 ) -> Path:
     checkpoints = output / CHECKPOINTS
-    model, histories = fit_holden(region, performances, distances, settings, report, checkpoints)
+    model, histories = fit_holden(region, performances, rig, settings, report, checkpoints)
     result.histories.update(histories)
     result.stopped = any(history.stopped for history in histories.values())
-    path = output / FOLDER / f"{region.id}.safetensors"
-    save_holden(path, model)
+    path = output / FOLDER / f"{region.id}{ENDING}"
+    save_trained(path, model)
     return path
 
 
-def _beginnings(folder: Path | None) -> dict[str, RegionModel]:
+def _beginnings(folder: Path | None) -> dict[str, TrainedRegion]:
     if folder is None:
         return {}
-    return {r.id: load_model(folder / f"{r.id}.safetensors") for r in REGIONS}
+    return {r.id: load_trained(folder / f"{r.id}{ENDING}") for r in REGIONS}
 
 
 def _epochs(settings: FitSettings, baseline: bool) -> int:
@@ -205,7 +205,7 @@ def losses_chart(fitted: Sequence[Fitted]) -> str:
         return Line(f"{region} {stage}", range(1, len(history.held) + 1), history.held)
 
     lines = [
-        line(result.model.region, stage, history)
+        line(result.model.description.region, stage, history)
         for result in fitted
         for stage, history in result.histories.items()
         if not stage.startswith("holden")

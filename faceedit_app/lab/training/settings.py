@@ -7,8 +7,6 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-from faceedit_app.lab.training.models import DEFAULT_WIDTHS
-
 
 @dataclass(frozen=True)
 class Variety:
@@ -70,7 +68,8 @@ class FitSettings:
     wild_windows: float = 0.0  # share of the windows with a burst far beyond the range, see ADR 3
     residual: bool = True  # the autoencoder starts as the identity; False in the paper
     adapt_statistics: bool = False  # of the frozen regressor to the noise; True in the paper
-    widths: tuple[int, ...] = DEFAULT_WIDTHS
+    architecture: str = "unet"  # key of `ARCHITECTURES`; one with regressor and autoencoder
+    widths: tuple[int, ...] = (32, 64, 128)  # features at each time scale, finest first
     mirror: bool = True
     variety: Variety | None = dataclasses.field(default_factory=Variety)
     range_percentiles: tuple[float, float] = (0.05, 99.95)  # of each control, for `low`, `high`

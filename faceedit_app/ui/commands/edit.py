@@ -38,18 +38,12 @@ class EditCommands:
         discard: Callable[[], bool],
     ) -> None:
         self._document, self._timeline, self._playback = document, timeline, playback
-        self._panel, self._settle_strip, self._discard = panel, settle, discard
+        self._panel, self._settle, self._discard = panel, settle, discard
 
     def finish(self) -> None:
         """Drop a drag in progress and bring other gestures to their end."""
         self._cancel_drag()
         self._settle()
-
-    def _settle(self) -> None:
-        panel = self._panel()
-        if panel is not None:
-            panel.settle()
-        self._settle_strip()
 
     def handlers(self) -> dict[str, Callable[[], None]]:
         """What to do for each of these `Command.id`s."""
@@ -90,7 +84,7 @@ class EditCommands:
     def _nudge(self, millimetres: float) -> None:
         panel = self._panel()
         if panel is not None:
-            self._settle_strip()
+            self._settle()
             panel.nudge(millimetres)
 
     def _focus(self, index: int) -> None:
@@ -125,7 +119,9 @@ class EditCommands:
     def _reset(self, controls: tuple[str, ...]) -> None:
         self._cancel_drag()
         self._settle()
-        self._document.reset(*self.range_at_hand(), self._timeline.falloff, controls)
+        session = self._document.session
+        if session is not None and session.edits and controls:
+            session.reset(*self.range_at_hand(), controls, self._timeline.falloff)
 
     def range_at_hand(self) -> tuple[float, float]:
         """The selection, else the playhead with the falloff to either side."""
@@ -136,13 +132,13 @@ class EditCommands:
 
     def set_mode(self, mode: str) -> None:
         """Choose how the networks' answer is combined with the take."""
-        from faceedit_app.editing.solving.solver import Mode
+        from faceedit_app.editing.edits.settings import Mode
 
         self._cancel_drag()
         self._settle()
         session = self._document.session
         if session is not None:
-            self._document.configure(replace(session.settings, mode=Mode(mode)))
+            session.configure(replace(session.settings, mode=Mode(mode)))
 
     def deselect(self) -> None:
         """Cancel a drag in progress, else drop the selection."""

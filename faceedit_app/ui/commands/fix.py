@@ -12,6 +12,14 @@ from PySide6.QtWidgets import QMenu, QWidget
 
 from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.help.presets import (
+    Preset,
+    delete_preset,
+    load_presets,
+    save_preset,
+    shipped_presets,
+)
+from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -19,20 +27,7 @@ from faceedit_app.ui.state.timeline import Timeline
 if TYPE_CHECKING:
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.help.clipboard import Clipboard
-    from faceedit_app.editing.help.presets import Preset
     from faceedit_app.ui.page.editor import Editor
-
-FIXES = (
-    "close_lips",
-    "blink",
-    "open_eyes",
-    "smile",
-    "sad_mouth",
-    "pucker",
-    "widen",
-    "calm_down",
-    "exaggerate",
-)
 
 
 class FixCommands(QObject):
@@ -64,7 +59,7 @@ class FixCommands(QObject):
     def handlers(self) -> dict[str, Callable[[], None]]:
         """What to do for each of these `Command.id`s."""
         return {
-            **{f"fix_{fix}": partial(self.fix, fix) for fix in FIXES},
+            **{f"fix_{fix.id}": partial(self.apply, fix) for fix in shipped_presets()},
             "mood": self.mood,
             "save_preset": self.save_preset,
             "previous_problem": lambda: self.step(-1),
@@ -89,12 +84,6 @@ class FixCommands(QObject):
             return selection
         return selection if selection[0] <= self._timeline.time <= selection[1] else None
 
-    def fix(self, name: str) -> None:
-        """Apply one of the presets that ship."""
-        from faceedit_app.editing.help.presets import load_presets
-
-        self.apply(next(preset for preset in load_presets()[0] if preset.id == name))
-
     def apply(self, preset: Preset) -> None:
         """Make a preset's edits: one undo step. The last is ready to be weakened."""
         edits = self.edits_of(preset)
@@ -113,12 +102,11 @@ class FixCommands(QObject):
 
     def mood(self) -> None:
         """Let a slider from sad to smiling be tried out."""
-        from faceedit_app.editing.help.presets import load_presets
         from faceedit_app.ui.edits.expression_dialog import MoodDialog
 
         if self._document.session is None:
             return
-        presets = {preset.id: preset for preset in load_presets()[0]}
+        presets = {preset.id: preset for preset in shipped_presets()}
         span = self.range_meant()
         where = "in the whole take" if span is None else f"from {span[0]:.2f} to {span[1]:.2f} s"
         MoodDialog(
@@ -129,9 +117,9 @@ class FixCommands(QObject):
             lambda edits: self.add(edits, edits[0].name),
         ).show()
 
-    def add(self, edits: tuple[Edit, ...], name: str) -> None:
-        """Make edits: one undo step."""
-        self._document.act(lambda session: session.add(*edits))
+    def add(self, edits: tuple[Edit, ...], name: str, step: str = "") -> None:
+        """Make edits as one step; `name` is theirs, and the step's if that has none of its own."""
+        self._document.act(lambda session: session.add(*edits, name=step or name))
         editor = self._editor()
         if editor is not None:
             editor.edits.select_new(len(edits))
@@ -140,8 +128,6 @@ class FixCommands(QObject):
 
     def fill_presets(self, menu: QMenu) -> None:
         """List the user's own presets."""
-        from faceedit_app.editing.help.presets import load_presets
-
         menu.clear()
         presets, notes = load_presets()
         own = [preset for preset in presets if preset.own]
@@ -162,8 +148,6 @@ class FixCommands(QObject):
 
     def save_preset(self) -> None:
         """Keep the edits of the selection, else the edit that is selected, under a name."""
-        from faceedit_app.editing.help.presets import save_preset
-
         session = self._document.session
         if session is None:
             return
@@ -180,8 +164,6 @@ class FixCommands(QObject):
         self.told.emit(f"Saved the preset “{name}”")
 
     def _delete(self, preset: Preset) -> None:
-        from faceedit_app.editing.help.presets import delete_preset
-
         try:
             delete_preset(preset)
         except FaceEditError as error:
@@ -213,7 +195,8 @@ class FixCommands(QObject):
         self._finish()
         problem = editor.problems.problems[editor.problems.current]
         if problem.fix:
-            editor.proposal.offer(f"{problem.message}. Proposed fix is shown.", problem.fix)
+            message = f"{problem.message}. Proposed fix is shown."
+            editor.proposal.offer(message, problem.fix, "Fix problem")
 
     def fix_all(self) -> None:
         """Show what would mend all problems."""
@@ -224,7 +207,8 @@ class FixCommands(QObject):
         problems = [problem for problem in editor.problems.problems if problem.fix]
         edits = tuple(edit for problem in problems for edit in problem.fix)
         if edits:
-            editor.proposal.offer(f"Proposed fixes of {len(problems)} problems are shown.", edits)
+            count = counted(len(problems), "problem")
+            editor.proposal.offer(f"Proposed fixes of {count} are shown.", edits, f"Fix {count}")
 
     def accept(self) -> None:
         """Make what is proposed."""
@@ -276,8 +260,8 @@ class FixCommands(QObject):
             self.told.emit("Nothing was copied yet")
             return
         self._finish()
-        source = copied.mirrored() if mirrored else copied
-        self._put(source, self._timeline.time, "Pasted mirrored" if mirrored else "Pasted")
+        names = ("Pasted mirrored", "Paste mirrored") if mirrored else ("Pasted", "Paste")
+        self._put(copied.mirrored() if mirrored else copied, self._timeline.time, *names)
 
     def mirror(self) -> None:
         """Let left and right change places in the selection."""
@@ -288,9 +272,9 @@ class FixCommands(QObject):
             return
         self._finish()
         copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
-        self._put(copied.mirrored(), selection[0], "Mirrored")
+        self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
 
-    def _put(self, source: Clipboard, at: float, name: str) -> None:
+    def _put(self, source: Clipboard, at: float, name: str, step: str) -> None:
         edits = source.paste(at, self._timeline.falloff)
         if edits:
-            self.add(tuple(replace(edit, name=name) for edit in edits), name)
+            self.add(tuple(replace(edit, name=name) for edit in edits), name, step)

@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.file import PROJECT, FileCommands
@@ -144,10 +145,11 @@ class ProjectCommands(QObject):
         from faceedit_app.ui.state.clock import Unit
 
         line, view = self._timeline, project.view
-        fade_out = view.ui.get("falloff_out", view.falloff)
-        line.set_falloffs(
-            view.falloff, fade_out if isinstance(fade_out, int | float) else view.falloff
-        )
+        try:
+            fade_out = Fields(view.ui).number("falloff_out", view.falloff, 0.0)
+        except FieldError:
+            fade_out = view.falloff
+        line.set_falloffs(view.falloff, fade_out)
         if view.visible is not None:
             line.show_range(*view.visible)
         line.select(view.selection)

@@ -52,8 +52,8 @@ class BandMouse(QObject):
         """Put all edges somewhere, as numbers say."""
         self._placing = True
         self._show(band)
-        self._placing = False
         self.ended.emit()
+        self._placing = False
 
     @property
     def held(self) -> Edge | None:

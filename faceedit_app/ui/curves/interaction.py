@@ -9,13 +9,12 @@ from PySide6.QtCore import QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QMouseEvent, QWheelEvent
 
 from faceedit_app.core.regions import CONTROL_INDEX
-from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves.axes import zoomed_span
 from faceedit_app.ui.curves.band import BandMouse
 from faceedit_app.ui.curves.gestures import (
     Brush,
-    CurveDrag,
     Pan,
     brush_at,
     moved_together,
@@ -30,7 +29,7 @@ from faceedit_app.ui.state.tools import Tool, Tooling
 
 # Seconds between two previews: a mouse can report a thousand moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016
-NUDGE_MS = 900  # key presses closer together than this are one undo step
+_NOTHING = 1e-9  # mm: nudges up and down that lead back
 LEFT, MIDDLE, RIGHT = (
     Qt.MouseButton.LeftButton,
     Qt.MouseButton.MiddleButton,
@@ -50,13 +49,9 @@ class Interaction(QObject):
     """What the mouse does on the eight plots.
 
     Signals:
-        previewed(): the session shows another floating edit, or none any more.
-        committed(): a gesture ended in one more undo step.
         changed(): the pointer or the drag are elsewhere; nothing in the session changed.
     """
 
-    previewed = Signal()
-    committed = Signal()
     changed = Signal()
 
     def __init__(
@@ -77,8 +72,6 @@ class Interaction(QObject):
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.timeout.connect(self._preview)
-        self._nudges = QTimer(self, singleShot=True, interval=NUDGE_MS)
-        self._nudges.timeout.connect(self._finish)
         timeline.falloff_changed.connect(self._falloff_changed)
 
     @property
@@ -114,7 +107,6 @@ class Interaction(QObject):
 
     def press(self, plot: CurvePlot, event: QMouseEvent) -> None:
         """Left begins an edit or a click, middle a pan; right drops a drag as Esc does."""
-        self.settle()
         if self.session is None or (self._is_held and event.button() != RIGHT):
             return
         self._enter(plot, event.position())
@@ -140,7 +132,7 @@ class Interaction(QObject):
             self.let_go()
         if self._band.is_dragging:
             self._band.move(plot.current_scale, event)
-        elif self.drag is not None and not self._nudges.isActive():
+        elif self.drag is not None:
             self._drag_to(event)
             if self.is_dragging:
                 self._preview_soon()  # and marks with it: all plots are painted once, not twice
@@ -170,7 +162,7 @@ class Interaction(QObject):
         """The button went up where nobody saw it: keep what was dragged until then."""
         self._pan = None
         self._band.release()
-        if self.drag is None or self._nudges.isActive():
+        if self.drag is None:
             return
         if self.drag.moving:
             self._finish()
@@ -217,12 +209,10 @@ class Interaction(QObject):
         """Drop the drag in progress: curves, band and playhead go back to where they were."""
         drag, self.drag = self.drag, None
         self._timer.stop()
-        self._nudges.stop()
         self._band.cancel()
         if drag is not None and drag.moving and self.session is not None:
             self.session.cancel()
             self._timeline.go_to_frame(self._came_from)
-            self.previewed.emit()
         self.changed.emit()
 
     # --- the edit --------------------------------------------------------------------------
@@ -264,33 +254,18 @@ class Interaction(QObject):
     # --- the keyboard ----------------------------------------------------------------------
 
     def nudge(self, plot: CurvePlot, millimetres: float) -> None:
-        """Move a curve at the playhead, or the selection it stands in; close nudges are one."""
-        if self.session is None or self._band.is_dragging:
+        """Move a curve at the playhead, or the selection it stands in; nudges in a row are one."""
+        session, line = self.session, self._timeline
+        if session is None or self._is_held:
             return
-        drag, line = self.drag, self._timeline
-        mine = isinstance(drag, CurveDrag) and drag.control == plot.control.id
-        if not self._nudges.isActive() or not mine or drag is None or drag.time != line.time:
-            self.settle()
-            if self.drag is not None:  # the mouse is at it
-                return
-            self.plot = plot
-            self._pointer = QPointF(plot.current_scale.x_of(line.time), 0.0)
-            brush = brush_at(line.time, line.selection, line.falloff, line.falloff_out)
-            controls = self.edited_from(plot.control.id)
-            others = tuple(name for name in controls if name != plot.control.id)
-            hold = (brush.start, brush.end)
-            drag = CurveDrag(plot.control.id, line.time, hold, (0, 0), (0, 0), 1.0, others)
-            self._came_from = line.frame
-        assert isinstance(drag, CurveDrag)
-        self.drag = replace(drag, value=drag.value + millimetres, moving=True)
-        self._nudges.start()
-        self._preview()
-
-    def settle(self) -> None:
-        """Keep what the keyboard nudged."""
-        if self._nudges.isActive():
-            self._nudges.stop()
-            self._finish()
+        self.plot = plot
+        self._pointer = QPointF(plot.current_scale.x_of(line.time), 0.0)
+        brush = brush_at(line.time, line.selection, line.falloff, line.falloff_out)
+        edit = brush.edit(self.edited_from(plot.control.id), Op.OFFSET, millimetres)
+        edits, key = session.edits, ("nudge", replace(edit, value=0.0))
+        if session.extends(key):
+            edits, edit = edits[:-1], replace(edit, value=edits[-1].value + millimetres)
+        session.put(edits if abs(edit.value) < _NOTHING else (*edits, edit), merge=key)
 
     def _drag_to(self, event: QMouseEvent) -> None:
         assert self.drag is not None
@@ -320,10 +295,9 @@ class Interaction(QObject):
         self._timer.stop()
         edit = self._edit()
         if edit is not None:
+            self.drag = None
             session.preview(edit)
             session.commit()
-            self.drag = None
-            self.committed.emit()
         elif drag.moving:
             self.cancel()
         else:
@@ -348,4 +322,3 @@ class Interaction(QObject):
                 self._timeline.go_to_time(self._shown)
             self.session.preview(self._edit())
             self._last_preview = monotonic()
-            self.previewed.emit()

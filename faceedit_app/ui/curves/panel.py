@@ -47,18 +47,14 @@ _IDLE_HINTS = {
 class CurvesPanel(QWidget):
     """Eight curves on one time axis; dragging them edits the session.
 
-    The window opens the clip on the timeline and gives the session; the panel shows both and
-    repaints itself while it is dragged. Call `refresh` when anything else changed the session.
+    The window opens the clip on the timeline and gives the session; the panel shows both. Call
+    `refresh` when the session announces that it shows something else, in a drag as well.
 
     Signals:
-        edited(): each step of a drag, also when it is cancelled: the face must be redrawn.
-        committed(): a gesture ended in `session.commit()`: one more undo step.
         reshaped(): an edge of the selection is being dragged.
         reshape_ended(): it was let go of.
     """
 
-    edited = Signal()
-    committed = Signal()
     reshaped = Signal()
     reshape_ended = Signal()
 
@@ -135,8 +131,6 @@ class CurvesPanel(QWidget):
         self._band.moved.connect(self.reshaped)
         self._band.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
-        self._mouse.previewed.connect(self._previewed)
-        self._mouse.committed.connect(self._committed)
 
     # --- what the window uses --------------------------------------------------------------
 
@@ -163,10 +157,6 @@ class CurvesPanel(QWidget):
         """Move the curve that has the focus, at the playhead or in the selection there."""
         index = CONTROL_INDEX.get(self._mouse.focused or "", 0)
         self._mouse.nudge(self.plots[index], millimetres)
-
-    def settle(self) -> None:
-        """Bring a gesture of the keyboard to its end."""
-        self._mouse.settle()
 
     @property
     def is_reshaping(self) -> bool:
@@ -231,14 +221,6 @@ class CurvesPanel(QWidget):
         for header in self.headers:
             header.show_chosen(header.control.id in self._mouse.chosen)
         self._show_state()
-
-    def _previewed(self) -> None:
-        self.edited.emit()  # first: the face is drawn while the curves are painted
-        self.refresh()
-
-    def _committed(self) -> None:
-        self.refresh()
-        self.committed.emit()
 
     def _show_view(self) -> None:
         """Value axes follow a zoom; a pan only makes them room, so that it does not shake."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QSizePolicy, QWidget
 
 from faceedit_app.ui.curves import style
@@ -14,7 +14,13 @@ _LONGEST = 1e6
 
 
 class RangeFields(QWidget):
-    """Four number fields, in two rows beside the ruler."""
+    """Four number fields, in two rows beside the ruler.
+
+    Signals:
+        left(): Enter was pressed, or the focus went elsewhere: a gesture on a number is over.
+    """
+
+    left = Signal()
 
     def __init__(self, timeline: Timeline, band: BandMouse, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -60,6 +66,7 @@ class RangeFields(QWidget):
         box.setAccessibleName(name)
         box.setFont(style.scaled_font(self, 0.88))
         box.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        box.editingFinished.connect(self.left)
         # Enter hands the keys back to the curves.
         box.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
         return box

@@ -105,9 +105,10 @@ class MoodDialog(QDialog):
         """Make the edits, or leave the take as it was."""
         self._timer.stop()
         edits = self.edits
-        self._document.cancel()
         if result == QDialog.DialogCode.Accepted and edits:
             self._make(edits)
+        else:
+            self._document.cancel()
         super().done(result)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt, QTimer
+from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -15,7 +15,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QListView,
     QMenu,
-    QSlider,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -23,6 +22,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.ui.edits.delegate import EditsDelegate
 from faceedit_app.ui.edits.model import EditsModel
+from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import caption, icon_button
 from faceedit_app.ui.state.actions import Actions
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from faceedit_app.editing.edits.edit import Edit
 
 STRONGEST = 150  # per cent
-_KEYS_MS = 500  # key presses closer together than this are one gesture
 _EMPTY = (
     "No edits yet. Drag a curve, or press one of the fixes above.\n"
     "Everything you do is listed here, and can be weakened, switched off or deleted."
@@ -53,13 +52,12 @@ class EditsPanel(QWidget):
         self.percent, self.title = QLabel(), QLabel()
         self._pages = QStackedWidget()
         self._showing = False  # our own selection of the range, not the user's
-        self._strengthening = False  # what floats is the slider's
+        self._is_dragged = False  # the strength: what is previewed is the slider's
+        self._is_reshaped = False  # the selected edit: what is previewed is its other range
         self._brought: int | None = None  # row to which the selected edit is being moved
         self.is_tied = False  # the range on the curves is the selected edit's
         self._own_falloffs: tuple[float, float] | None = None  # the user's, while it is tied
         self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
-        self._gesture = QTimer(self, singleShot=True, interval=_KEYS_MS)
-        self._gesture.timeout.connect(self.settle)
         self._build()
         selection = self.list.selectionModel()
         selection.currentChanged.connect(self._chosen)
@@ -112,15 +110,13 @@ class EditsPanel(QWidget):
         column.addLayout(bar)
         column.addWidget(self._pages, 1)
 
-    def _slider(self) -> QSlider:
-        slider = QSlider(Qt.Orientation.Horizontal)
-        slider.setRange(0, STRONGEST)
-        slider.setPageStep(10)
-        slider.setFixedWidth(130)
+    def _slider(self) -> GestureSlider:
+        slider = GestureSlider(0, STRONGEST, 130)
         slider.setToolTip("How much of the selected edit is made. 100 %: as you made it.")
-        slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        slider.valueChanged.connect(self._strengthen)
-        slider.sliderReleased.connect(self.settle)
+        slider.dragged.connect(self._drag_strength)
+        slider.sliderReleased.connect(self._released)
+        slider.stepped.connect(self._step_strength)
+        slider.left.connect(self._document.seal)
         return slider
 
     # --- which edit --------------------------------------------------------------------------
@@ -252,7 +248,7 @@ class EditsPanel(QWidget):
         for name in MENU:
             self._actions[name].setEnabled(row is not None)
         self.strength.setEnabled(row is not None)
-        if self.strength.isSliderDown() or self._gesture.isActive():
+        if self.strength.isSliderDown():
             return
         percent = 100 if row is None else round(100 * self.model.edits[row].strength)
         with QSignalBlocker(self.strength):
@@ -261,25 +257,42 @@ class EditsPanel(QWidget):
 
     # --- changing it -------------------------------------------------------------------------
 
-    def _strengthen(self, percent: int) -> None:
-        rows = self.rows
-        if not rows:
-            return
-        self.percent.setText(f"{percent} %")
+    def _strengthened(self, percent: int) -> list[Edit]:
+        """The list with the selected edits made weaker or stronger."""
         edits = list(self.model.edits)
-        for row in rows:
-            edits[row] = replace(edits[row], strength=percent / 100)
-        self._strengthening = True
-        self._document.preview_list(edits)
-        if not self.strength.isSliderDown():
-            self._gesture.start()
+        for row in self.rows:
+            if percent != round(100 * edits[row].strength):
+                edits[row] = replace(edits[row], strength=percent / 100)
+        return edits
+
+    def _drag_strength(self, percent: int) -> None:
+        self._is_dragged = True
+        self.percent.setText(f"{percent} %")
+        edits = self._strengthened(percent)
+        self._document.act(lambda session: session.preview_list(edits))
+
+    def _step_strength(self, percent: int) -> None:
+        edits, rows = self._strengthened(percent), tuple(self.rows)
+        self._document.act(lambda session: session.put(edits, "Strength", ("strength", rows)))
 
     def settle(self) -> None:
-        """Bring a gesture on the slider to its end: one undo step."""
-        self._gesture.stop()
-        if self._strengthening:
-            self._strengthening = False
-            self._document.commit()
+        """Commit a drag of the strength."""
+        if self._is_dragged:
+            self._is_dragged = False
+            self._document.commit("Strength")
+
+    def cancel(self) -> bool:
+        """Drop a drag of the strength; False if there is none."""
+        if not self._is_dragged:
+            return False
+        self._is_dragged = False
+        self.strength.drop()
+        self._document.cancel()
+        return True
+
+    def _released(self) -> None:
+        self.settle()
+        self._sync()
 
     def reshape(self, start: float, end: float, fade_in: float, fade_out: float) -> None:
         """The edges of the selected edit's range are being dragged."""
@@ -287,7 +300,16 @@ class EditsPanel(QWidget):
         if row is None or not self.is_tied:
             return
         edit = self.model.edits[row].stretched(start, end)
-        self._document.preview_replace(row, replace(edit, falloff=fade_in, falloff_out=fade_out))
+        shaped = replace(edit, falloff=fade_in, falloff_out=fade_out)
+        self._is_reshaped = True
+        self._document.act(lambda session: session.preview_replace(row, shaped))
+
+    def end_reshape(self) -> None:
+        """The edges were let go of, are back where they were, or were put there by a number."""
+        if self._is_reshaped:
+            self._is_reshaped = False
+            by_number = self.reshaping()
+            self._document.commit("Range", ("range", self.current) if by_number else None)
 
     def delete(self) -> None:
         """Take the selected edits out."""
@@ -308,7 +330,8 @@ class EditsPanel(QWidget):
             on = not edits[rows[0]].enabled
             for row in rows:
                 edits[row] = replace(edits[row], enabled=on)
-            self._document.act(lambda session: session.put(edits))
+            name = f"Switch {'edit' if len(rows) == 1 else 'edits'} {'on' if on else 'off'}"
+            self._document.act(lambda session: session.put(edits, name))
 
     def rename(self) -> None:
         """Type another name."""

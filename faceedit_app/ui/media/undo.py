@@ -1,72 +1,87 @@
-"""What is done with sound and film is undone and redone like all else."""
+"""What is done with sound and film is previewed, committed, undone and redone like all else."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject
 
+from faceedit_app.editing.edits.media import Placement, describe_change
 from faceedit_app.ui.media.take_media import Media
 from faceedit_app.ui.state.document import Document
 
-if TYPE_CHECKING:  # the window is there before it is imported
-    from faceedit_app.editing.session import EditState
+if TYPE_CHECKING:  # the window is there before the solver is imported
+    from faceedit_app.editing.session import EditSession
 
-NUDGE_MS = 900  # changes of an offset closer together than this are one undo step
+_NUMBERS = "offset"  # merge key: the arrows and wheel ticks of an offset's number are one step
 
 
 class MediaSteps(QObject):
-    """Keeps the media's placement as steps of the document, and follows its undo and redo."""
+    """Takes the media's placement to the session, and brings the session's back to the media."""
 
     def __init__(self, document: Document, media: Media) -> None:
         super().__init__(document)
         self._document, self._media = document, media
-        self._waits = False  # for the end of a gesture on the curves, which no step may cut
+        self._is_previewed = False  # a drag of ours is what the session previews
+        self._waits = False  # for the end of another gesture, which no step may cut
         self._follows = False
-        self._nudged: EditState | None = None  # what the last change of a number led to
-        self._nudges = QTimer(self, singleShot=True, interval=NUDGE_MS)
         media.placed.connect(self._moved)
-        media.acted.connect(self.settle)
+        media.acted.connect(self._acted)
         document.changed.connect(self._follow)
         document.opened.connect(self._forget)
 
     def settle(self) -> None:
-        """What was done is a step; what comes now is another one."""
-        self._nudges.stop()
+        """Commit what was done."""
         self._keep()
+
+    def _acted(self) -> None:
+        """A gesture is over: what comes now is a step of its own."""
+        self._keep()
+        self._document.seal()
 
     def _moved(self) -> None:
-        """An offset was changed: at once a step, which the next change soon after extends."""
-        if self._follows or self._media.is_held:
+        """An offset is another one: a drag previews it, a number commits it."""
+        if self._follows:
+            return
+        if not self._media.is_held:
+            self._keep(_NUMBERS)
             return
         session = self._document.session
-        if self._nudges.isActive() and session is not None and session.state is self._nudged:
-            session.undo()
-        self._keep()
-        self._nudged = session.state if session is not None else None
-        self._nudges.start()
+        if session is not None and (self._is_previewed or not session.is_previewing):
+            self._is_previewed = True
+            session.preview_media(self._media.placement)
 
-    def _keep(self) -> None:
-        session = self._document.session
+    def _keep(self, merge: str | None = None) -> None:
+        session, placement = self._document.session, self._media.placement
         if session is None or self._media.is_held:
             return
-        self._waits = session.is_floating
-        placement = self._media.placement
-        if not self._waits and placement != (session.state.media or self._media.base):
-            self._document.act(lambda session: session.place(placement))
+        self._waits = session.is_previewing and not self._is_previewed
+        if self._waits:
+            return
+        self._is_previewed = False
+        before = self._placement_of(session)
+        if placement != before:
+            session.place(placement, describe_change(before, placement), merge)
+        else:
+            session.cancel()
+
+    def _placement_of(self, session: EditSession) -> Placement:
+        return session.state.media or self._media.base
 
     def _follow(self) -> None:
-        """The document is elsewhere: after an undo, sound and film go there too."""
+        """The session is elsewhere: after an undo, sound and film go there too."""
         session = self._document.session
-        if session is None or self._media.is_held or self._follows:
+        if session is None:
+            return
+        self._is_previewed &= session.is_previewing
+        if self._media.is_held or self._follows:
             return
         if self._waits:
             self._keep()
             return
         self._follows = True
-        self._media.show(session.state.media or self._media.base)
+        self._media.show(self._placement_of(session))
         self._follows = False
 
     def _forget(self) -> None:
-        self._nudges.stop()
-        self._waits = False
+        self._is_previewed = self._waits = False

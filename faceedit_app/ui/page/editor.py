@@ -106,13 +106,12 @@ class Editor(QWidget):
         self.solving = Solving(document, timeline, self)
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)
-        self.curves.edited.connect(self._dragged)
-        self.curves.committed.connect(document.changed)
         document.changed.connect(self.curves.refresh)
         self.edits.reshaping = lambda: self.curves.is_reshaping
         document.previewed.connect(self._previewed)
         self.curves.reshaped.connect(self._reshape)
-        self.curves.reshape_ended.connect(self._end_reshape)
+        self.curves.reshape_ended.connect(self.edits.end_reshape)
+        self.curves.fields.left.connect(document.seal)
 
     def _first_steps(self) -> tuple[Step, ...]:
         return (
@@ -151,12 +150,16 @@ class Editor(QWidget):
         self.solving.watch()
         self.strip.sync()
         self.edits.refresh()
-        self.proposal.gave_way()
         self.face.refresh()
 
     def drop(self) -> bool:
-        """Esc: no more hints, or nothing proposed any more; False if there was neither."""
-        return self.hints.finish() or self.proposal.discard()
+        """Esc: no more hints, no drag of a slider, nothing proposed; False if there was none."""
+        return (
+            self.hints.finish()
+            or self.strip.cancel()
+            or self.edits.cancel()
+            or self.proposal.discard()
+        )
 
     def let_go(self) -> None:
         """The mouse is lost to another window: what was dragged until then is kept."""
@@ -171,35 +174,25 @@ class Editor(QWidget):
         self.edits.settle()
 
     def _previewed(self) -> None:
-        self.curves.refresh()
+        """The face comes first: it is drawn while the curves are painted."""
+        is_dragging = self.curves.is_dragging
+        if is_dragging:  # the face stays on the frame that is being changed
+            self._playback.pause()
         self.face.refresh()
+        if is_dragging:
+            self.face.viewport.hurry()
+        self.curves.refresh()
 
     def _solved(self) -> None:
         """All of a wide edit is computed."""
-        session = self._document.session
-        if session is not None and session.is_floating:
-            self._previewed()
-        else:
-            self._document.changed.emit()
+        self._previewed()
+        self.strip.sync()
 
     def _reshape(self) -> None:
         """The edges of the selected edit are its range's."""
         line = self._timeline
         if line.selection is not None:
             self.edits.reshape(*line.selection, line.falloff, line.falloff_out)
-
-    def _end_reshape(self) -> None:
-        session = self._document.session
-        if session is not None and session.is_floating:
-            self._document.commit()
-
-    def _dragged(self) -> None:
-        self.proposal.gave_way()
-        # The face stays on the frame that is being changed.
-        self._playback.pause()
-        self.face.refresh()
-        self.face.viewport.hurry()
-        self.solving.begin()
 
 
 def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:

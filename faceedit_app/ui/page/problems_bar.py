@@ -77,7 +77,7 @@ class ProblemsBar(QWidget):
         session = self._document.session
         if session is None:
             return
-        if session.is_floating or not session.live.is_complete:
+        if session.is_previewing or not session.live.is_complete:
             self._timer.start()
         elif len(session.take.clip) < _LONG:
             self.search()
@@ -108,7 +108,7 @@ class ProblemsBar(QWidget):
         session = self._document.session
         if session is None:
             return
-        if session.is_floating:
+        if session.is_previewing:
             self._timer.start()
             return
         from faceedit_app.editing.help.problems import find_problems

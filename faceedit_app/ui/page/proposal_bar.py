@@ -23,6 +23,7 @@ class ProposalBar(QFrame):
         super().__init__()
         self._actions, self._document = actions, document
         self._showing = False  # what is previewed now is ours
+        self._name = ""
         self.setObjectName("proposal")
         self.text = Elided()
         row = QHBoxLayout(self)
@@ -41,9 +42,10 @@ class ProposalBar(QFrame):
         """Whether something is proposed."""
         return not self.isHidden()
 
-    def offer(self, text: str, edits: Sequence[Edit]) -> None:
-        """Show edits as if they were made."""
+    def offer(self, text: str, edits: Sequence[Edit], name: str) -> None:
+        """Show edits as if they were made; `name` is that of the step, should it be accepted."""
         self.discard()
+        self._name = name
         self.text.setText(text)
         self.text.setToolTip(text)
         self._enable(True)
@@ -52,10 +54,10 @@ class ProposalBar(QFrame):
         self._showing = False
 
     def accept(self) -> None:
-        """Make them: one undo step."""
+        """Make them: one step."""
         if self.is_open:
             self._close()
-            self._document.commit()
+            self._document.commit(self._name)
 
     def discard(self) -> bool:
         """Drop them; False if nothing was proposed."""
@@ -64,10 +66,6 @@ class ProposalBar(QFrame):
         self._close()
         self._document.cancel()
         return True
-
-    def gave_way(self) -> None:
-        """Another gesture shows something else now."""
-        self._close()
 
     def _other(self) -> None:
         if self.is_open and not self._showing:

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from PySide6.QtCore import QObject, QSignalBlocker, Qt, QTimer
-from PySide6.QtWidgets import QLabel, QSlider
+from PySide6.QtWidgets import QLabel
 
+from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.state.document import Document
 
-_LIVE_MS = 40  # a gesture on the slider is answered at most this often
-_LIVE_COST = 0.1  # seconds; when an answer takes longer, it waits for the end of the gesture
-_KEYS_MS = 500  # key presses closer together than this are one gesture
+if TYPE_CHECKING:  # the window is there before the solver is imported
+    from faceedit_app.editing.edits.settings import Settings
+
+_LIVE_MS = 40  # a drag is previewed at most this often
+_LIVE_COST = 0.1  # seconds; when an answer takes longer, it waits for the release
 
 
 class SettingSlider(QObject):
-    """0 to 100 %; a gesture on it is one undo step.
+    """0 to 100 %; a drag of it is one step, and so are keys and wheel ticks in a row.
 
     Args:
         document: whose settings it changes.
@@ -25,7 +28,7 @@ class SettingSlider(QObject):
         tip: what it does, for the tooltip.
 
     Attributes:
-        cost: seconds that the last answer took.
+        cost: seconds that the last preview took.
     """
 
     def __init__(
@@ -33,63 +36,81 @@ class SettingSlider(QObject):
     ) -> None:
         super().__init__()
         self._document, self._setting = document, setting
-        self.slider = QSlider(Qt.Orientation.Horizontal)
-        self.slider.setRange(0, 100)
-        self.slider.setPageStep(10)
-        self.slider.setFixedWidth(88)
+        self.slider = GestureSlider(0, 100, 88)
         self.slider.setToolTip(tip)
-        # The mouse leaves the focus where it is, so that the arrows go on moving the playhead.
-        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.slider.valueChanged.connect(self._moved)
-        self.slider.sliderReleased.connect(self.settle)
+        self.slider.valueChanged.connect(self._show_percent)
+        self.slider.dragged.connect(self._dragged)
+        self.slider.sliderReleased.connect(self._released)
+        self.slider.stepped.connect(self._stepped)
+        self.slider.left.connect(document.seal)
         self.percent = QLabel()
         self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100 %"))
-        self._stepped, self._pending, self.cost = False, False, 0.0
+        self._is_dragged, self.cost = False, 0.0
         self._live = QTimer(self, singleShot=True, interval=_LIVE_MS)
-        self._live.timeout.connect(self._configure)
-        self._gesture = QTimer(self, singleShot=True, interval=_KEYS_MS)
-        self._gesture.timeout.connect(self._end_gesture)
+        self._live.timeout.connect(self._preview)
 
-    def _moved(self, value: int) -> None:
+    def _show_percent(self, value: int) -> None:
         self.percent.setText(f"{value} %")
-        self._pending = True
-        affordable = self.cost < _LIVE_COST or not self.slider.isSliderDown()
-        if affordable and not self._live.isActive():
+
+    def _dragged(self) -> None:
+        self._is_dragged = True
+        if self.cost < _LIVE_COST and not self._live.isActive():
             self._live.start()
-        if not self.slider.isSliderDown():
-            self._gesture.start()
 
-    def settle(self) -> None:
-        """Bring a gesture on the slider to its end now."""
-        self._live.stop()
-        if self._pending:
-            self._configure()
-        self._end_gesture()
-
-    def _configure(self) -> None:
-        session, began = self._document.session, time.perf_counter()
-        self._pending = False
-        if session is None:
-            return
-        share = self.slider.value() / 100
-        if self._setting == "reach":
-            settings = replace(session.settings, reach=share)
-        else:
-            settings = replace(session.settings, naturalness=share)
-        self._stepped = self._document.configure(settings, replace_step=self._stepped)
+    def _preview(self) -> None:
+        began = time.perf_counter()
+        self._document.act(lambda session: session.preview_settings(self._wanted(session.settings)))
         self.cost = time.perf_counter() - began
 
-    def _end_gesture(self) -> None:
-        self._gesture.stop()
-        self._stepped = False
+    def settle(self) -> None:
+        """Commit what was dragged."""
+        self._live.stop()
+        if self._is_dragged:
+            self._is_dragged = False
+            self._preview()
+            self._document.commit(self._setting.capitalize())
+
+    def cancel(self) -> bool:
+        """Drop the drag in progress; False if there is none."""
+        if not self._is_dragged:
+            return False
+        self._live.stop()
+        self._is_dragged = False
+        self.slider.drop()
+        self._document.cancel()
+        self.sync()
+        return True
+
+    def _released(self) -> None:
+        self.settle()
+        self.sync()
+
+    def _stepped(self) -> None:
+        self._document.act(
+            lambda session: session.configure(self._wanted(session.settings), self._setting)
+        )
+
+    def _wanted(self, settings: Settings) -> Settings:
+        """The settings as the slider asks for them; where it asks for nothing new, the same."""
+        percent = self.slider.value()
+        if percent == self._percent_of(settings):
+            return settings
+        if self._setting == "reach":
+            return replace(settings, reach=percent / 100)
+        return replace(settings, naturalness=percent / 100)
+
+    def _percent_of(self, settings: Settings) -> int:
+        share = settings.reach if self._setting == "reach" else settings.naturalness
+        return round(100 * share)
 
     def sync(self) -> None:
         """Show what the open take is answered by."""
         session = self._document.session
         self.slider.setEnabled(session is not None)
-        percent = 100 if session is None else round(100 * getattr(session.settings, self._setting))
-        if not (self._pending or self.slider.isSliderDown()):
-            with QSignalBlocker(self.slider):
-                self.slider.setValue(percent)
-            self.percent.setText(f"{percent} %")
+        if self._is_dragged or self.slider.isSliderDown():
+            return
+        percent = 100 if session is None else self._percent_of(session.settings)
+        with QSignalBlocker(self.slider):
+            self.slider.setValue(percent)
+        self._show_percent(percent)

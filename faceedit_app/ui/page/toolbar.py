@@ -6,6 +6,7 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLayout, QMenu, QSlider, QToolButton, QWidget
 
+from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.look.widgets import bar_row, caption, divider, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.tools import SMOOTH_RANGE, Tool, Tooling
@@ -30,7 +31,11 @@ class ToolBar(QWidget):
         row.addWidget(divider())
         row.addWidget(icon_button(actions["link"], "tool", "Left = right"))
         row.addWidget(divider())
-        self.fixes = [icon_button(actions[name], "tool", text) for name, text in _FIXES.items()]
+        self.fixes = [
+            icon_button(actions[f"fix_{fix.id}"], "tool", fix.name)
+            for fix in shipped_presets()
+            if fix.has_button
+        ]
         for button in self.fixes:
             row.addWidget(button)
         row.addWidget(self._more(actions))
@@ -54,8 +59,9 @@ class ToolBar(QWidget):
     def _more(actions: Actions) -> QToolButton:
         """The fixes that have no button of their own, and the user's presets."""
         menu = QMenu()
-        for name in ("open_eyes", "sad_mouth", "pucker", "widen"):
-            menu.addAction(actions[f"fix_{name}"])
+        for fix in shipped_presets():
+            if not fix.has_button:
+                menu.addAction(actions[f"fix_{fix.id}"])
         menu.addAction(actions["mood"])
         menu.addSeparator()
         menu.addMenu(actions.presets_menu)
@@ -111,11 +117,4 @@ _SHORT = {
     "tool_scale": "Scale",
     "tool_flatten": "Flatten",
     "tool_restore": "Back to tracked",
-}
-_FIXES = {
-    "fix_close_lips": "Close lips",
-    "fix_blink": "Blink",
-    "fix_smile": "Smile",
-    "fix_calm_down": "Calm down",
-    "fix_exaggerate": "Exaggerate",
 }

@@ -79,7 +79,6 @@ def _work(app: QApplication, window: MainWindow, output: Path) -> list[Path]:
     written = [_grab(app, window, output / "window_before.png")]
     written += _face(session, window.timeline.frame, output / "face_before.png")
     session.add(edit)
-    window.document.changed.emit()
     written.append(_grab(app, window, output / "window_after.png"))
     written += _face(session, window.timeline.frame, output / "face_after.png")
     take, edits = output / "demo_take_edited.csv", output / "demo_take_edits.json"

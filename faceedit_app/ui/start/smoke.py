@@ -70,7 +70,6 @@ class _Session(QObject):
         edit = sample_edit(document.session)
         self._window.timeline.go_to_time((edit.start + edit.end) / 2)
         document.session.add(edit)
-        document.changed.emit()
         QTimer.singleShot(_UNHURRIED, self._finish)
 
     def _finish(self) -> None:

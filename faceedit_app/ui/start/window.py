@@ -208,7 +208,7 @@ class MainWindow(WindowBase):
         """
         rig = loading.load_character()
         try:
-            self.document.engine = loading.load_engine()
+            self.document.engine = loading.load_engine(rig)
             self.status.set_networks("ready")
         except FaceEditError as error:
             self._do_without_engine(error)
@@ -245,14 +245,16 @@ class MainWindow(WindowBase):
         if rig.missing_note:
             self.banner.say(rig.missing_note)
         self._background.run(
-            loading.prepare_renderer, lambda _: self._want_face(), self._show_error
+            loading.prepare_renderer, lambda _: self._want_face(rig), self._show_error
         )
 
-    def _want_face(self) -> None:
+    def _want_face(self, rig: Rig) -> None:
         """The face is drawn as soon as there is a take to see it in."""
         self._face_wanted = True
         self._open_face()
-        self._background.run(loading.load_engine, self._use_engine, self._do_without_engine)
+        self._background.run(
+            lambda: loading.load_engine(rig), self._use_engine, self._do_without_engine
+        )
 
     def _open_face(self) -> None:
         if self._face_wanted and self.document.session is not None and self._rig is not None:

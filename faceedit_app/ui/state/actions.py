@@ -10,6 +10,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu
 
 from faceedit_app.core.controls import CONTROLS
+from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.look.icons import icon
 
 MENUS = ("File", "Edit", "Tools", "Fix", "View", "Playback", "Help")
@@ -132,26 +133,14 @@ COMMANDS: tuple[Command, ...] = (
     Command("lower_fine", "Tools", "Lower a little", ("Ctrl+Shift+Down",),
             "Lower the curve that has the focus by 0.05 mm"),
 
-    Command("fix_close_lips", "Fix", "Close &lips", ("Ctrl+1",),
-            "Lips meet: the nearest closure that stayed open, else at the playhead", "lips"),
-    Command("fix_blink", "Fix", "&Blink", ("Ctrl+2",),
-            "Both eyes blink; a blink that stopped half-way is completed", "blink"),
-    Command("fix_open_eyes", "Fix", "&Open eyes", ("Ctrl+3",),
-            "Eyes as open as they usually are in this take", "eye"),
-    Command("fix_smile", "Fix", "&Smile", ("Ctrl+4",),
-            "Lift the mouth corners: in the selection, else in the whole take", "smile",
-            starts_group=True),
-    Command("fix_sad_mouth", "Fix", "S&ad mouth", ("Ctrl+5",),
-            "Lower the mouth corners: in the selection, else in the whole take", "sad"),
+    *(
+        Command(f"fix_{fix.id}", "Fix", fix.menu, (fix.key,) if fix.key else (), fix.hint, fix.icon,
+                starts_group=before is not None and before.group != fix.group)
+        for before, fix in zip((None, *shipped_presets()), shipped_presets(), strict=False)
+    ),
     Command("mood", "Fix", "Smile or sad by a slider…", ("Ctrl+0",),
-            "Set how happy the mouth is: in the selection, else in the whole take"),
-    Command("fix_pucker", "Fix", "&Pucker", ("Ctrl+6",), "Purse the lips"),
-    Command("fix_widen", "Fix", "&Widen", ("Ctrl+7",), "Draw the mouth wide"),
-    Command("fix_calm_down", "Fix", "&Calm down", ("Ctrl+8",),
-            "Less of everything: in the selection, else in the whole take", "calm",
+            "Set how happy the mouth is: in the selection, else in the whole take",
             starts_group=True),
-    Command("fix_exaggerate", "Fix", "&Exaggerate", ("Ctrl+9",),
-            "More of everything: in the selection, else in the whole take", "exaggerate"),
     Command("presets", "Fix", "My p&resets", starts_group=True),
     Command("save_preset", "Fix", "Sa&ve selection as preset…",
             tip="Keep the edits of the selection under a name, to use them elsewhere"),

@@ -1,7 +1,7 @@
 """What takes long, away from the window: reading takes, the character, the networks.
 
-The imports stand inside the functions because they are what takes long: torch, scipy and
-pyrender are first imported here, in a thread, while the window is already up.
+The imports stand inside the functions because they are what takes long: the solver, the networks
+and pyrender are first imported here, in a thread, while the window is already up.
 """
 
 from __future__ import annotations
@@ -14,8 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
-
-from faceedit_app.core.resources import shipped
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -31,21 +29,20 @@ def load_character() -> Rig:
     Raises:
         FileError: it is missing or damaged.
     """
-    from faceedit_app.characters.glb import read_rig
+    from faceedit_app.editing.opening import shipped_rig
 
-    return read_rig(shipped("assets/character.glb"))
+    return shipped_rig()
 
 
 def open_session(path: Path, rig: Rig) -> EditSession:
-    """Read a take.
+    """Read a take, to be edited without networks until they are loaded.
 
     Raises:
         FileError: it is no take, or a damaged one.
     """
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.formats.opening import open_take
+    from faceedit_app.editing import opening
 
-    return EditSession(open_take(path), rig)
+    return opening.open_session(path, rig)
 
 
 def prepare_renderer() -> None:
@@ -60,15 +57,15 @@ def prepare_renderer() -> None:
         return  # opening the renderer meets it again, and says so where it can be shown
 
 
-def load_engine() -> Engine:
+def load_engine(rig: Rig) -> Engine:
     """The shipped networks.
 
     Raises:
-        FileError: they are missing or damaged.
+        FileError: they are missing or damaged, or for another character.
     """
-    from faceedit_app.networks.engine import Engine
+    from faceedit_app.editing.opening import load_engine
 
-    return Engine.load(shipped("models"))
+    return load_engine(rig)
 
 
 class Background(QObject):

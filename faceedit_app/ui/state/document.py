@@ -1,22 +1,19 @@
-"""The open take and what is done to it: the doing behind the menus, without any dialog."""
+"""The open take as the window knows it: its session, its files and its journal."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
-from faceedit_app.core.controls import CONTROL_IDS
-
-if TYPE_CHECKING:  # torch comes with these; the window is there before it
+if TYPE_CHECKING:  # the window is there before the solver and the networks are imported
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
     from faceedit_app.editing.files.journal import Journal
     from faceedit_app.editing.files.project import View
     from faceedit_app.editing.session import EditSession
-    from faceedit_app.editing.solving.solver import Settings
     from faceedit_app.networks.engine import Engine
 
 _SLICE = 0.02  # seconds
@@ -24,18 +21,20 @@ _NO_INPUT = QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents
 
 
 class Document(QObject):
-    """Holds the edit session and tells the views when something changed.
+    """Holds the session, and passes on what it announces: the one way from it to the views.
+
+    Whoever changes something calls the session and says nothing to the views.
 
     Signals:
         opened(): another take is open.
-        changed(): edits, settings or the networks changed; all curves and the face may differ.
-        previewed(): the session shows a gesture in progress: curves and face differ.
+        previewed(): a gesture is in progress: curves and face differ from what is kept.
+        changed(): edits, settings, media or networks changed, or a gesture was dropped.
         saved(): the edits are exported or saved.
     """
 
     opened = Signal()
-    changed = Signal()
     previewed = Signal()
+    changed = Signal()
     saved = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -57,17 +56,28 @@ class Document(QObject):
         if self.engine is not None and not session.has_engine:
             session.use_engine(self.engine)
         self.close_journal()
+        if self.session is not None:
+            self.session.previewed.disconnect(self._pass_on_preview)
+            self.session.changed.disconnect(self._pass_on_change)
         self.session, self.path, self.project = session, session.take.path, project
+        session.previewed.connect(self._pass_on_preview)
+        session.changed.connect(self._pass_on_change)
         if self.keeps_journal:
             self._open_journal(session)
         self.opened.emit()
 
+    def _pass_on_preview(self) -> None:
+        self.previewed.emit()
+
+    def _pass_on_change(self) -> None:
+        self.changed.emit()
+
     def _open_journal(self, session: EditSession) -> None:
-        """Write down every finished gesture from now on; what is not saved yet, at once."""
+        """Write down every step from now on; what is not saved yet, at once."""
         from faceedit_app.editing.files.journal import Journal
 
         self._journal = Journal(session.take.path, self.project)
-        session.on_finished = self._journal.record
+        session.stepped.connect(self._journal.record)
         if not session.is_exported:
             self._journal.record(session.state)
 
@@ -80,7 +90,7 @@ class Document(QObject):
         """Nothing needs to be recovered: all is saved, or not wanted."""
         if self._journal is not None:
             if self.session is not None:
-                self.session.on_finished = None
+                self.session.stepped.disconnect(self._journal.record)
             self._journal.close()
             self._journal = None
 
@@ -91,95 +101,43 @@ class Document(QObject):
                 self._journal.record(self.session.state)  # media are in no export
         self.saved.emit()
 
+    # --- what views and commands do where a take is open ---------------------------------------
+
+    def act(self, work: Callable[[EditSession], object]) -> None:
+        """Do something with the session, if there is one."""
+        if self.session is not None:
+            work(self.session)
+
     def use_engine(self, engine: Engine) -> None:
         """Answer by the networks from now on."""
         self.engine = engine
-        if self.session is not None:
-            self.session.use_engine(engine)
-            self.changed.emit()
-
-    def act(self, work: Callable[[EditSession], object]) -> None:
-        """Do something with the session that ends in an undo step, and tell."""
-        if self.session is not None:
-            work(self.session)
-            self.changed.emit()
-
-    def preview_replace(self, index: int, edit: Edit) -> None:
-        """Show the take with another edit in place of one: a gesture in progress."""
-        if self.session is not None:
-            self.session.preview_replace(index, edit)
-            self.previewed.emit()
-
-    def preview_list(self, edits: Sequence[Edit]) -> None:
-        """Show the take with another list of edits: a gesture in progress."""
-        if self.session is not None:
-            self.session.preview_list(edits)
-            self.previewed.emit()
+        self.act(lambda session: session.use_engine(engine))
 
     def preview(self, *edits: Edit) -> None:
         """Show the take with more edits: they are proposed."""
-        if self.session is not None:
-            self.session.preview(*edits)
-            self.previewed.emit()
+        self.act(lambda session: session.preview(*edits))
 
-    def commit(self) -> None:
-        """Keep what is shown as one undo step."""
-        self.act(lambda session: session.commit())
+    def commit(self, name: str = "", merge: Hashable = None) -> None:
+        """Keep what is previewed as one step."""
+        self.act(lambda session: session.commit(name, merge))
+
+    def seal(self) -> None:
+        """End the last gesture for good: whatever comes now is a step of its own."""
+        self.act(lambda session: session.seal())
 
     def cancel(self) -> bool:
-        """Drop what is shown and not kept; False if there was no such thing."""
-        if self.session is None or not self.session.is_floating:
-            return False
-        self.act(lambda session: session.cancel())
-        return True
+        """Drop what is previewed; False if nothing was."""
+        return self.session is not None and self.session.cancel()
 
     def undo(self) -> None:
         """Take the last step back."""
-        if self.session is not None and self.session.can_undo:
-            self.session.undo()
-            self.changed.emit()
+        self.act(lambda session: session.undo())
 
     def redo(self) -> None:
         """Take the step again."""
-        if self.session is not None and self.session.can_redo:
-            self.session.redo()
-            self.changed.emit()
+        self.act(lambda session: session.redo())
 
-    def reset(
-        self,
-        start: float,
-        end: float,
-        falloff: float = 0.0,
-        controls: Sequence[str] = CONTROL_IDS,
-    ) -> None:
-        """Bring curves back to the take as tracked from `start` to `end` seconds.
-
-        Like any edit it fades out over `falloff` seconds on either side, so that no curve jumps.
-        """
-        from faceedit_app.editing.edits.edit import Edit, Op
-
-        if self.session is not None and controls and self.session.edits:
-            self.session.add(Edit(tuple(controls), Op.RESET, start, end, falloff))
-            self.changed.emit()
-
-    def configure(self, settings: Settings, replace_step: bool = False) -> bool:
-        """Answer by other settings, as one undo step.
-
-        Args:
-            replace_step: the last step was this gesture's own and gives way to the new one.
-
-        Returns:
-            Whether there is now a step of this gesture.
-        """
-        session = self.session
-        if session is None:
-            return False
-        if replace_step:
-            session.undo()
-        stepped = session.settings != settings
-        session.configure(settings)
-        self.changed.emit()
-        return stepped
+    # --- files ---------------------------------------------------------------------------------
 
     def export(self, path: Path) -> None:
         """Write the edited take.
@@ -231,4 +189,3 @@ class Document(QObject):
         """
         if self.session is not None:
             self.session.load_edits(path)
-            self.changed.emit()

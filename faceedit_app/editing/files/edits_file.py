@@ -1,0 +1,34 @@
+"""Edits files: a list of edits as JSON, for another take or for `faceedit apply`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.errors import FileError
+from faceedit_app.core.fields import FieldError, read_document, to_text
+from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
+
+VERSION = 1
+
+
+def write_edits(path: Path | str, edits: Iterable[Edit]) -> None:
+    """Save edits as a readable JSON file, one edit a line."""
+    lines = ",\n    ".join(to_text(to_json(edit)) for edit in edits)
+    text = f'{{\n  "version": {VERSION},\n  "edits": [\n    {lines}\n  ]\n}}\n'
+    write_atomically(path, text.encode())
+
+
+def read_edits(path: Path | str) -> tuple[Edit, ...]:
+    """Read an edits file.
+
+    Raises:
+        FileError: it cannot be read, is no edits file, or an edit in it is not usable.
+    """
+    path = Path(path)
+    fields = read_document(path, "edits file", VERSION)
+    try:
+        return edits_from(fields)
+    except FieldError as error:
+        raise FileError(path, str(error), "correct it, or choose an edits file") from error

@@ -1,0 +1,95 @@
+"""Which character a model was made for.
+
+Networks turn distances on one character into weights: the same answer means something else on a
+head of another size or with other blendshapes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.controls import CONTROL_INDEX, control_named
+from faceedit_app.core.rig import Rig
+
+TOLERANCE = 0.01  # mm: files round, and a hundredth changes no answer that anyone could see
+_DECIMALS = 4
+
+
+@dataclass(frozen=True)
+class MadeFor:
+    """A character as far as the answers of networks depend on it.
+
+    Attributes:
+        name: of the character.
+        controls: by control, (1 + 52, 3) mm: the vector between its control points on the neutral
+            face, and how each ARKit channel at weight 1 changes that vector.
+    """
+
+    name: str
+    controls: dict[str, Doubles]
+
+    @classmethod
+    def of(cls, rig: Rig, controls: Iterable[str]) -> MadeFor:
+        """What some controls measure on a rig."""
+        distances = rig.arkit_distances
+        places = {control: CONTROL_INDEX[control] for control in controls}
+        vectors = np.concatenate([distances.offsets[None], distances.gradients]).astype(np.float64)
+        rounded = np.round(vectors, _DECIMALS) + 0.0  # -0 is 0
+        return cls(rig.name, {control: rounded[:, place] for control, place in places.items()})
+
+    def difference(self, rig: Rig) -> str:
+        """How a rig differs from the character, in words; "" if it does not.
+
+        Controls that the rig lacks are not compared: the same head may name fewer.
+        """
+        here = MadeFor.of(rig, self.controls).controls
+        known = {name: v for name, v in self.controls.items() if name not in rig.missing_controls}
+        if not known:
+            return "this one has none of its controls"
+        for control, vectors in known.items():
+            if np.abs(vectors - here[control]).max() <= TOLERANCE:
+                continue
+            label = control_named(control).label.lower()
+            ours, theirs = (float(np.linalg.norm(v[0])) for v in (vectors, here[control]))
+            if abs(ours - theirs) > TOLERANCE:
+                return f"its {label} at rest is {ours:.1f} mm, here {theirs:.1f} mm"
+            return f"its blendshapes change the {label} otherwise"
+        return ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values; channels that do not move a control are left out."""
+        controls = {
+            control: {
+                "rest": vectors[0].tolist(),
+                "channels": {
+                    channel: move.tolist()
+                    for channel, move in zip(ARKIT_CHANNELS, vectors[1:], strict=True)
+                    if move.any()
+                },
+            }
+            for control, vectors in self.controls.items()
+        }
+        return {"name": self.name, "controls": controls}
+
+    @classmethod
+    def from_json(cls, entry: dict[str, Any]) -> MadeFor:
+        """Back from plain values.
+
+        Raises:
+            KeyError, TypeError, ValueError: they are not those of `to_json`.
+        """
+        controls = {}
+        for control, measured in entry["controls"].items():
+            vectors = controls[control] = np.zeros((1 + len(ARKIT_CHANNELS), 3))
+            vectors[0] = measured["rest"]
+            for channel, move in measured["channels"].items():
+                vectors[1 + ARKIT_INDEX[channel]] = move
+            if not np.isfinite(vectors).all():
+                raise ValueError(f"{control}: not finite")
+        return cls(str(entry["name"]), controls)

@@ -1,0 +1,133 @@
+"""The trained networks of one region, answering through ONNX Runtime."""
+
+from __future__ import annotations
+
+import stat
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import onnxruntime as ort
+
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.errors import FileError
+from faceedit_app.networks.description import KEY, REMEDY, Description
+from faceedit_app.networks.graph import INPUT, LARGEST, read_graph
+
+MEMORY = 256 << 20  # bytes, for all networks of the process; ours take about 10 MB
+LONGEST = 1_024  # frames that are tried out beside the context: more than the longest chunk
+LARGEST_WEIGHT = 1_000.0  # no network that was trained comes near
+
+
+class RegionAnswer:
+    """The trained networks of one region, ready to answer.
+
+    Args:
+        content: an ONNX file.
+        path: its name in messages.
+
+    Attributes:
+        description: what the file says about the networks.
+        columns: (C,) the places of their controls among all.
+
+    Raises:
+        FileError: it is no model, damaged, or one that this FaceEdit cannot use.
+    """
+
+    def __init__(self, content: bytes, path: Path) -> None:
+        self.path = path
+        try:
+            graph = read_graph(content)
+            self.description = about = Description.from_json(graph.texts[KEY], path)
+            if (graph.controls, graph.weights) != (len(about.controls), len(about.channels)):
+                raise ValueError(f"from {graph.controls} controls to {graph.weights} channels")
+            self.columns = [CONTROL_INDEX[control] for control in about.controls]
+            self._outputs = graph.outputs
+            self._session = _session(content)
+            self._try_out()
+        except FileError:
+            raise
+        except Exception as error:  # the runtime's own have no class in common
+            raise FileError(path, "is no FaceEdit model, or is damaged", REMEDY) from error
+
+    def __call__(self, curves: Floats, naturalness: float) -> Floats:
+        """(T, C) mm at 25 fps -> (T, K) weights, not bounded.
+
+        Args:
+            curves: of the description's controls; T is a multiple of its scale.
+            naturalness: 0 = regressor alone, 1 = full system; all the same to networks of one part.
+        """
+        wanted = [
+            name
+            for name, share in (("regressor", 1 - naturalness), ("system", naturalness))
+            if share > 0 and name in self._outputs
+        ]
+        answers: list[Floats] = self._session.run(wanted or ["system"], {INPUT: curves})
+        answer, *rest = answers
+        if rest:
+            answer = answer + np.float32(naturalness) * (rest[0] - answer)
+        if not np.isfinite(answer).all():  # networks that were tampered with: never into a take
+            answer = np.nan_to_num(answer, nan=0.0, posinf=LARGEST_WEIGHT, neginf=-LARGEST_WEIGHT)
+        return answer
+
+    def _try_out(self) -> None:
+        """Raise where the networks cannot answer what they will be asked."""
+        about = self.description
+        longest = about.scale * -(-(LONGEST + 2 * about.context) // about.scale)
+        for frames in (about.scale, longest):
+            curves = np.linspace(about.low, about.high, frames, dtype=np.float32)
+            answer = self(curves, 0.5)
+            if answer.shape != (frames, len(about.channels)):
+                raise ValueError(f"{frames} frames are answered by {answer.shape}")
+            if not np.abs(answer).max() < LARGEST_WEIGHT:
+                raise ValueError("answers that are no weights")
+
+
+def read_region(path: Path | str) -> RegionAnswer:
+    """Read a region's networks from their file.
+
+    Raises:
+        FileError: it is missing, no model, damaged, or one that this FaceEdit cannot use.
+    """
+    path = Path(path)
+    return RegionAnswer(read_bytes(path), path)
+
+
+def read_bytes(path: Path) -> bytes:
+    """The content of a model's file.
+
+    Raises:
+        FileError: it cannot be read, or is too large.
+    """
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe would never end
+            raise FileError(path, "is no file", REMEDY)
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FileError(path, f"cannot be read ({reason})", REMEDY) from error
+    if len(content) > LARGEST:
+        raise FileError(path, "is too large for a FaceEdit model", REMEDY)
+    return content
+
+
+def _session(content: bytes) -> ort.InferenceSession:
+    """On one thread, so that an answer depends on nothing but the curves."""
+    _prepare()
+    options = ort.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.execution_mode = ort.ExecutionMode.ORT_SEQUENTIAL
+    options.log_severity_level = 4  # what is wrong with a file is said by the exception
+    options.add_session_config_entry("session.use_env_allocators", "1")
+    return ort.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+
+
+@cache
+def _prepare() -> None:
+    """Limit the memory of all sessions, whatever a file asks for; send nothing anywhere."""
+    ort.disable_telemetry_events()
+    kind = ort.OrtAllocatorType.ORT_ARENA_ALLOCATOR
+    memory = ort.OrtMemoryInfo("Cpu", kind, 0, ort.OrtMemType.DEFAULT)
+    ort.create_and_register_allocator(memory, ort.OrtArenaCfg({"max_mem": MEMORY}))

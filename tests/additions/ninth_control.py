@@ -1,0 +1,153 @@
+"""What a further control does (run by tests/test_where_to_add.py).
+
+The table has a row more: `left_brow`, in the upper face. The character and the models that ship
+know nothing of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.faces import random_engine, shipped_rig
+from support.rigs import tiny_session
+from support.windows import Bench, bench, drag_curve
+
+from faceedit_app.characters.glb import read_rig, write_rig
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, MIRRORED_CONTROL
+from faceedit_app.core.regions import EYELIDS, LOWER, UPPER
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.edits.describe import describe
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import open_take
+from faceedit_app.networks.engine import Engine
+from faceedit_app.ui.state import background
+
+__all__ = ["bench"]
+
+BROW = CONTROL_INDEX["left_brow"]
+UPPER_CHANNELS = [ARKIT_INDEX[channel] for channel in UPPER.channels]
+RAISED = Edit(("left_brow",), Op.OFFSET, 2.0, 3.0, 0.2, 3.0)
+
+
+@lru_cache(maxsize=1)
+def rig_with_brow() -> Rig:
+    """The shipped character with the two vertices that the new control joins."""
+    rig = shipped_rig()
+    lid = rig.control_pairs[CONTROL_INDEX["left_eyelid"], 1]
+    lifts = rig.deltas[rig.channel_index["browOuterUpLeft"], :, 1]
+    pairs = rig.control_pairs.copy()
+    pairs[BROW] = lid, int(np.argmax(lifts))
+    return replace(rig, control_pairs=pairs)
+
+
+def session_on(rig: Rig, engine: Engine | None) -> EditSession:
+    return EditSession(open_take(shipped("assets/demo_take.csv")), rig, engine)
+
+
+def changed_columns(session: EditSession) -> set[int]:
+    changed = session.weights != session.take.clip.arkit_weights()
+    return set(np.flatnonzero(changed.any(axis=0)).tolist())
+
+
+def test_it_is_the_ninth_and_no_eyelid() -> None:
+    assert CONTROL_IDS[8:] == ("left_brow",)
+    assert UPPER.own == ("left_brow",)
+    assert UPPER.controls == (*LIDS, "left_brow")
+    assert EYELIDS.controls == LIDS == ("left_eyelid", "right_eyelid")
+    assert "left_brow" not in LOWER.controls
+    assert MIRRORED_CONTROL["left_brow"] == "left_brow", "there is no right one"
+    assert describe(RAISED) == "Left brow height +3.0 mm"
+    assert describe(replace(RAISED, op=Op.SET, value=0.0)) == "Left brow height to 0.0 mm"
+
+
+def test_the_character_that_ships_opens_without_it() -> None:
+    rig = shipped_rig()
+    assert rig.missing_controls == ("left_brow",)
+    assert "“Left brow height”" in rig.missing_note
+    session = session_on(rig, Engine.load(shipped("models")))
+    session.add(RAISED)
+    assert session.changed_frames() == 0
+    both = replace(RAISED, controls=("left_brow", "mouth_opening"))
+    session.add(both)
+    assert session.changed_frames() > 0
+    assert not {*UPPER_CHANNELS} & changed_columns(session)
+    for array in (session.tracked, session.asked, session.achieved):
+        assert (array[:, BROW] == 0).all()
+        assert np.isfinite(array).all()
+
+
+def test_the_character_comes_back_from_its_file(tmp_path: Path) -> None:
+    write_rig(tmp_path / "brow.glb", rig_with_brow())
+    rig = read_rig(tmp_path / "brow.glb")
+    assert rig.missing_controls == ()
+    np.testing.assert_array_equal(rig.control_pairs, rig_with_brow().control_pairs)
+
+
+@pytest.mark.parametrize("networks", ["none", "shipped", "listening"])
+@pytest.mark.parametrize("millimetres", [3.0, 1000.0])
+def test_it_moves_the_brow_and_nothing_else(networks: str, millimetres: float) -> None:
+    engine = {
+        "none": lambda: None,
+        "shipped": lambda: Engine.load(shipped("models")),
+        "listening": random_engine,
+    }[networks]()
+    session = session_on(rig_with_brow(), engine)
+    lift = session.tracked[:, BROW].copy()
+    session.add(replace(RAISED, value=millimetres))
+    held = (session.take.clip.times >= 2.0) & (session.take.clip.times <= 3.0)
+    went = (session.achieved[:, BROW] - lift)[held]
+    assert changed_columns(session) <= {*UPPER_CHANNELS}
+    assert 0 <= session.weights.min() <= session.weights.max() <= 1.05
+    if networks != "listening" or millimetres > 100:  # those answer nonsense
+        assert went.mean() > 1.5
+
+
+def test_a_model_that_listens_to_it_answers_to_it() -> None:
+    engine = random_engine()
+    curves = np.full((40, len(CONTROL_IDS)), 20.0)
+    raised = curves.copy()
+    raised[:, BROW] += 3.0
+    for region in (UPPER, EYELIDS, LOWER):
+        plain, moved = (
+            engine.answer_all((region.id,), c, 1.0)[region.id] for c in (curves, raised)
+        )
+        assert (plain == moved).all() == (region is not UPPER)
+
+
+def test_blinks_close_the_eyes_as_before() -> None:
+    session = tiny_session()
+    session.add(Edit(LIDS, Op.SET, 1.0, 1.2, 0.1, 0.0))
+    assert changed_columns(session) <= {ARKIT_INDEX[channel] for channel in EYELIDS.channels}
+    assert session.changed_frames() > 0
+
+
+def test_it_is_the_ninth_curve_and_says_why_it_cannot_be_edited(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    session = window.document.session
+    assert session is not None
+    assert [plot.control.id for plot in window.editor.curves.plots] == list(CONTROL_IDS)
+    assert "“Left brow height”" in window.banner.text.text()
+    drag_curve(window, BROW, 1.0, 40)
+    assert session.changed_frames() == 0
+
+
+def test_dragging_the_ninth_curve_moves_the_face(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(background, "load_character", rig_with_brow)
+    window = bench.editing()
+    session = window.document.session
+    assert session is not None
+    assert window.banner.text.text().count("Left brow") == 0
+    drag_curve(window, BROW, 1.0, 40)
+    assert session.edits[0].controls == ("left_brow",)
+    assert changed_columns(session)
+    assert changed_columns(session) <= {*UPPER_CHANNELS}

@@ -1,0 +1,96 @@
+"""A character without the vertices of a control: that curve is still, all others work."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from support.faces import shipped_rig
+
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, MOUTH_WIDTH
+from faceedit_app.core.regions import LOWER
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.help.fixes import apply_preset
+from faceedit_app.editing.help.presets import shipped_presets
+from faceedit_app.editing.help.problems import find_problems
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import open_take
+from faceedit_app.networks.engine import Engine
+
+
+def rig_without(*controls: str) -> Rig:
+    rig = shipped_rig()
+    pairs = rig.control_pairs.copy()
+    pairs[[CONTROL_INDEX[name] for name in controls]] = -1
+    return replace(rig, control_pairs=pairs)
+
+
+@lru_cache(maxsize=1)
+def shipped_engine() -> Engine:
+    return Engine.load(shipped("models"), shipped_rig())
+
+
+def session_without(*controls: str, engine: bool = True) -> EditSession:
+    take = open_take(shipped("assets/demo_take.csv"))
+    return EditSession(take, rig_without(*controls), shipped_engine() if engine else None)
+
+
+def raised(*controls: str) -> Edit:
+    return Edit(controls, Op.OFFSET, 2.0, 3.0, 0.2, 2.0)
+
+
+@pytest.mark.parametrize("mode", Mode)
+@pytest.mark.parametrize("engine", [True, False], ids=["networks", "rig"])
+@pytest.mark.parametrize("missing", CONTROL_IDS)
+def test_edits_of_it_change_nothing_and_all_others_what_they_name(
+    missing: str, engine: bool, mode: Mode
+) -> None:
+    session = session_without(missing, engine=engine)
+    session.configure(Settings(mode))
+    session.add(raised(missing))
+    assert session.changed_frames() == 0
+    session.add(raised(*CONTROL_IDS))
+    held = (session.take.clip.times >= 2.0) & (session.take.clip.times <= 3.0)
+    moved = (session.achieved - session.tracked)[held]
+    assert np.isfinite(session.weights).all()
+    for control, column in CONTROL_INDEX.items():
+        if control == missing:
+            assert (session.asked[:, column] == 0).all()
+            assert (session.achieved[:, column] == 0).all()
+        else:
+            assert moved[:, column].mean() > 0.3, control
+
+
+def test_what_it_leads_stays_and_what_leads_it_goes_alone() -> None:
+    corner = CONTROL_INDEX["left_corner"]
+    session = session_without(MOUTH_WIDTH)
+    session.add(raised("left_corner"))
+    change = session.asked - session.tracked
+    assert change[:, corner].max() == pytest.approx(2.0, abs=1e-4)
+    assert not np.delete(change, corner, axis=1).any()
+
+
+@pytest.mark.parametrize("missing", LOWER.own)
+def test_networks_that_listen_to_it_resynthesize_an_ordinary_face(missing: str) -> None:
+    errors = []
+    for session in (session_without(), session_without(missing)):
+        session.configure(Settings(Mode.RESYNTHESIZE, reach=0.0))
+        session.add(Edit(("left_eyelid", *{*LOWER.own} - {missing}), Op.OFFSET, 0.0, 0.1, 0.0, 0.1))
+        errors.append(np.abs(session.weights - session.take.clip.arkit_weights()).mean())
+    assert errors[1] < 3 * errors[0]
+
+
+@pytest.mark.parametrize("missing", [*((c,) for c in CONTROL_IDS), LIDS], ids=str)
+def test_fixes_and_the_search_for_problems_do_without(missing: tuple[str, ...]) -> None:
+    session = session_without(*missing, engine=False)
+    find_problems(session)
+    for fix in shipped_presets():
+        for selection in (None, (2.0, 3.0)):
+            session.add(*apply_preset(session, fix, selection, 4.7))
+    find_problems(session)
+    assert np.isfinite(session.weights).all()

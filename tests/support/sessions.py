@@ -1,0 +1,63 @@
+"""Takes and sessions for tests: on a clip, on a file, or on the shipped demo."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.resources import shipped
+from faceedit_app.editing.opening import load_engine, open_session
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import open_take
+from faceedit_app.formats.take import Take
+from faceedit_app.networks.engine import Engine
+from support.faces import random_engine, shipped_rig
+
+
+class NoFile:
+    """The source of a take that was never in a file: its export is the bare numbers."""
+
+    def encode(self, tracked: Floats, edited: Floats) -> bytes:
+        return edited.tobytes()
+
+
+def take_of(clip: Clip) -> Take:
+    """A take with nothing but its clip."""
+    return Take(Path("take.csv"), "none", clip, (), (), NoFile())
+
+
+@lru_cache(maxsize=1)
+def demo_take() -> Take:
+    """The take that FaceEdit ships with."""
+    return open_take(shipped("assets/demo_take.csv"))
+
+
+@lru_cache(maxsize=8)
+def engine(seed: int = 11) -> Engine:
+    """Networks that answer nonsense, the same for each seed."""
+    return random_engine(seed)
+
+
+@lru_cache(maxsize=1)
+def shipped_engine() -> Engine:
+    """The networks that FaceEdit ships with."""
+    return load_engine(shipped_rig())
+
+
+def session_by_rig(take: Take | Clip | Path) -> EditSession:
+    """A session on the shipped character, answered without networks."""
+    return open_session(take_of(take) if isinstance(take, Clip) else take, shipped_rig())
+
+
+def session_by_networks(
+    take: Take | Clip | Path, networks: Engine | None = None, **settings: Any
+) -> EditSession:
+    """A session on the shipped character, answered by networks (those of `engine`)."""
+    take = take_of(take) if isinstance(take, Clip) else take
+    session = open_session(take, shipped_rig(), networks or engine())
+    session.configure(replace(session.settings, **settings))
+    return session
