@@ -86,6 +86,14 @@ class Part:
 
 
 @dataclass(frozen=True)
+class Place:
+    """A vertex of a character's file: which one of which part."""
+
+    part: str
+    vertex: int
+
+
+@dataclass(frozen=True)
 class Character:
     """What a character file holds.
 
@@ -95,6 +103,7 @@ class Character:
         parts: at least one; those that share a morph target move together.
         remarks: sentences on what could not be read or was changed while reading.
         attribution: author and licence, where the file says so.
+        points: where the file says that control points are; FaceEdit's own files do.
     """
 
     path: Path
@@ -102,6 +111,7 @@ class Character:
     parts: tuple[Part, ...]
     remarks: tuple[str, ...] = ()
     attribution: str = ""
+    points: Mapping[str, Place] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

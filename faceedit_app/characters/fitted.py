@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.characters.assembly import Assembler, Assembly
-from faceedit_app.characters.character import Character, Part, Surface
+from faceedit_app.characters.character import Character, Part, Place, Surface
 from faceedit_app.characters.checklist import Checklist, make_checklist
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
-from faceedit_app.characters.map_file import CharacterMap, Place, map_path, read_map
+from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
 from faceedit_app.characters.names import Match, match_channels
 from faceedit_app.characters.pictures import Unreadable, decode
 from faceedit_app.characters.points import PAIRS, POINTS, Face, Points, find_points
@@ -103,7 +103,9 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     welded = weld(assembly)
     face = Face.of(assembly, welded)
     found, problems = find_points(face)
-    found |= _nudged(character, mapping, assembly, welded)
+    known = {name: p for name, p in character.points.items() if name not in mapping.points}
+    found |= _placed(character, known, assembly, welded, strict=False)
+    found |= _placed(character, mapping.points, assembly, welded)
     found = {name: found[name] for name in POINTS if name in found}
     remarks = [*character.remarks, *assembler.remarks]
     if frame.swapped:
@@ -139,22 +141,31 @@ def _need_match(character: Character, match: Match) -> None:
     )
 
 
-def _nudged(
-    character: Character, mapping: CharacterMap, assembly: Assembly, welded: Weld
+def _placed(
+    character: Character,
+    places: Mapping[str, Place],
+    assembly: Assembly,
+    welded: Weld,
+    strict: bool = True,
 ) -> Points:
-    """Points that the user has put elsewhere, as welded vertices."""
+    """Points that the user or the file has put somewhere, as welded vertices.
+
+    Args:
+        strict: complain of a place which is not there.
+    """
     numbers = {part.name: number for number, part in enumerate(character.parts)}
     points = {}
-    for name, place in mapping.points.items():
+    for name, place in places.items():
         part = numbers.get(place.part, -1)
         rows = np.flatnonzero((assembly.part_of == part) & (assembly.vertex_of == place.vertex))
-        if not len(rows):
+        if len(rows):
+            points[name] = int(welded.number[rows[0]])
+        elif strict:
             raise FileError(
                 map_path(character.path),
                 f"puts {name} on vertex {place.vertex} of {place.part[:40]}, which is not there",
                 "choose another vertex, or take the line out",
             )
-        points[name] = int(welded.number[rows[0]])
     return points
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,9 +18,10 @@ from faceedit_app.characters.bounded import (
     indices_within,
     whole,
 )
-from faceedit_app.characters.character import Character, Part, Surface, unique_names
+from faceedit_app.characters.character import Character, Part, Place, Surface, unique_names
 from faceedit_app.characters.gltf_buffers import Document, Json
 from faceedit_app.characters.gltf_surfaces import placed_uv, surface_of
+from faceedit_app.characters.points import PAIRS
 from faceedit_app.core.arrays import Doubles, Floats, Indices
 from faceedit_app.core.errors import FileError
 
@@ -55,12 +56,14 @@ def read_gltf(path: Path) -> Character:
         Damaged: it contradicts itself.
     """
     document = Document(path)
-    parts = tuple(part for _, part in read_parts(document))
-    return Character(path, "glTF", parts, attribution=_attribution(document))
+    placed = read_parts(document)
+    parts = tuple(part for _, part, _ in placed)
+    points = _own_points(document, placed)
+    return Character(path, "glTF", parts, attribution=_attribution(document), points=points)
 
 
-def read_parts(document: Document) -> list[tuple[Placed, Part]]:
-    """All meshes of the scene, with where they stand in the file.
+def read_parts(document: Document) -> list[tuple[Placed, Part, Indices]]:
+    """All meshes of the scene, with where they stand in the file and which vertices they keep.
 
     Raises:
         FileError: there is none.
@@ -72,7 +75,7 @@ def read_parts(document: Document) -> list[tuple[Placed, Part]]:
     shared = {p.primitive["attributes"]["POSITION"]: p for p in placed}
     counts = [document.count(position) for position in shared]
     check_targets(counts, [len(p.names) for p in shared.values()])
-    parts = [(p, part) for p in placed if (part := scene.part(p)) is not None]
+    parts = [(p, *read) for p in placed if (read := scene.part(p)) is not None]
     if not parts:
         raise FileError(document.path, "holds no triangles", "export the mesh of the head")
     return parts
@@ -120,8 +123,8 @@ class Scene:
                 waiting += self.nodes[number].get("children") or []
         return sorted(seen)
 
-    def part(self, placed: Placed) -> Part | None:
-        """Read a primitive; None where it has no triangles."""
+    def part(self, placed: Placed) -> tuple[Part, Indices] | None:
+        """Read a primitive, and which of its vertices are used; None if it has no triangles."""
         document, primitive = self.document, placed.primitive
         attributes = primitive["attributes"]
         if not document.is_backed(attributes["POSITION"]) and not _is_draco(primitive):
@@ -146,7 +149,7 @@ class Scene:
         )
         kept = np.unique(faces).astype(np.intp)
         targets = self._targets(placed, linear, len(neutral), kept)
-        return replace(part.only(kept), targets=targets)
+        return replace(part.only(kept), targets=targets), kept
 
     def _arrays(self, primitive: Json) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64] | None]:
         """Attributes by name and (F, 3) triangles; None where vertices are simply in order."""
@@ -347,6 +350,27 @@ def _colors(stored: NDArray[Any] | None) -> Floats | None:
     colors = np.ones((len(stored), 4), np.float32)
     colors[:, : stored.shape[1]] = np.clip(stored, 0.0, 1.0)
     return colors
+
+
+def _own_points(
+    document: Document, placed: Sequence[tuple[Placed, Part, Indices]]
+) -> dict[str, Place]:
+    """The control points of a file that FaceEdit wrote; they stand in the extras of its mesh."""
+    found: dict[str, Place] = {}
+    for one, part, kept in placed:
+        extras = document.entry("meshes", one.mesh).get("extras")
+        controls = extras.get("controls") if isinstance(extras, dict) else None
+        if not isinstance(controls, dict):
+            continue
+        for control, first, second in PAIRS:
+            pair = controls.get(control)
+            if not isinstance(pair, list) or len(pair) != 2:
+                continue
+            for name, vertex in zip((first, second), pair, strict=True):
+                row = np.flatnonzero(kept == vertex) if isinstance(vertex, int) else ()
+                if len(row):
+                    found.setdefault(name, Place(part.name, int(row[0])))
+    return found
 
 
 def _attribution(document: Document) -> str:

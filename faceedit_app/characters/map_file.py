@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.characters.bounded import read_file
+from faceedit_app.characters.character import Place
 from faceedit_app.characters.names import Half, Match, Share
 from faceedit_app.characters.points import POINTS
 from faceedit_app.core.arkit import ARKIT_INDEX
@@ -20,14 +21,6 @@ ENDING = ".map.json"
 _VERSION = 1
 _LARGEST = 4 << 20  # bytes
 _REMEDY = "correct it, or delete it to have the shapes matched by their names"
-
-
-@dataclass(frozen=True)
-class Place:
-    """A vertex of a character's file: which one of which part."""
-
-    part: str
-    vertex: int
 
 
 @dataclass(frozen=True)

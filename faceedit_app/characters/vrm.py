@@ -34,9 +34,9 @@ def read_vrm(path: Path) -> Character:
     if len(expressions) > MOST_TARGETS:
         raise Damaged(f"{len(expressions)} expressions are more than {MOST_TARGETS}")
     placed = read_parts(document)
-    sizes = [len(part.neutral) for _, part in placed]
-    check_targets(sizes, [len(part.targets) + len(expressions) for _, part in placed])
-    parts = tuple(_with_expressions(p, part, expressions, is_first) for p, part in placed)
+    sizes = [len(part.neutral) for _, part, _ in placed]
+    check_targets(sizes, [len(part.targets) + len(expressions) for _, part, _ in placed])
+    parts = tuple(_with_expressions(p, part, expressions, is_first) for p, part, _ in placed)
     meta: Json = vrm.get("meta") or {}
     return Character(path, "VRM 0" if is_first else "VRM 1", parts, attribution=_attribution(meta))
 

@@ -17,7 +17,9 @@ from support.character_files import (
     write_objs,
     write_vrm,
 )
+from support.faces import shipped_rig
 from support.heads import Head, small_head
+from support.places import ROOT
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.registry import read_character
@@ -238,3 +240,12 @@ def test_a_scan_of_many_triangles_is_decimated_and_still_closes(
 def _weights(fitted: FittedCharacter, *frames: dict[str, float]) -> list[np.ndarray]:
     channels = fitted.rig.channels
     return [np.array([[f.get(c, 0.0) for c in channels]], np.float32) for f in frames]
+
+
+def test_a_file_of_our_own_says_where_its_points_are() -> None:
+    fitted = open_character(ROOT / "assets" / "character.glb")
+    known = shipped_rig()
+    for pair, ours in zip(fitted.rig.control_pairs, known.control_pairs, strict=True):
+        for vertex, one in zip(pair, ours, strict=True):
+            place = fitted.frame.places(known.neutral[one].astype(np.float64))
+            np.testing.assert_allclose(fitted.rig.neutral[vertex], place, atol=1e-6)
