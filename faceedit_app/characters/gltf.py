@@ -367,9 +367,9 @@ def _own_points(
             if not isinstance(pair, list) or len(pair) != 2:
                 continue
             for name, vertex in zip((first, second), pair, strict=True):
-                row = np.flatnonzero(kept == vertex) if isinstance(vertex, int) else ()
-                if len(row):
-                    found.setdefault(name, Place(part.name, int(row[0])))
+                rows = np.flatnonzero(kept == (vertex if isinstance(vertex, int) else -1))
+                if len(rows):
+                    found.setdefault(name, Place(part.name, int(rows[0])))
     return found
 
 
