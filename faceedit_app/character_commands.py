@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 import typer
 
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.optional import require
 
 if TYPE_CHECKING:
     from faceedit_app.characters.fitted import FittedCharacter
@@ -118,6 +119,44 @@ def seal(
         **figures,
     }
     print(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
+
+
+@app.command()
+def make(
+    scan: Annotated[Path, typer.Argument(help="OBJ, PLY, STL or GLB of a neutral face.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The new character (GLB).")],
+    points: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Where points are on the scan (JSON); see docs/characters.md."),
+    ] = None,
+    landmarker: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="MediaPipe's face_landmarker.task, which finds them on a picture."),
+    ] = None,
+) -> None:
+    """Give a head without blendshapes all 52, from FaceEdit's own character."""
+    from faceedit_app.characters.glb import write_rig
+    from faceedit_app.characters.making import Template
+    from faceedit_app.characters.making import make as make_head
+    from faceedit_app.characters.scans import read_scan
+    from faceedit_app.editing.opening import shipped_rig
+    from faceedit_app.scan_landmarks import find_landmarks, read_points
+
+    require("rtree", extra="scans")
+    template, head = Template.of(shipped_rig()), read_scan(scan)
+    if points is not None:
+        landmarks = template.landmarks(read_points(points))
+    else:
+        landmarks = find_landmarks(template, head, scan, landmarker)
+    made = make_head(template, head, landmarks, output.stem)
+    write_rig(output, made.rig)
+    middle, most = made.distance_to(head)
+    for sentence in head.remarks:
+        print(f"{scan}: {sentence}", file=sys.stderr)
+    print(
+        f"{output}: {len(landmarks.positions)} landmarks; the skin of the face is {middle:.2f} mm "
+        f"from the scan (95 % within {most:.2f} mm)"
+    )
 
 
 def rig_of(path: Path) -> Rig:

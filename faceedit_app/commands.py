@@ -19,7 +19,10 @@ from faceedit_app.core.optional import require
 
 USAGE_ERROR = 2
 # The laboratory's commands. They are named here because the installed application leaves it out.
-LABORATORY = ("bench", "train", "evaluate", "experiment", "synthesize", "statistics")
+LABORATORY = (
+    *("bench", "train", "evaluate", "evaluate-character"),
+    *("experiment", "synthesize", "statistics"),
+)
 
 app = typer.Typer(
     help="Edit tracked facial animation by dragging eight plain curves. "
@@ -169,7 +172,7 @@ def _add_laboratory() -> None:
     from faceedit_app.lab import commands
 
     for name in LABORATORY:
-        app.command(name)(getattr(commands, name))
+        app.command(name)(getattr(commands, name.replace("-", "_")))
 
 
 def _left_out() -> None:
