@@ -70,8 +70,7 @@ def walk(window: MainWindow) -> None:
     do(window, "deselect")
 
     line.show_range(4.6, 8.2)
-    opening = editor.curves.plots[0]
-    at = QPoint(round(editor.curves.plots[0].current_scale.x_of(6.1)), 40)
+    opening, at = editor.curves.plots[0].viewport(), place(editor, 6.1, 40)
     drag(opening, at, QPoint(0, -16), release=False)
     picture(window, "guide_drag")
     QTest.mouseRelease(opening, LEFT, pos=at + QPoint(0, -16))
@@ -122,9 +121,8 @@ class Film:
         window.timeline.set_falloff(0.25)
         window.timeline.go_to_time(5.02)
         wait(0.5)  # the face is drawn finely
-        plot = editor.curves.plots[0]
-        x = round(plot.current_scale.x_of(5.02))
-        start = QPoint(x, round(0.55 * plot.height()))
+        plot = editor.curves.plots[0].viewport()
+        start = place(editor, 5.02, 0.55 * plot.height())
         self._frame(400)
         for share in (0.3, 0.6, 0.85, 1.0):
             self._go(plot, start, share)
@@ -181,6 +179,15 @@ def go_to(window: MainWindow, editor: Editor, kind: str) -> None:
 def do(window: MainWindow, command: str) -> None:
     """As the menu would."""
     window.actions_[command].trigger()
+
+
+def place(editor: Editor, seconds: float, y: float) -> QPoint:
+    """Where a time is on the first plot."""
+    plot = editor.curves.plots[0]
+    at: QPoint = plot.mapFromScene(
+        plot.view.mapToScene(QPointF(plot.current_scale.x_of(seconds), y))
+    )
+    return at
 
 
 def drag(widget: QWidget, start: QPoint, by: QPoint, release: bool = True) -> None:

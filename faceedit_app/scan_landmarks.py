@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
@@ -22,7 +23,7 @@ from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.media.landmarker import FaceLandmarker
-from faceedit_app.render.camera import default_camera, projection
+from faceedit_app.render.camera import default_camera, field_of_view
 from faceedit_app.render.snapshot import snapshot
 
 _TASK = "face_landmarker.task"
@@ -132,7 +133,7 @@ def _seen(rig: Rig, finder: FaceLandmarker) -> tuple[Indices, NDArray[np.intp], 
     if pixels is None:
         return None
     pose = camera.pose()
-    half = 1.0 / projection(1.0)[1, 1]
+    half = math.tan(field_of_view(1.0) / 2)
     offsets = np.array([(0, 0), *product((-_JITTER, _JITTER), repeat=2)])
     around = pixels[:, None] + offsets
     x = (around[..., 0] / _SIZE * 2 - 1) * half

@@ -16,7 +16,9 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 _LINE = "=" * 78
-_LICENCE_FILE = re.compile(r"(^|[-_.])(licen[cs]es?|copying|notice|copyright|authors)\b", re.I)
+_LICENCE_FILE = re.compile(
+    r"(^|[-_.])(licen[cs]es?|copying|notice|copyright|authors|thirdpartynotices)\b", re.I
+)
 _COMMON = Path("/usr/share/common-licenses")
 # Licence texts that wheels name without bringing them along.
 _SPOKEN_OF = {"LGPL": "LGPL-3", "GPL": "GPL-3"}

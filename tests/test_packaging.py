@@ -25,6 +25,7 @@ from faceedit_app.cli import main
 from faceedit_app.core import optional
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.optional import require
+from faceedit_app.formats.registry import mime_types, offered_endings
 from faceedit_app.ui.start import smoke
 from faceedit_app.ui.state import background as loading
 
@@ -79,26 +80,38 @@ def test_appstream_names_this_release_and_existing_things(tool: Tool) -> None:
     assert root.findtext("project_license") == PROJECT["project"]["license"]
 
 
-def test_the_desktop_entry_opens_what_the_application_can() -> None:
+def test_the_desktop_entry_opens_what_the_application_can(tool: Tool) -> None:
     entry = configparser.ConfigParser(interpolation=None)
     entry.optionxform = str  # type: ignore[assignment,method-assign]
-    entry.read(LINUX / "faceedit.desktop", encoding="utf-8")
+    text = (LINUX / "faceedit.desktop.in").read_text(encoding="utf-8")
+    entry.read_string(tool("build").describe(text))
     desktop = entry["Desktop Entry"]
     types = desktop["MimeType"].rstrip(";").split(";")
     mime = ElementTree.parse(LINUX / "faceedit.mime.xml").getroot()
     ours = {str(node.get("type")) for node in mime if node.tag.endswith("mime-type")}
     assert ours <= set(types)
-    assert "text/csv" in types
+    assert {*types} == {*ours, *mime_types()}
+    metainfo = (LINUX / "faceedit.metainfo.xml.in").read_text(encoding="utf-8")
+    root = ElementTree.fromstring(tool("build").describe(metainfo))
+    assert {node.text for node in root.iter("mediatype")} == {*types}
     assert [node.get("pattern") for node in mime.iter() if node.tag.endswith("glob")] == [
         "*.faceedit"
     ]
     assert desktop["Exec"] == "faceedit %f"
 
 
+def test_other_systems_offer_the_application_for_the_same_files(tool: Tool) -> None:
+    installer = (PACKAGING / "windows" / "faceedit.iss").read_text(encoding="utf-8")
+    assert set(re.findall(r"\\(\.\w+)\\OpenWithProgids", installer)) == {*offered_endings()}
+    kinds = tool("contents").macos_properties("1")["CFBundleDocumentTypes"]
+    offered = [ending for kind in kinds for ending in kind.get("CFBundleTypeExtensions", [])]
+    assert offered == [ending.lstrip(".") for ending in offered_endings()]
+
+
 @pytest.mark.parametrize(
     ("program", "options", "file"),
     [
-        ("desktop-file-validate", [], "faceedit.desktop"),
+        ("desktop-file-validate", [], "faceedit.desktop.in"),
         ("appstreamcli", ["validate", "--no-net"], "faceedit.metainfo.xml.in"),
     ],
 )
@@ -144,6 +157,35 @@ def test_the_bundle_leaves_out_nothing_that_the_application_imports(tool: Tool) 
         inside = path.relative_to(ROOT / "faceedit_app").as_posix()
         if not inside.startswith("lab/") and path not in guarded:
             assert not _imports(path) & excluded, path
+
+
+def test_the_face_is_drawn_without_what_the_bundle_leaves_out(tool: Tool) -> None:
+    code = f"""
+import sys
+left_out = {tool("contents").EXCLUDED!r}
+class LeftOut:
+    def find_spec(self, name, path=None, target=None):
+        if any(f"{{name}}.".startswith(f"{{other}}.") for other in left_out):
+            raise ModuleNotFoundError(name, name=name)
+sys.meta_path.insert(0, LeftOut())
+import numpy as np
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.errors import Unavailable
+from faceedit_app.core.resources import shipped
+from faceedit_app.render.snapshot import snapshot
+rig = read_rig(shipped("assets/character.glb"))
+try:
+    print(snapshot(rig, np.zeros(len(rig.channels), np.float32), 64, 64).max() > 100)
+except Unavailable as error:
+    print(error)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, encoding="utf-8", check=False
+    )
+    assert done.returncode == 0, done.stderr
+    if "no OpenGL" in done.stdout:
+        pytest.skip(done.stdout)
+    assert done.stdout.strip() == "True"
 
 
 def test_the_bundle_holds_what_a_window_needs(tool: Tool) -> None:

@@ -94,7 +94,7 @@ def project_front(mesh: trimesh.Trimesh, xy: Floats) -> Floats:
     hits, ray, _ = _rays(mesh).intersects_location(origins, directions, multiple_hits=False)
     depth = np.full(len(xy), -np.inf)
     depth[ray] = hits[:, 2]
-    return np.c_[xy, depth]
+    return np.column_stack([xy, depth])
 
 
 def cast_outermost(mesh: trimesh.Trimesh, origin: Floats, directions: Floats) -> Floats:
@@ -155,4 +155,4 @@ class Surface:
     def position(self, anchors: Anchors, lift: float = 0.0) -> Floats:
         """The anchored points (P, 3), raised by `lift` mm along the normal."""
         points = anchors.read(np.asarray(self.mesh.vertices))
-        return points + lift * trimesh.unitize(anchors.read(self.normals))
+        return np.asarray(points + lift * trimesh.unitize(anchors.read(self.normals)))

@@ -179,6 +179,13 @@ class Distances:
         rows = np.asarray(controls, np.intp)
         return Distances(self.offsets[rows], self.gradients[:, rows], self.shuts[rows])
 
+    @cached_property
+    def farthest(self) -> Floats:
+        """(C,) mm that no weights in 0..1 can exceed."""
+        moves = np.linalg.norm(self.gradients, axis=2).sum(axis=0)
+        lengths: Floats = moves + np.linalg.norm(self.offsets, axis=1)
+        return lengths
+
     def vectors(self, weights: NDArray[Any]) -> NDArray[Any]:
         """Weights (T, K) -> (T, C, 3), mm, as exact as the weights are."""
         k, c, _ = self.gradients.shape

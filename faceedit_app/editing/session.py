@@ -14,6 +14,7 @@ from psygnal import Signal
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.fields import clean_text
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe, describe_edits
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -89,6 +90,11 @@ class EditSession:
     def has_engine(self) -> bool:
         """Whether the networks answer."""
         return self._solver.engine is not None
+
+    @property
+    def limits(self) -> list[tuple[float, float]]:
+        """Lowest and highest mm of each control that a face, or this take, can do."""
+        return self._solver.limits
 
     @property
     def is_exported(self) -> bool:
@@ -224,7 +230,8 @@ class EditSession:
 
     def rename(self, index: int, name: str) -> None:
         """Call an edit something else; "" is its description again."""
-        self.replace_edit(index, replace(self.edits[index], name=name.strip()), "Rename edit")
+        edit = replace(self.edits[index], name=clean_text(name.strip()))
+        self.replace_edit(index, edit, "Rename edit")
 
     def remove(self, *indices: int) -> None:
         """Take edits out of the list."""

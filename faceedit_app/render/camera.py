@@ -65,25 +65,10 @@ class Camera:
         pose[:3, 3] = np.asarray(self.target) + self.distance * backward
         return pose
 
-    def view(self) -> Doubles:
-        """World to camera, (4, 4) float64: the inverse of `pose`."""
-        pose = self.pose()
-        view = np.eye(4)
-        view[:3, :3] = pose[:3, :3].T
-        view[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-        return view
 
-
-def projection(aspect: float) -> Doubles:
-    """Camera to clip space, (4, 4) float64, for a view of `aspect` = width / height."""
-    half = _half_height(aspect)
-    matrix = np.zeros((4, 4))
-    matrix[0, 0] = 1.0 / (half * aspect)
-    matrix[1, 1] = 1.0 / half
-    matrix[2, 2] = (FAR + NEAR) / (NEAR - FAR)
-    matrix[2, 3] = 2.0 * FAR * NEAR / (NEAR - FAR)
-    matrix[3, 2] = -1.0
-    return matrix
+def field_of_view(aspect: float) -> float:
+    """The vertical field of view, radians, of a view of `aspect` = width / height."""
+    return 2.0 * math.atan(_half_height(aspect))
 
 
 def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:

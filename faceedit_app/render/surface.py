@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Indices
 from faceedit_app.core.rig import Material, Rig
 
 
@@ -149,9 +149,13 @@ class NormalSolver:
 
     Coordinates are kept apart: numpy works on long rows several times as fast as on triples.
 
+    trimesh's are as exact and take two and a half times as long, half a millisecond more in each
+    frame (docs/adr/0011-pyrender.md); where meshes are built, they are what is used.
+
     Args:
         faces: (F, 3) int, counter-clockwise seen from outside.
         vertex_count: V.
+        wanted: (N,) the vertices whose normals are wanted; by default all, and N is V.
         groups: (V,) int; vertices with one number have one normal. None: each has its own.
     """
 
@@ -159,18 +163,29 @@ class NormalSolver:
         self,
         faces: NDArray[np.int32],
         vertex_count: int,
+        *,
+        wanted: Indices | None = None,
         groups: NDArray[np.int32] | None = None,
     ) -> None:
-        self._groups = groups
-        corners = faces.ravel() if groups is None else groups[faces.ravel()]
-        vertex_count = vertex_count if groups is None else int(groups.max()) + 1
+        owned, owners_count = faces, vertex_count
+        rows = wanted
+        if groups is not None:
+            owned, owners_count = groups[faces], int(groups.max()) + 1
+            rows = (groups if wanted is None else groups[wanted]).astype(np.intp)
+        if rows is not None:
+            is_wanted = np.zeros(owners_count, bool)
+            is_wanted[rows] = True
+            used = is_wanted[owned].any(axis=1)
+            faces, owned = faces[used], owned[used]
+        corners = owned.ravel()
         owners = np.repeat(np.arange(len(faces), dtype=np.int32), 3)
         ones = np.ones(len(corners), np.float32)
-        self._gather = sparse.csr_matrix((ones, (corners, owners)), (vertex_count, len(faces)))
+        gather = sparse.csr_matrix((ones, (corners, owners)), (owners_count, len(faces)))
+        self._gather = gather if rows is None else gather[rows]
         self._corners = np.ascontiguousarray(faces.T, np.intp)
 
     def __call__(self, vertices: Floats) -> Floats:
-        """(V, 3) float32 vertices -> (V, 3) float32 unit normals; zero where no face is."""
+        """(V, 3) float32 vertices -> (N, 3) float32 unit normals; zero where no face is."""
         corners = np.take(np.ascontiguousarray(vertices.T), self._corners, axis=1)  # (3, 3, F)
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         normals = np.empty((3, self._gather.shape[0]), np.float32)
@@ -179,6 +194,4 @@ class NormalSolver:
             normals[x] = self._gather @ (u[y] * v[z] - u[z] * v[y])
         lengths = np.sqrt((normals * normals).sum(axis=0))
         normals /= np.maximum(lengths, np.float32(1e-20))
-        if self._groups is not None:
-            normals = np.take(normals, self._groups, axis=1)
         return np.ascontiguousarray(normals.T)

@@ -22,7 +22,7 @@ def geometry(monkeypatch: pytest.MonkeyPatch) -> Any:
 @pytest.fixture(scope="module")
 def ball() -> trimesh.Trimesh:
     """A sphere of radius 2 around (1, 0, 0), of 320 flat faces."""
-    ball = trimesh.creation.icosphere(subdivisions=2, radius=2.0)
+    ball: trimesh.Trimesh = trimesh.creation.icosphere(subdivisions=2, radius=2.0)
     ball.apply_translation([1.0, 0.0, 0.0])
     return ball
 

@@ -13,10 +13,10 @@ import pytest
 from support.faces import random_engine, shipped_rig
 from support.networks import write_models
 from support.performances import RIG, folder_of_takes, performance, tiny
+from support.sessions import session_by_networks
 
 from faceedit_app.cli import main
 from faceedit_app.core.regions import REGIONS
-from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.benchmark import run_benchmark, trials
 from faceedit_app.lab.evaluation.evaluate import CLOSING, measure_systems
@@ -202,7 +202,7 @@ def test_systems_that_give_the_truth_back_have_no_error() -> None:
 def test_benchmark_is_the_same_every_time_and_leaves_the_take_alone(takes: Path) -> None:
     take = open_take(takes / "take_0.csv")
     engine = random_engine()
-    session = EditSession(take, shipped_rig(), engine)
+    session = session_by_networks(take, engine)
     controls = session.tracked.astype(np.float64)
     assert trials(take, controls) == trials(take, controls)
     kinds = {trial.kind for trial in trials(take, controls)}

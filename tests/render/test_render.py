@@ -7,45 +7,21 @@ import gc
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from support.rigs import ball
 
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.render import Camera, FaceRenderer, contexts, default_camera, open_renderer
-from faceedit_app.render.camera import DISTANCE_LIMITS, PITCH_LIMIT, projection
+from faceedit_app.render.camera import DISTANCE_LIMITS, PITCH_LIMIT, field_of_view
 from faceedit_app.render.snapshot import snapshot, write_png
 from faceedit_app.render.surface import NormalSolver, Shading, by_shading, look_of, vertex_looks
 
 SIZE = 96
-
-
-def ball(rows: int = 24, columns: int = 32) -> Rig:
-    """A ball of 8 cm with a mouth: `jawOpen` lowers its front below the middle."""
-    latitude = np.linspace(0.0, np.pi, rows)
-    longitude = np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False)
-    lat, lon = (g.ravel() for g in np.meshgrid(latitude, longitude, indexing="ij"))
-    points = np.stack((np.sin(lat) * np.sin(lon), np.cos(lat), np.sin(lat) * np.cos(lon)), axis=1)
-    faces = []
-    for r in range(rows - 1):
-        for c in range(columns):
-            a, b = r * columns + c, r * columns + (c + 1) % columns
-            faces += [(a, a + columns, b), (b, a + columns, b + columns)]
-    vertices = (0.08 * points).astype(np.float32)
-    jaw = np.zeros_like(vertices)
-    front = (points[:, 2] > 0.5) & (np.abs(points[:, 1] + 0.35) < 0.3)
-    jaw[front] = 0.0, -0.02, -0.015
-    return Rig(
-        neutral=vertices,
-        faces=np.array(faces, np.int32),
-        channels=("jawOpen",),
-        deltas=jaw[None],
-        colors=np.tile(np.float32([0.5, 0.3, 0.2, 1.0]), (len(vertices), 1)),
-        materials=(Material("skin", 0, len(faces)),),
-        control_pairs=np.tile(np.int32([0, 1]), (8, 1)),
-    )
 
 
 @pytest.fixture(scope="module")
@@ -87,9 +63,10 @@ def test_pan_moves_in_the_view_plane() -> None:
     np.testing.assert_allclose(moved, [0.0, 0.01, -0.02], atol=1e-9)
 
 
-def test_view_is_the_inverse_of_the_pose() -> None:
+def test_the_pose_is_a_rotation_that_looks_at_the_target() -> None:
     camera = Camera(0.3, -0.2, 0.6, (0.01, 0.02, 0.03))
-    np.testing.assert_allclose(camera.view() @ camera.pose(), np.eye(4), atol=1e-12)
+    ahead = camera.pose() @ [0.0, 0.0, -camera.distance, 1.0]
+    np.testing.assert_allclose(ahead, [*camera.target, 1.0], atol=1e-12)
     rotation = camera.pose()[:3, :3]
     np.testing.assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-12)
     assert np.linalg.det(rotation) == pytest.approx(1.0)
@@ -99,9 +76,11 @@ def test_view_is_the_inverse_of_the_pose() -> None:
 def test_default_camera_sees_the_whole_head(rig: Rig, aspect: float) -> None:
     camera = default_camera(rig, aspect)
     points = np.hstack((rig.neutral, np.ones((len(rig.neutral), 1))))
-    clip = points @ (projection(aspect) @ camera.view()).T
+    x, y, z, _ = np.linalg.inv(camera.pose()) @ points.T
     face = rig.neutral[:, 1] >= rig.neutral[np.abs(rig.deltas).max((0, 2)) > 0, 1].min()
-    assert np.abs(clip[face, :2] / clip[face, 3:]).max() < 1.0
+    half = np.tan(field_of_view(aspect) / 2.0)
+    assert np.abs(y / -z / half)[face].max() < 1.0
+    assert np.abs(x / -z / (half * aspect))[face].max() < 1.0
 
 
 def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:
@@ -112,6 +91,14 @@ def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:
     slow /= np.linalg.norm(slow, axis=1, keepdims=True)
     fast = NormalSolver(rig.faces, len(vertices))(vertices)
     np.testing.assert_allclose(fast, slow, atol=1e-4)
+
+
+def test_normals_of_some_vertices_are_those_of_all(rig: Rig) -> None:
+    vertices = rig.vertices(np.float32([0.7]))
+    everywhere = NormalSolver(rig.faces, len(vertices))(vertices)
+    wanted = np.array([40, 7, 300, 7])
+    some = NormalSolver(rig.faces, len(vertices), wanted=wanted)(vertices)
+    np.testing.assert_array_equal(some, everywhere[wanted])
 
 
 def test_vertices_without_faces_have_no_normal() -> None:
@@ -245,7 +232,7 @@ def test_a_failing_driver_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, r
         raise RuntimeError("eglInitialize\nfailed")
 
     monkeypatch.setenv("PYOPENGL_PLATFORM", "egl")
-    monkeypatch.setattr(contexts, "open_context", fail)
+    monkeypatch.setattr(contexts, "open_platform", fail)
     with pytest.raises(Unavailable, match="eglInitialize failed; ") as caught:
         open_renderer(rig, 32, 32)
     assert isinstance(caught.value, FaceEditError)
@@ -282,7 +269,7 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
     prepared: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from faceedit_app.characters.glb import read_rig
-    from faceedit_app.render import studio
+    from faceedit_app.render.painter import Painter
 
     character = read_rig(shipped("assets/character.glb"))
     # Where everything may move, everything is drawn.
@@ -295,8 +282,13 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
         kept, anew = (open_renderer(rig, 150, 200) for rig in (character, restless))
     except Unavailable as error:
         pytest.skip(str(error))
-    indices, draw = [0], studio.GL.glDrawElements
-    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (indices.append(a[1]), draw(*a)))
+    indices, draw = [0], Painter._bind_and_draw_primitive
+
+    def draw_counted(painter: Painter, primitive: Any, *how: Any) -> None:
+        indices.append(0 if primitive.indices is None else primitive.indices.size)
+        draw(painter, primitive, *how)
+
+    monkeypatch.setattr(Painter, "_bind_and_draw_primitive", draw_counted)
     random = np.random.default_rng(5)
     here = default_camera(character)
     there = here.orbit(0.4, 0.2).zoom(0.7)
@@ -322,18 +314,29 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
     anew.close()
 
 
+def test_a_character_that_never_moves_is_drawn(renderer: FaceRenderer, rig: Rig) -> None:
+    statue = dataclasses.replace(rig, deltas=np.zeros_like(rig.deltas))
+    camera = default_camera(rig)
+    opened = open_renderer(statue, SIZE, SIZE)
+    whole = opened.draw(rig.neutral, camera, smooth=False).copy()
+    assert (_inside(whole) == _inside(renderer.draw(rig.neutral, camera, smooth=False))).all()
+    np.testing.assert_array_equal(opened.draw(rig.neutral, camera, smooth=False), whole)
+    opened.close()
+
+
 def test_while_the_camera_turns_nothing_is_prepared(
     rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from faceedit_app.render import studio
+    from faceedit_app.render.painter import Painter
+    from faceedit_app.render.targets import Target
 
     try:
         turned = open_renderer(rig, SIZE, SIZE)
     except Unavailable as error:
         pytest.skip(str(error))
-    calls, draw, blit = [], studio.GL.glDrawElements, studio.GL.glBlitFramebuffer
-    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (calls.append(a), draw(*a)))
-    monkeypatch.setattr(studio.GL, "glBlitFramebuffer", lambda *a: (calls.append(a), blit(*a)))
+    calls, render, copy = [], Painter.render, Target.copy_to
+    monkeypatch.setattr(Painter, "render", lambda *a: (calls.append(a), render(*a)))
+    monkeypatch.setattr(Target, "copy_to", lambda *a, **k: (calls.append(a), copy(*a, **k)))
     camera = default_camera(rig)
 
     def prepared(smooth: bool) -> int:

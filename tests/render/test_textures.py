@@ -93,6 +93,6 @@ def test_vertices_of_one_group_have_one_normal() -> None:
     faces = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
     apart = NormalSolver(faces, 6)(vertices)
     assert not np.allclose(apart[0], apart[3])
-    together = NormalSolver(faces, 6, np.array([0, 1, 2, 0, 2, 3], np.int32))(vertices)
+    together = NormalSolver(faces, 6, groups=np.array([0, 1, 2, 0, 2, 3], np.int32))(vertices)
     np.testing.assert_allclose(together[0], together[3])
     np.testing.assert_allclose(np.linalg.norm(together, axis=1), 1, atol=1e-6)

@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.clip import Clip, Floats, Gap
+from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.rig import Material, Rig
+from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
+from support.takes import NoFile
 
 # By control, its distance at rest in mm, and the mm that a channel at weight 1 adds to it.
 _MOVES: dict[str, tuple[float, dict[str, float]]] = {
@@ -61,14 +63,6 @@ def tiny_rig() -> Rig:
     )
 
 
-class NoFile:
-    """A source for takes that no test writes."""
-
-    def encode(self, tracked: Floats, edited: Floats) -> bytes:
-        """Nothing."""
-        return b""
-
-
 def tiny_take(frames: int = 200, rate: float = 50.0, gaps: tuple[Gap, ...] = ()) -> Take:
     """A mouth that opens and closes, and eyes half open."""
     times = np.arange(frames) / rate
@@ -87,4 +81,30 @@ def tiny_take(frames: int = 200, rate: float = 50.0, gaps: tuple[Gap, ...] = ())
 
 def tiny_session(frames: int = 200, gaps: tuple[Gap, ...] = ()) -> EditSession:
     """The tiny take on the tiny rig, edited without networks."""
-    return EditSession(tiny_take(frames, gaps=gaps), tiny_rig())
+    return open_session(tiny_take(frames, gaps=gaps), tiny_rig())
+
+
+def ball(rows: int = 24, columns: int = 32) -> Rig:
+    """A ball of 8 cm with a mouth: `jawOpen` lowers its front below the middle."""
+    latitude = np.linspace(0.0, np.pi, rows)
+    longitude = np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False)
+    lat, lon = (g.ravel() for g in np.meshgrid(latitude, longitude, indexing="ij"))
+    points = np.stack((np.sin(lat) * np.sin(lon), np.cos(lat), np.sin(lat) * np.cos(lon)), axis=1)
+    faces = []
+    for r in range(rows - 1):
+        for c in range(columns):
+            a, b = r * columns + c, r * columns + (c + 1) % columns
+            faces += [(a, a + columns, b), (b, a + columns, b + columns)]
+    vertices = (0.08 * points).astype(np.float32)
+    jaw = np.zeros_like(vertices)
+    front = (points[:, 2] > 0.5) & (np.abs(points[:, 1] + 0.35) < 0.3)
+    jaw[front] = 0.0, -0.02, -0.015
+    return Rig(
+        neutral=vertices,
+        faces=np.array(faces, np.int32),
+        channels=("jawOpen",),
+        deltas=jaw[None],
+        colors=np.tile(np.float32([0.5, 0.3, 0.2, 1.0]), (len(vertices), 1)),
+        materials=(Material("skin", 0, len(faces)),),
+        control_pairs=np.tile(np.int32([0, 1]), (8, 1)),
+    )

@@ -7,7 +7,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.opening import load_engine, open_session
@@ -16,13 +15,7 @@ from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
 from support.faces import random_engine, shipped_rig
-
-
-class NoFile:
-    """The source of a take that was never in a file: its export is the bare numbers."""
-
-    def encode(self, tracked: Floats, edited: Floats) -> bytes:
-        return edited.tobytes()
+from support.takes import NoFile
 
 
 def take_of(clip: Clip) -> Take:

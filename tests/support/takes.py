@@ -9,10 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arrays import Floats
 
 ROTATIONS = tuple(
     part + axis for part in ("Head", "LeftEye", "RightEye") for axis in ("Yaw", "Pitch", "Roll")
 )
+
+
+class NoFile:
+    """The source of a take that was never in a file: its export is the bare numbers."""
+
+    def encode(self, tracked: Floats, edited: Floats) -> bytes:
+        return edited.tobytes()
 
 
 def livelink_names() -> list[str]:

@@ -24,6 +24,8 @@ from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state import background as loading
 from faceedit_app.ui.state.preferences import Store
+from support import curves
+from support.curves import place
 from support.faces import shipped_rig
 from support.takes import make_livelink_csv
 
@@ -153,13 +155,8 @@ def drag_curve(window: MainWindow, row: int, seconds: float, pixels: int) -> Non
     """Drag the curve in a row up by `pixels` at a time, with a real mouse."""
     assert window.editor is not None
     plot = window.editor.curves.plots[row]
-    x = round(plot.current_scale.x_of(seconds))
-    start = QPoint(x, plot.height() // 2)
-    QTest.mouseMove(plot, start)
-    QTest.mousePress(plot, Qt.MouseButton.LeftButton, pos=start)
-    for step in range(1, 6):
-        _move(plot, start - QPoint(0, pixels * step // 5))
-    QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, pos=start - QPoint(0, pixels))
+    start = place(plot, seconds, plot.height() / 2)
+    curves.drag(plot, start, start - QPoint(0, pixels))
 
 
 def _move(widget: QWidget, to: QPoint, button: Qt.MouseButton = Qt.MouseButton.LeftButton) -> None:

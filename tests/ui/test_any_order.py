@@ -7,10 +7,11 @@ from collections.abc import Callable
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
+from support.curves import drag
 from support.windows import Bench, drag_curve
 
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.resources import shipped
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow
@@ -52,7 +53,9 @@ class Monkey:
     def drag(self) -> None:
         self.window.tooling.choose(self.random.choice(list(Tool)))
         seconds = self.random.uniform(*self.window.timeline.view)
-        drag_curve(self.window, self.random.randrange(8), seconds, self.random.randint(-25, 25))
+        drag_curve(
+            self.window, self.random.randrange(len(CONTROLS)), seconds, self.random.randint(-25, 25)
+        )
 
     def band(self) -> None:
         bar = self.editor.curves.range_bar
@@ -61,9 +64,7 @@ class Monkey:
         self._press_and_move(bar, start, stop)
 
     def _press_and_move(self, widget: QWidget, start: QPoint, stop: QPoint) -> None:
-        QTest.mousePress(widget, LEFT, pos=start)
-        QTest.mouseMove(widget, stop)
-        QTest.mouseRelease(widget, LEFT, pos=stop)
+        drag(widget, start, stop)
 
     def choose(self) -> None:
         count = len(self.editor.edits.model.edits)

@@ -11,9 +11,9 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QToolButton
 from support.faces import shipped_rig
+from support.rigs import ball
 from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, drag_curve, open_path, trigger
-from test_render import ball
 
 from faceedit_app import render
 from faceedit_app.core.errors import Unavailable
@@ -146,24 +146,31 @@ def test_nothing_of_a_tint_stays(renderer: FaceRenderer, rig: Rig, smooth: bool)
     np.testing.assert_array_equal(renderer.draw(rig.neutral, camera, smooth), plain)
 
 
-def test_a_tint_costs_no_further_call_and_none_costs_nothing(
+def test_a_tint_draws_no_more_than_a_new_view_and_none_costs_nothing(
     renderer: FaceRenderer, rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from faceedit_app.render import studio
+    from faceedit_app.render.model import Stream
+    from faceedit_app.render.painter import Painter
 
     camera, full = default_camera(rig), np.ones(len(rig.neutral), np.float32)
     fills, draws = [], []
-    fill, draw = studio._fill, studio.GL.glDrawElements
-    monkeypatch.setattr(studio, "_fill", lambda *a: (fills.append(a), fill(*a)))
-    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (draws.append(a), draw(*a)))
-    counts = []
-    for tint in (None, full, full, None, None):
-        renderer.draw(rig.neutral, camera, smooth=False, tint=tint)
-        counts.append((len(fills), len(draws)))
+    fill, draw = Stream.fill, Painter._bind_and_draw_primitive
+    monkeypatch.setattr(Stream, "fill", lambda *a: (fills.append(a), fill(*a)))
+    monkeypatch.setattr(Painter, "_bind_and_draw_primitive", lambda *a: (draws.append(a), draw(*a)))
+
+    def cost(tint: np.ndarray | None, turned: float = 0.0) -> tuple[int, int]:
         fills.clear()
         draws.clear()
-    # Once after a tint the plain colours are put back.
-    assert counts == [(2, 1), (3, 1), (3, 1), (3, 1), (2, 1)]
+        renderer.draw(rig.neutral, camera.orbit(turned, 0.0), smooth=False, tint=tint)
+        return len(fills), len(draws)
+
+    # From a new place: positions and normals; what is still, what moves and the backdrop.
+    cost(None, turned=0.1)
+    assert cost(None) == (2, 3)
+    cost(None)  # what is still is kept from now on
+    # Colours of what is still and of what moves; once after a tint the plain ones are put back.
+    counts = [cost(tint) for tint in (None, full, full, None, None)]
+    assert counts == [(2, 1), (4, 3), (4, 3), (4, 3), (2, 1)]
 
 
 # --- in the window -------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
+from support.curves import let_go, move_with, place, surface
 from support.faces import random_engine
 from support.films import make_broadcast_wav, make_film, make_wav, number_of
 from support.takes import make_livelink_csv
@@ -256,9 +257,9 @@ def test_the_waveform_is_under_the_plots_to_the_pixel(
     bench.qtbot.wait(30)
     window.timeline.show_range(0.31, 1.57)
     plot, wave = editor.curves.plots[0], editor.sound.waveform
-    left = plot.mapTo(window, QPoint(0, 0)).x()
+    left = plot.viewport().mapTo(window, place(plot, 0.31)).x()
     assert wave.mapTo(window, QPoint(0, 0)).x() == left
-    assert wave.width() == plot.width()
+    assert wave.width() == plot.current_scale.width
     for seconds in (0.31, 0.5, 1.57):
         there = editor.curves.plots[0].current_scale.x_of(seconds)
         assert wave.scale.x_of(seconds) == pytest.approx(there, abs=0.01)
@@ -632,9 +633,9 @@ def step_back_and_forward(bench: Bench, window: MainWindow, *places: Placement) 
     assert session is not None
     assert window.media.placement == places[-1]
     for way, expected in (("undo", places[-2::-1]), ("redo", places[1:])):
-        for place in expected:
+        for placed in expected:
             trigger(window, way)
-            assert window.media.placement == place
+            assert window.media.placement == placed
             settle(bench, window)
             assert window.media.placement == place
             for kind in ("sound", "film"):
@@ -738,19 +739,15 @@ def test_a_sound_that_arrives_during_a_drag_leaves_the_drag_alone(
     assert session is not None
     plot = editor.curves.plots[0]
     start = plot.rect().center()
-    QTest.mousePress(plot, Qt.MouseButton.LeftButton, pos=start)
-    glob = QPointF(plot.mapToGlobal(start - QPoint(0, 30)))
-    QApplication.sendEvent(plot, QMouseEvent(
-        QEvent.Type.MouseMove, QPointF(start - QPoint(0, 30)), glob, Qt.MouseButton.NoButton,
-        Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier,
-    ))  # fmt: skip
+    QTest.mousePress(surface(plot), Qt.MouseButton.LeftButton, pos=start)
+    move_with(plot, start - QPoint(0, 30))
     bench.qtbot.waitUntil(lambda: session.is_previewing)
     window.media.add(make_wav(bench.folder / "voice.wav"))
     settle(bench, window)
     assert window.media.sound is not None
     assert session.is_previewing
     assert not session.can_undo
-    QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, pos=start - QPoint(0, 30))
+    let_go(plot, start - QPoint(0, 30))
     assert len(session.edits) == 1
     assert session.state.media == window.media.placement
     trigger(window, "undo")

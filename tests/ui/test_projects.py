@@ -164,7 +164,7 @@ def begin(window):
     if window.document.session is None:
         return
     look.stop()
-    plot = window.editor.curves.plots[0]
+    plot = window.editor.curves.plots[0].viewport()
     for x, release in ((100, True), (200, True), (300, False)):
         at = QPoint(x, 20)
         QTest.mouseMove(plot, at)

@@ -7,9 +7,21 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
+from support.curves import (
+    ALT,
+    CTRL,
+    LEFT,
+    NONE,
+    drag,
+    let_go,
+    move_with,
+    open_panel,
+    place,
+    session_of,
+    surface,
+)
 from support.rigs import tiny_session
 from support.windows import Bench
-from test_curves_panel import CTRL, NONE, drag, open_panel, place, session_of
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -17,7 +29,6 @@ from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.gestures import moved_together
 from faceedit_app.ui.state.tools import Tool
 
-ALT = Qt.KeyboardModifier.AltModifier
 LEFT_EYE = CONTROL_INDEX["left_eyelid"]
 
 
@@ -57,14 +68,14 @@ def test_both_sides_are_one_edit_unless_alt_or_unlinked(panel: CurvesPanel) -> N
 
 def test_several_curves_are_chosen_by_ctrl_click(panel: CurvesPanel) -> None:
     panel.tooling.link(False)
-    QTest.mouseClick(panel.headers[0], Qt.MouseButton.LeftButton, CTRL)
-    QTest.mouseClick(panel.headers[4], Qt.MouseButton.LeftButton, CTRL)
+    QTest.mouseClick(panel.headers[0], LEFT, CTRL)
+    QTest.mouseClick(panel.headers[4], LEFT, CTRL)
     assert panel.chosen_controls == ("mouth_opening", "upper_lip")
     plot = panel.plots[4]
     start = place(plot, 1.0)
     drag(plot, start, start - QPoint(0, 12))
     assert only_edit(panel).controls == ("mouth_opening", "upper_lip")
-    QTest.mouseClick(panel.headers[2], Qt.MouseButton.LeftButton)
+    QTest.mouseClick(panel.headers[2], LEFT)
     assert panel.chosen_controls == ()
     assert panel.focused_control == "left_corner"
 
@@ -108,8 +119,8 @@ def test_drawing_back_draws_over(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
     drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 50), release=False)
     for seconds in (1.8, 1.6, 1.4):
-        QTest.mouseMove(plot, place(plot, seconds, 20))
-    QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, NONE, place(plot, 1.4, 20))
+        move_with(plot, place(plot, seconds, 20))
+    let_go(plot, place(plot, 1.4, 20))
     points = np.array(only_edit(panel).points)
     assert np.all(np.diff(points[:, 0]) > 0)
     high = points[(points[:, 0] > 1.42) & (points[:, 0] < 1.78), 1]
@@ -131,7 +142,7 @@ def test_in_the_selection_a_paint_tool_takes_all_of_it(panel: CurvesPanel) -> No
     panel.timeline.select((1.0, 2.0))
     plot, session = panel.plots[0], session_of(panel)
     asked = float(session.asked[session.take.clip.frame_at(1.5), 0])
-    QTest.mouseClick(plot, Qt.MouseButton.LeftButton, NONE, place(plot, 1.5))
+    QTest.mouseClick(surface(plot), LEFT, NONE, place(plot, 1.5))
     edit = only_edit(panel)
     assert (edit.op, edit.start, edit.end) == (Op.SET, 1.0, 2.0)
     assert edit.value == pytest.approx(asked)

@@ -52,7 +52,16 @@ class View:
 
 @dataclass(frozen=True)
 class Project:
-    """All that a project file holds; paths are absolute here and relative in the file."""
+    """All that a project file holds; paths are absolute here and relative in the file.
+
+    Attributes:
+        take: the file that it is about.
+        fingerprint: of that file.
+        state: what is done to it.
+        view: how it was being looked at.
+        audio, film: what plays beside it.
+        fps: the take's frame rate, if the user had to give it.
+    """
 
     take: Path
     fingerprint: Fingerprint
@@ -60,6 +69,7 @@ class Project:
     view: View = field(default_factory=View)
     audio: Media | None = None
     film: Media | None = None
+    fps: float | None = None
 
 
 def write_project(path: Path | str, project: Project) -> None:
@@ -70,9 +80,12 @@ def write_project(path: Path | str, project: Project) -> None:
     """
     path = Path(path)
     settings = project.state.settings
+    take = {"path": _relative(project.take, path), **asdict(project.fingerprint)}
+    if project.fps is not None:
+        take["fps"] = project.fps
     head = {
         "version": VERSION,
-        "take": {"path": _relative(project.take, path), **asdict(project.fingerprint)},
+        "take": take,
         "settings": {
             "mode": settings.mode.value,
             "naturalness": settings.naturalness,
@@ -114,6 +127,7 @@ def _from_document(fields: Fields, path: Path) -> Project:
         view=_view(fields.fields("view", {})),
         audio=_media(fields, "audio", path),
         film=_media(fields, "film", path),
+        fps=take.number_or_none("fps", 1.0, 1000.0),
     )
     take.finish()
     fields.finish()

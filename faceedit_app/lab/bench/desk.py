@@ -102,7 +102,8 @@ class Desk:
     def press(self, control: str, seconds: float) -> None:
         """Take hold of a curve."""
         plot = self.plot(control)
-        self._held = QPointF(plot.current_scale.x_of(seconds), plot.height() / 2)
+        x = plot.current_scale.x_of(seconds)
+        self._held = plot.view.mapToScene(QPointF(x, plot.height() / 2))
         self._at = self._held
         self._send(plot, QEvent.Type.MouseButtonPress, _LEFT)
 
@@ -121,9 +122,10 @@ class Desk:
         self.editor.curves.cancel_drag()
         self.settle(0.0)
 
-    def _send(self, widget: QWidget, kind: QEvent.Type, button: Qt.MouseButton) -> None:
+    def _send(self, plot: CurvePlot, kind: QEvent.Type, button: Qt.MouseButton) -> None:
+        """A scene's coordinates are the pixels of its view."""
+        widget, keys = plot.viewport(), Qt.KeyboardModifier.NoModifier
         place = QPointF(widget.mapToGlobal(self._at))
-        keys = Qt.KeyboardModifier.NoModifier
         QApplication.sendEvent(widget, QMouseEvent(kind, self._at, place, button, _LEFT, keys))
 
     def dragged(self, control: str) -> Callable[[], float]:

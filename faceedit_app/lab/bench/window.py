@@ -57,7 +57,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
     with stages.watching(*accounts):
         watched = sum(once() for _ in range(times))
     # Qt calls what paints a plot past Python's classes, so it is measured by itself.
-    plots = desk.editor.curves.plots
+    plots = [plot.viewport() for plot in desk.editor.curves.plots]
     painted = repeat(lambda: [plot.repaint() for plot in plots], times, 2)
     desk.give_up()
     desk.choose()

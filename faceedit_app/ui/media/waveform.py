@@ -18,9 +18,9 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QMenu, QSizePolicy, QWidget
 
 from faceedit_app.ui.curves import paint, style
-from faceedit_app.ui.curves.axes import Scale
-from faceedit_app.ui.curves.gestures import Brush, Pan
-from faceedit_app.ui.curves.ruler import turn_wheel
+from faceedit_app.ui.curves.gestures import Pan, Span
+from faceedit_app.ui.curves.paint import turn_wheel
+from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.media.take_media import Media
 from faceedit_app.ui.state.timeline import Timeline
@@ -100,8 +100,8 @@ class Waveform(QWidget):
                 painter.fillRect(rect, style.color(style.BACKGROUND))
         if timeline.selection is not None:
             start, end = timeline.selection
-            band = Brush(start, end, timeline.falloff, timeline.falloff_out)
-            paint.draw_selection(painter, scale, band)
+            span = Span(start, end, timeline.falloff, timeline.falloff_out)
+            paint.draw_selection(painter, scale, span)
         painter.drawImage(QRectF(self.rect()), self._drawn())
         painter.setPen(QPen(style.color(_INK, 90), 0))
         middle = round(0.5 * scale.height)

@@ -10,7 +10,7 @@ from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, 
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolTip, QWidget
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.axes import Scale
+from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.look.widgets import icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.background import Background

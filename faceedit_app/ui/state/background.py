@@ -50,9 +50,9 @@ def prepare_renderer() -> None:
     from faceedit_app.render import contexts
 
     try:
-        contexts.choose_backend()  # before OpenGL is imported
-        contexts.lean_pyrender()
+        backend = contexts.choose_backend()  # before OpenGL is imported
         importlib.import_module("faceedit_app.render.studio")
+        contexts.platform_class(backend)
     except Exception:  # drivers and PyOpenGL raise all kinds
         return  # opening the renderer meets it again, and says so where it can be shown
 

@@ -76,7 +76,7 @@ class Document(QObject):
         """Write down every step from now on; what is not saved yet, at once."""
         from faceedit_app.editing.files.journal import Journal
 
-        self._journal = Journal(session.take.path, self.project)
+        self._journal = Journal(session.take.path, self.project, fps=session.take.fps)
         session.stepped.connect(self._journal.record)
         if not session.is_exported:
             self._journal.record(session.state)
@@ -165,7 +165,8 @@ class Document(QObject):
         take = session.take.path.absolute()
         # Of the take as it was opened: the file may be gone by now, or exported over.
         mark = session.fingerprint
-        project = Project(take, mark, session.state, view, media.sound, media.film)
+        parts = (view, media.sound, media.film, session.take.fps)
+        project = Project(take, mark, session.state, *parts)
         write_project(path, project)
         session.mark_saved()
         self.project = path

@@ -5,33 +5,72 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from faceedit_app.core.extremes import Extremes, highest, lowest
 from faceedit_app.editing.session import EditSession
-from faceedit_app.ui.curves.axes import Span
-from faceedit_app.ui.curves.envelope import BASE, Envelope, Values, highest, lowest
-from faceedit_app.ui.curves.polyline import Mask, Polyline, bin_size, run_of, visible_rows
+from faceedit_app.ui.curves.scale import Interval
 
+Values = NDArray[np.floating]
+Mask = NDArray[np.bool_]
+
+BASE = 16  # frames in the smallest bin that is kept
+# Below this many frames per pixel column all are drawn: thinning would cost more than it saves.
+DENSE = 3
 # Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
 SAME = 0.005
 _LINES, _FACE = 3, 1  # tracked, face, asked
+
+
+@dataclass(frozen=True, eq=False)
+class Polyline:
+    """Points to draw.
+
+    Attributes:
+        x, y: (N,) seconds and values.
+        joined: (N,) whether a line goes from this point to the next; None if all are joined.
+        thinned: whether each pixel column shows its extremes only.
+    """
+
+    x: Values
+    y: Values
+    joined: Mask | None = None
+    thinned: bool = False
+
+    def changed_from(self, before: Polyline) -> Interval | None:
+        """First and last second between which they are drawn otherwise; None if nowhere."""
+        if self is before:
+            return None
+        if self.x is before.x:
+            rows = np.flatnonzero(self.y != before.y)
+            if not len(rows):
+                return None
+            first, last = max(rows[0] - 1, 0), min(rows[-1] + 1, len(self.x) - 1)
+            return float(self.x[first]), float(self.x[last])
+        # With where a line begins all of its dashes move.
+        ends = [float(x[i]) for x in (self.x, before.x) for i in (0, -1) if len(x)]
+        return (min(ends), max(ends)) if ends else None
+
+
+EMPTY = Polyline(np.empty(0), np.empty(0))
 
 
 @dataclass(frozen=True)
 class Lines:
     """A curve's three lines, as they are drawn."""
 
-    tracked: Polyline
-    face: Polyline
-    asked: Polyline
+    tracked: Polyline = EMPTY
+    face: Polyline = EMPTY
+    asked: Polyline = EMPTY
 
 
-class Sight:
+class VisibleCurves:
     """The curves of a session as they are seen, C of them.
 
     A line that is drawn as before stays the same object: what shows it has nothing to do.
 
-    Few frames are drawn one by one; of many, what each column of pixels shows is read from an
-    `Envelope` that is kept up to date with what edits change.
+    Few frames are drawn one by one; of many, what each column of pixels shows is read from
+    `Extremes` that are kept up to date with what edits change.
 
     Attributes:
         low, high: (C,) mm, of the take as tracked.
@@ -42,11 +81,11 @@ class Sight:
         self._times = session.take.clip.times
         self._curves = session.tracked.shape[1]
         self.low, self.high = session.tracked.min(axis=0), session.tracked.max(axis=0)
-        self._envelope: Envelope | None = None
+        self._extremes: Extremes | None = None
         self._known: dict[tuple[int, int], Polyline] = {}  # by line and curve
         self.look((0.0, 0.0), 1)
 
-    def look(self, view: Span, columns: int) -> None:
+    def look(self, view: Interval, columns: int) -> None:
         """Say what is in view.
 
         Args:
@@ -56,10 +95,16 @@ class Sight:
         self._rows = visible_rows(self._times, *view)
         self._size = bin_size(self._rows, columns)
         if self._size >= BASE:
-            self._size = Envelope.bin_size(self._size)
+            self._size = self._pyramid().bin_size(self._size)
         self._known.clear()
         self._x = self._times[self._rows] if self._size == 1 else self._middles()
         self._read_again()
+
+    def _pyramid(self) -> Extremes:
+        if self._extremes is None:
+            columns = (_LINES + 2) * self._curves
+            self._extremes = Extremes(self._read, len(self._times), columns, base=BASE)
+        return self._extremes
 
     def refresh(self) -> None:
         """Read the curves again."""
@@ -72,9 +117,9 @@ class Sight:
 
     def _read_again(self) -> None:
         self._seen, changed = self._live.changes(self._seen)
-        if self._envelope is not None:
+        if self._extremes is not None:
             for rows in changed:
-                self._envelope.update(*rows)
+                self._extremes.update(*rows)
         low, high = self._read_bins()
         y = low if low is high else _alternating(low, high)
         c = self._curves
@@ -101,7 +146,7 @@ class Sight:
             self._known[line, curve] = known
         return known
 
-    def extent(self, curve: int) -> Span:
+    def extent(self, curve: int) -> Interval:
         """Lowest and highest value in view, of all three lines."""
         y = self._y[:, curve]
         return float(y.min()), float(y.max())
@@ -139,9 +184,31 @@ class Sight:
         if size < BASE:
             values = self._read(slice(first * size, min(last * size, frames)))
             return lowest(values, size), highest(values, size)
-        if self._envelope is None:
-            self._envelope = Envelope(self._read, frames, (_LINES + 2) * self._curves)
-        return self._envelope.bins(first, last, size)
+        return self._pyramid().bins(first, last, size)
+
+
+def visible_rows(times: Values, first: float, last: float) -> slice:
+    """The frames from `first` to `last` seconds and one beyond each edge, so lines run off."""
+    start = int(np.searchsorted(times, first)) - 1
+    stop = int(np.searchsorted(times, last, side="right")) + 1
+    return slice(max(start, 0), min(stop, len(times)))
+
+
+def bin_size(rows: slice, columns: int) -> int:
+    """Frames that share a pixel column; 1 where all of them are drawn."""
+    count = rows.stop - rows.start
+    return 1 if count <= DENSE * max(columns, 1) else -(-count // max(columns, 1))
+
+
+def run_of(x: Values, y: Values, shown: Mask, thinned: bool) -> Polyline:
+    """The points (N,) of a curve that are shown, those next to each other joined."""
+    if shown.all():
+        return Polyline(x, y, None, thinned)
+    if not shown.any():
+        return EMPTY
+    joined = np.append(shown[1:], False)[shown]
+    every = bool(joined[:-1].all())
+    return Polyline(x[shown], y[shown], None if every else joined, thinned)
 
 
 def _alternating(low: Values, high: Values) -> Values:

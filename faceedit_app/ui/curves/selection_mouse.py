@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtGui import QMouseEvent
+from PySide6.QtCore import QObject, Signal
 
-from faceedit_app.ui.curves.axes import Scale
 from faceedit_app.ui.curves.edges import Edge, EdgeDrag, edge_at, press_edge
-from faceedit_app.ui.curves.gestures import Brush
+from faceedit_app.ui.curves.gestures import Pointer, Span, clamped
+from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.state.timeline import Timeline
 
 
-class BandMouse(QObject):
+class SelectionMouse(QObject):
     """Drags the selection's edges: start and end of the hold, and the falloffs around it.
 
     Signals:
         taken(): an edge is held from now on.
         moved(): an edge is elsewhere.
-        ended(): it was let go of, or is back where it was.
+        ended(): it was released, or is back where it was.
     """
 
     taken = Signal()
@@ -31,12 +30,12 @@ class BandMouse(QObject):
         self._placing = False
 
     @property
-    def band(self) -> Brush | None:
+    def span(self) -> Span | None:
         """The selection with its falloffs."""
         line = self._timeline
         if line.selection is None:
             return None
-        return Brush(*line.selection, line.falloff, line.falloff_out)
+        return Span(*line.selection, line.falloff, line.falloff_out)
 
     @property
     def is_dragging(self) -> bool:
@@ -48,10 +47,10 @@ class BandMouse(QObject):
         """Whether an edge is held, or is just being put somewhere by numbers."""
         return self.is_dragging or self._placing
 
-    def place(self, band: Brush) -> None:
+    def place(self, span: Span) -> None:
         """Put all edges somewhere, as numbers say."""
         self._placing = True
-        self._show(band)
+        self._show(span)
         self.ended.emit()
         self._placing = False
 
@@ -62,36 +61,32 @@ class BandMouse(QObject):
 
     def edge_under(self, scale: Scale, x: float) -> Edge | None:
         """The edge that a press at a pixel would grab."""
-        band = self.band
-        return edge_at(x, scale, band) if band is not None else None
+        span = self.span
+        return edge_at(x, scale, span) if span is not None else None
 
-    def press(self, scale: Scale, event: QMouseEvent) -> bool:
-        """Grab the edge under the pointer, if there is one."""
-        x = event.position().x()
+    def press(self, scale: Scale, x: float) -> bool:
+        """Grab the edge at a pixel, if there is one."""
         edge = self.edge_under(scale, x)
         if edge is not None:
             self.grab(edge, scale.time_at(x))
         return edge is not None
 
     def grab(self, edge: Edge, seconds: float) -> None:
-        """Hold an edge, or the whole band, at a time."""
-        band = self.band
-        if band is not None:
+        """Hold an edge, or the whole selection, at a time."""
+        span = self.span
+        if span is not None:
             limits = 0.0, self._timeline.snap(self._timeline.duration)
-            self._drag = press_edge(edge, band, seconds, limits)
+            self._drag = press_edge(edge, span, seconds, limits)
             self.taken.emit()
 
-    def move(self, scale: Scale, event: QMouseEvent) -> None:
-        """Bring the edge along; Shift is fine, Ctrl snaps to frames."""
+    def move(self, scale: Scale, pointer: Pointer) -> None:
+        """Bring the edge along; it may snap to frames."""
         if self._drag is None:
             return
-        keys = event.modifiers()
-        seconds = scale.time_at(min(max(event.position().x(), 0.0), scale.width))
-        fine = bool(keys & Qt.KeyboardModifier.ShiftModifier)
-        snap = bool(keys & Qt.KeyboardModifier.ControlModifier)
-        frame = self._timeline.snap(seconds) if snap else None
-        self._drag = self._drag.moved(seconds, fine, frame)
-        self._show(self._drag.band)
+        seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
+        frame = self._timeline.snap(seconds) if pointer.snap else None
+        self._drag = self._drag.moved(seconds, pointer.fine, frame)
+        self._show(self._drag.span)
 
     def release(self) -> None:
         """Keep it."""
@@ -106,7 +101,7 @@ class BandMouse(QObject):
             self._drag = None
             self.ended.emit()
 
-    def _show(self, band: Brush) -> None:
-        self._timeline.set_falloffs(band.falloff, band.fade_out)
-        self._timeline.select((band.start, band.end))
+    def _show(self, span: Span) -> None:
+        self._timeline.set_falloffs(span.falloff, span.fade_out)
+        self._timeline.select((span.start, span.end))
         self.moved.emit()

@@ -1,87 +1,101 @@
-"""Lowest and highest values of long curves, so that a picture of hours costs what one of seconds
-does."""
+"""Lowest and highest values of long signals: a picture of hours costs what one of seconds does."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
-Values = NDArray[np.float32]
-# Takes a slice of frames; returns the (N, C) values there.
+Values = NDArray[Any]
+# Takes a slice of rows; returns the (N, C) values there.
 Source = Callable[[slice], Values]
 
-BASE = 16  # frames in the smallest bin
 STEP = 4  # bins in one of the next level
-_BLOCK = 1 << 14  # frames that are read at a time
+_BLOCK = 1 << 14  # rows that are read at a time
 
 
-class Envelope:
-    """Bins over (T, C) values, at several sizes; a change costs what it touches.
+class Extremes:
+    """A pyramid of minima and maxima over (T, C) values; updating it costs what has changed.
+
+    The first level holds bins of `base` rows, the next bins of `base * STEP` rows, and so on.
 
     Args:
-        source: what the values are.
-        frames: T.
-        curves: C.
+        source: reads the values.
+        length: T.
+        columns: C.
+        dtype: of the values.
+        base: rows in the smallest bin.
     """
 
-    def __init__(self, source: Source, frames: int, curves: int) -> None:
-        self._source, self._frames = source, frames
+    def __init__(
+        self,
+        source: Source,
+        length: int,
+        columns: int,
+        dtype: DTypeLike = np.float32,
+        base: int = 16,
+    ) -> None:
+        self._source, self._length, self.base = source, length, base
         self._levels: list[tuple[Values, Values]] = []
-        bins = -(-frames // BASE)
+        bins = -(-length // base)
         while True:
-            low, high = np.empty((2, bins, curves), np.float32)
+            low, high = np.empty((2, bins, columns), dtype)
             self._levels.append((low, high))
             if bins <= STEP:
                 break
             bins = -(-bins // STEP)
-        self.update(0, frames)
+        self.update(0, length)
 
     def update(self, first: int, last: int) -> None:
-        """Read the values of some frames again."""
+        """Read the values of the rows from `first` to before `last` again."""
         if first >= last:
             return
-        start = first - first % BASE
+        base, start = self.base, first - first % self.base
+        block = -(-_BLOCK // base) * base
         while start < last:
-            stop = min(start + _BLOCK, -(-last // BASE) * BASE, self._frames)
+            stop = min(start + block, -(-last // base) * base, self._length)
             values = self._source(slice(start, stop))
-            bins = slice(start // BASE, -(-stop // BASE))
-            self._put(0, bins, lowest(values, BASE), highest(values, BASE))
+            bins = slice(start // base, -(-stop // base))
+            self._put(0, bins, lowest(values, base), highest(values, base))
             start = stop
-        first, last = first // BASE, -(-last // BASE)
+        first, last = first // base, -(-last // base)
         for level in range(1, len(self._levels)):
             low, high = self._levels[level - 1]
             first, last = first // STEP, -(-last // STEP)
             below = slice(first * STEP, min(last * STEP, len(low)))
-            bins = slice(first, last)
-            self._put(level, bins, lowest(low[below], STEP), highest(high[below], STEP))
+            self._put(
+                level, slice(first, last), lowest(low[below], STEP), highest(high[below], STEP)
+            )
 
     def _put(self, level: int, bins: slice, low: Values, high: Values) -> None:
         self._levels[level][0][bins], self._levels[level][1][bins] = low, high
 
-    @staticmethod
-    def bin_size(wanted: int) -> int:
-        """The largest size of bins that can be had, up to the one that is wanted.
+    def bin_size(self, wanted: int) -> int:
+        """The largest size of bins that `bins` can answer, up to the size that is wanted.
 
         Args:
-            wanted: frames, `BASE` or more.
+            wanted: rows, `base` or more.
         """
-        step = BASE
-        while step * STEP <= wanted:
-            step *= STEP
+        step = self._level_for(wanted)[1]
         return wanted - wanted % step
+
+    def _level_for(self, size: int) -> tuple[int, int]:
+        """The coarsest level whose bins are not larger than `size` rows, and their size."""
+        level, step = 0, self.base
+        while step * STEP <= size and level + 1 < len(self._levels):
+            level, step = level + 1, step * STEP
+        return level, step
 
     def bins(self, first: int, last: int, size: int) -> tuple[Values, Values]:
         """Lowest and highest values (N, C) of bins.
 
         Args:
             first, last: the first bin, and the one after the last.
-            size: frames in each, as `bin_size` says.
+            size: rows in each, as `bin_size` gives it.
         """
-        level, step = 0, BASE
-        while step * STEP <= size and level + 1 < len(self._levels):
-            level, step = level + 1, step * STEP
+        level, step = self._level_for(size)
         together = size // step
         low, high = self._levels[level]
         part = slice(first * together, min(last * together, len(low)))

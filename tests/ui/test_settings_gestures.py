@@ -1,0 +1,379 @@
+"""One way to make a gesture: sliders, numbers and keys preview, commit and cancel alike."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QFocusEvent, QMouseEvent, QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QSlider, QStyle, QStyleOptionSlider, QWidget
+from support.films import make_wav
+from support.windows import Bench, add_edit, drag_curve, session_of, trigger
+
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.page.editor import Editor
+from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.actions import help_rows
+
+LEFT = Qt.MouseButton.LeftButton
+
+
+@pytest.fixture
+def window(bench: Bench) -> MainWindow:
+    """A take with one edit, and a step of Reach that was taken back."""
+    window = bench.editing()
+    add_edit(window)
+    press_key(editor_of(window).strip.reach, Qt.Key.Key_Left)
+    trigger(window, "undo")
+    return window
+
+
+def editor_of(window: MainWindow) -> Editor:
+    assert window.editor is not None
+    return window.editor
+
+
+def names(session: EditSession) -> tuple[str, str]:
+    return session.undo_name, session.redo_name
+
+
+def handle(slider: QSlider) -> QPoint:
+    """The middle of a slider's handle."""
+    option = QStyleOptionSlider()
+    slider.initStyleOption(option)
+    style, part = slider.style(), QStyle.SubControl.SC_SliderHandle
+    return style.subControlRect(QStyle.ComplexControl.CC_Slider, option, part, slider).center()
+
+
+def mouse(widget: QWidget, kind: QEvent.Type, at: QPoint) -> None:
+    button = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseMove else LEFT
+    held = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseButtonRelease else LEFT
+    everywhere = QPointF(widget.mapToGlobal(at))
+    keys = Qt.KeyboardModifier.NoModifier
+    QApplication.sendEvent(widget, QMouseEvent(kind, QPointF(at), everywhere, button, held, keys))
+
+
+def press(slider: QSlider) -> QPoint:
+    at = handle(slider)
+    mouse(slider, QEvent.Type.MouseButtonPress, at)
+    return at
+
+
+def move(slider: QSlider, start: QPoint, pixels: int) -> None:
+    """Bring the handle to so many pixels from where it was pressed."""
+    mouse(slider, QEvent.Type.MouseMove, start + QPoint(pixels, 0))
+
+
+def release(slider: QSlider, start: QPoint, pixels: int) -> None:
+    mouse(slider, QEvent.Type.MouseButtonRelease, start + QPoint(pixels, 0))
+
+
+def press_key(widget: QWidget, key: Qt.Key, times: int = 1) -> None:
+    widget.setFocus()  # arrows would move the playhead
+    for _ in range(times):
+        QTest.keyClick(widget, key)
+
+
+def turn(widget: QWidget, notches: int) -> None:
+    at = QPointF(widget.rect().center())
+    for _ in range(abs(notches)):
+        delta = QPoint(0, 120 if notches > 0 else -120)
+        QApplication.sendEvent(
+            widget,
+            QWheelEvent(
+                at,
+                QPointF(widget.mapToGlobal(at.toPoint())),
+                QPoint(),
+                delta,
+                Qt.MouseButton.NoButton,
+                Qt.KeyboardModifier.NoModifier,
+                Qt.ScrollPhase.NoScrollPhase,
+                False,
+            ),
+        )
+
+
+# --- sliders -------------------------------------------------------------------------------------
+
+
+def test_a_slider_that_is_dragged_back_is_no_step_and_costs_no_redo(
+    bench: Bench, window: MainWindow
+) -> None:
+    """It dropped the earlier redo, and offered the 60 % on the way there in its place."""
+    session, slider = session_of(window), editor_of(window).strip.natural
+    assert names(session) == ("Mouth opening +6.0 mm", "Reach")
+    start = press(slider)
+    move(slider, start, -35)
+    bench.qtbot.waitUntil(lambda: session.is_previewing)
+    assert slider.value() < 70
+    assert session.settings.naturalness == 1.0, "it is shown, and not kept"
+    move(slider, start, 0)
+    release(slider, start, 0)
+    assert slider.value() == 100
+    assert not session.is_previewing
+    assert names(session) == ("Mouth opening +6.0 mm", "Reach")
+    trigger(window, "redo")
+    assert session.settings.reach == pytest.approx(0.99)
+    assert session.settings.naturalness == 1.0
+
+
+def test_a_drag_of_a_slider_is_one_step_with_its_name(bench: Bench, window: MainWindow) -> None:
+    session, slider = session_of(window), editor_of(window).strip.natural
+    start = press(slider)
+    for pixels in (-10, -20, -30):
+        move(slider, start, pixels)
+        bench.qtbot.waitUntil(lambda: session.is_previewing)
+    release(slider, start, -30)
+    kept = slider.value() / 100
+    assert kept < 0.8
+    assert session.settings.naturalness == pytest.approx(kept)
+    assert names(session) == ("Naturalness", "")
+    trigger(window, "undo")
+    assert names(session) == ("Mouth opening +6.0 mm", "Naturalness")
+    assert (session.settings.naturalness, slider.value()) == (1.0, 100)
+    trigger(window, "redo")
+    assert session.settings.naturalness == pytest.approx(kept)
+    assert slider.value() == round(100 * kept)
+
+
+@pytest.mark.parametrize("which", ["natural", "strength"])
+@pytest.mark.parametrize("command", ["deselect", "undo"])
+def test_esc_and_undo_drop_the_drag_of_a_slider(
+    bench: Bench, window: MainWindow, which: str, command: str
+) -> None:
+    session, editor = session_of(window), editor_of(window)
+    editor.edits.select(0)
+    slider = editor.strip.natural if which == "natural" else editor.edits.strength
+    before, weights, value = session.state, session.weights.copy(), slider.value()
+    start = press(slider)
+    move(slider, start, -30)
+    bench.qtbot.waitUntil(lambda: session.is_previewing)
+    trigger(window, command)
+    assert not session.is_previewing
+    assert (session.state, slider.value()) == (before, value)
+    move(slider, start, -20)  # the button is still down
+    assert (session.state, slider.value()) == (before, value)
+    release(slider, start, -20)
+    assert (session.state, slider.value()) == (before, value)
+    assert (session.weights == weights).all()
+    assert names(session) == ("Mouth opening +6.0 mm", "Reach")
+    start = press(slider)  # it works as before
+    move(slider, start, -30)
+    release(slider, start, -30)
+    assert session.undo_name == ("Naturalness" if which == "natural" else "Strength")
+
+
+@pytest.mark.parametrize("how", ["keys", "wheel"])
+def test_ticks_of_a_slider_are_one_step(window: MainWindow, how: str) -> None:
+    session, slider = session_of(window), editor_of(window).strip.natural
+    if how == "keys":
+        press_key(slider, Qt.Key.Key_Left, 4)
+    else:
+        turn(slider, -4)
+    assert slider.value() < 97
+    assert session.settings.naturalness == pytest.approx(slider.value() / 100)
+    trigger(window, "undo")
+    assert session.settings.naturalness == 1.0
+    assert session.undo_name == "Mouth opening +6.0 mm"
+
+
+def test_ticks_that_lead_back_are_no_step_and_cost_no_redo(window: MainWindow) -> None:
+    session, slider = session_of(window), editor_of(window).strip.natural
+    press_key(slider, Qt.Key.Key_Left, 3)
+    assert names(session) == ("Naturalness", "")
+    press_key(slider, Qt.Key.Key_Right, 3)
+    assert names(session) == ("Mouth opening +6.0 mm", "Reach")
+
+
+@pytest.mark.parametrize("between", ["focus", "pointer", "drag", "other slider", "save"])
+def test_ticks_end_where_something_comes_between(
+    bench: Bench, window: MainWindow, between: str
+) -> None:
+    session, editor = session_of(window), editor_of(window)
+    slider = editor.strip.natural
+    press_key(slider, Qt.Key.Key_Left, 2)
+    match between:
+        case "focus":
+            QApplication.sendEvent(slider, QFocusEvent(QEvent.Type.FocusOut))
+        case "pointer":
+            QApplication.sendEvent(slider, QEvent(QEvent.Type.Leave))
+        case "drag":
+            drag_curve(window, 0, 2.5, 20)
+        case "other slider":
+            press_key(editor.strip.reach, Qt.Key.Key_Left)
+        case "save":
+            bench.answers["save_project"] = bench.folder / "p.faceedit"
+            trigger(window, "save")
+    kept = session.state
+    press_key(slider, Qt.Key.Key_Left)
+    assert session.settings.naturalness == pytest.approx(0.97)
+    trigger(window, "undo")
+    assert session.state == kept
+
+
+def test_strength_by_keys_is_one_step_for_the_edits_that_are_selected(window: MainWindow) -> None:
+    session, editor = session_of(window), editor_of(window)
+    add_edit(window, 3.0)
+    editor.edits.select(0)
+    press_key(editor.edits.strength, Qt.Key.Key_Left, 3)
+    editor.edits.select(1)
+    press_key(editor.edits.strength, Qt.Key.Key_Left, 2)
+    assert [edit.strength for edit in session.edits] == pytest.approx([0.97, 0.98])
+    assert session.undo_name == "Strength"
+    trigger(window, "undo")
+    assert [edit.strength for edit in session.edits] == pytest.approx([0.97, 1.0])
+    trigger(window, "undo")
+    assert [edit.strength for edit in session.edits] == [1.0, 1.0]
+
+
+# --- numbers -------------------------------------------------------------------------------------
+
+
+def test_an_offset_by_arrows_is_one_step_that_enter_ends(bench: Bench) -> None:
+    window = bench.editing()
+    window.media.add(make_wav(bench.folder / "voice.wav"))
+    bench.qtbot.waitUntil(lambda: session_of(window).can_undo, timeout=10_000)
+    session, box = session_of(window), editor_of(window).sound.offset
+    assert session.undo_name == "Add sound"
+    press_key(box, Qt.Key.Key_Up, 3)
+    assert session.undo_name == "Move sound"
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    press_key(box, Qt.Key.Key_Up, 2)
+    assert box.value() == pytest.approx(0.05)
+    trigger(window, "undo")
+    assert box.value() == pytest.approx(0.03)
+    trigger(window, "undo")
+    assert box.value() == 0.0
+    assert names(session) == ("Add sound", "Move sound")
+
+
+def test_a_sound_that_is_dragged_back_is_no_step_and_costs_no_redo(bench: Bench) -> None:
+    window = bench.editing()
+    window.media.add(make_wav(bench.folder / "voice.wav"))
+    session = session_of(window)
+    bench.qtbot.waitUntil(lambda: session.can_undo, timeout=10_000)
+    drag_curve(window, 0, 1.0, 20)
+    trigger(window, "undo")
+    redo, weights = session.redo_name, session.weights.copy()
+    assert redo.startswith("Mouth opening")
+    wave, alt = editor_of(window).sound.waveform, Qt.KeyboardModifier.AltModifier
+    start = QPoint(100, 20)
+    QTest.mousePress(wave, LEFT, alt, start)
+    for pixels in (60, 0):
+        at = QPointF(start + QPoint(pixels, 0))
+        none = Qt.MouseButton.NoButton
+        event = QMouseEvent(QEvent.Type.MouseMove, at, wave.mapToGlobal(at), none, LEFT, alt)
+        QApplication.sendEvent(wave, event)
+        assert session.is_previewing
+        assert session.state.media == window.media.placement or pixels
+    QTest.mouseRelease(wave, LEFT, alt, start)
+    assert not session.is_previewing
+    assert names(session) == ("Add sound", redo)
+    assert (session.weights == weights).all()
+
+
+def test_a_typed_range_of_an_edit_is_one_step_until_enter(window: MainWindow) -> None:
+    session, editor = session_of(window), editor_of(window)
+    editor.edits.select(0)
+    box = editor.curves.fields.end
+    press_key(box, Qt.Key.Key_Up, 3)
+    assert session.edits[0].end == pytest.approx(1.55)
+    assert session.undo_name == "Range"
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    editor.edits.select(0)
+    press_key(box, Qt.Key.Key_Up)
+    trigger(window, "undo")
+    assert session.edits[0].end == pytest.approx(1.55)
+    trigger(window, "undo")
+    assert session.edits[0].end == pytest.approx(1.4)
+    assert session.undo_name == "Mouth opening +6.0 mm"
+
+
+def test_an_edge_of_the_selection_leaves_a_proposal_to_its_own_button(
+    bench: Bench, window: MainWindow
+) -> None:
+    session, editor = session_of(window), editor_of(window)
+    window.timeline.select((1.0, 2.0))
+    editor.proposal.offer("A proposal", session.edits, "Fix problem")
+    before = session.state
+    editor.curves.fields.end.setValue(2.2)
+    assert session.state == before
+    assert editor.proposal.is_open
+    trigger(window, "accept_fix")
+    assert session.undo_name == "Fix problem"
+
+
+# --- what the menu says --------------------------------------------------------------------------
+
+
+def test_undo_and_redo_name_the_step(window: MainWindow) -> None:
+    undo, redo = window.actions_["undo"], window.actions_["redo"]
+    assert (undo.text(), redo.text()) == ("&Undo Mouth opening +6.0 mm", "&Redo Reach")
+    window.timeline.select((0.5, 2.5))
+    trigger(window, "fix_smile")
+    assert (undo.text(), redo.text()) == ("&Undo Smile", "&Redo")
+    assert not redo.isEnabled()
+    for command, step in {
+        "toggle_edit": "Switch edit off",
+        "edit_up": "Move edit",
+        "delete_edit": "Delete edit",
+        "resynthesize": "Resynthesize",
+        "reset_range": "Reset range",
+        "mirror": "Mirror",
+    }.items():
+        trigger(window, command)
+        assert undo.text() == f"&Undo {step}"
+    while session_of(window).can_undo:
+        trigger(window, "undo")
+    assert undo.text() == "&Undo"
+    assert not undo.isEnabled()
+
+
+def test_a_name_of_the_users_cannot_break_the_menu(window: MainWindow) -> None:
+    session_of(window).add(name="R&D\ttab\nline " + "x" * 90)
+    assert window.actions_["undo"].text() == "&Undo Mouth opening +6.0 mm", "nothing was added"
+    (edit,) = session_of(window).edits
+    session_of(window).add(edit, name="R&D\ttab\nline " + "x" * 90)
+    text = window.actions_["undo"].text()
+    assert text.startswith("&Undo R&&D tab line x")
+    assert text.endswith("x…")
+    assert len(text) < 60
+
+
+def test_the_shortcuts_keep_the_plain_names(window: MainWindow) -> None:
+    texts = {keys: text for _, keys, text in help_rows()}
+    assert texts["Ctrl+Z"] == "Take the last step back"
+    assert window.actions_["undo"].toolTip() == "Take the last step back  (Ctrl+Z)"
+
+
+# --- the one way from the session to the views ---------------------------------------------------
+
+
+def test_whoever_changes_the_session_is_seen_everywhere(bench: Bench) -> None:
+    window = bench.editing()
+    session, editor = session_of(window), editor_of(window)
+    add_edit(window)
+    assert window.isWindowModified()
+    assert len(editor.edits.model.edits) == 1
+    assert editor.edits.title.text() == "Edits  1"
+    assert editor.strip.edits.text().startswith("1 edit")
+    session.undo()
+    assert not window.isWindowModified()
+    assert editor.edits.title.text() == "Edits"
+
+
+def test_the_session_of_the_last_take_is_heard_no_more(bench: Bench) -> None:
+    window = bench.editing()
+    old = session_of(window)
+    heard: list[None] = []
+    add_edit(window)
+    (edit,) = old.edits
+    old.mark_saved()
+    window.files.open(bench.take)
+    bench.qtbot.waitUntil(lambda: window.document.session is not old)
+    window.document.changed.connect(lambda: heard.append(None))
+    window.document.previewed.connect(lambda: heard.append(None))
+    old.undo()
+    old.preview(edit)
+    old.cancel()
+    assert not heard
