@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__
+from faceedit_app import __version__, character_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 
@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 USAGE_ERROR = 2
 # The laboratory's commands. They are named here because the installed application leaves it out.
-LABORATORY = ("bench", "train", "evaluate", "experiment", "synthesize", "statistics")
+LABORATORY = (
+    *("bench", "train", "evaluate", "evaluate-character"),
+    *("experiment", "synthesize", "statistics"),
+)
 
 app = typer.Typer(
     help="Edit tracked facial animation by dragging eight plain curves. "
@@ -33,7 +36,13 @@ app = typer.Typer(
     no_args_is_help=False,
 )
 
+app.add_typer(character_commands.app, name="character")
+
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
+CharacterOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--character", help="Your character: GLB, VRM, FBX or OBJ with blendshapes."),
+]
 FpsOption = Annotated[
     Optional[float],  # noqa: UP045  (typer reads the annotation at run time)
     typer.Option("--fps", help="Frames per second, if the take does not tell them."),
@@ -92,10 +101,14 @@ def apply(
     reach: Annotated[
         float, typer.Option(help="0 as the networks answer, 1 all the way to what was asked.")
     ] = 1.0,
+    character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
-    """Apply edits to a take and export it in its own format."""
+    """Apply edits to a take and export it in its own format.
+
+    With --character, lips and lids also close on that character where edits close them.
+    """
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.editing.solving.solver import Mode, Settings
 
@@ -110,7 +123,10 @@ def apply(
     session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
-    session.export(output)
+    if character:
+        character_commands.export_closed(session, character, output, engine)
+    else:
+        session.export(output)
     print(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
@@ -164,6 +180,7 @@ def render(
         Optional[Path],  # noqa: UP045
         typer.Option(help="Edits (JSON) to apply first."),
     ] = None,
+    character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
@@ -181,7 +198,8 @@ def render(
     if edits:
         session.load_edits(edits)
     frame = session.take.clip.frame_at(time)
-    write_png(output, snapshot(session.rig, session.rig_weights(frame), width, height))
+    shown = character_commands.rig_of(character) if character else rig
+    write_png(output, snapshot(shown, session.weights[frame], width, height))
     print(f"{output}: frame {frame} of {take}")
 
 
@@ -213,7 +231,7 @@ def _add_laboratory() -> None:
     from faceedit_app.lab import commands
 
     for name in LABORATORY:
-        app.command(name)(getattr(commands, name))
+        app.command(name)(getattr(commands, name.replace("-", "_")))
 
 
 def _left_out() -> None:

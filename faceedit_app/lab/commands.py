@@ -1,4 +1,4 @@
-"""The laboratory's commands: bench, train, evaluate, experiment, synthesize, statistics."""
+"""The laboratory's commands: bench, train, evaluate and its kin, synthesize, statistics."""
 
 from __future__ import annotations
 
@@ -126,6 +126,23 @@ def evaluate(
         print(write_report(report, figures))
     for line in summary_lines(figures):
         print(line)
+
+
+def evaluate_character(
+    heads: Annotated[
+        list[Path], typer.Argument(help="Heads whose own shapes are known: GLB, OBJ, FBX, npz.")
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Make shapes for heads that have their own, and say how alike they are."""
+    from faceedit_app.lab.evaluation.making import evaluate_making
+
+    require("rtree", extra="scans")
+    figures = [evaluate_making(path) for path in heads]
+    if as_json:
+        print(json.dumps([vars(one) for one in figures], indent=2))
+    else:
+        print("\n\n".join(one.text() for one in figures))
 
 
 def experiment(
