@@ -35,7 +35,10 @@ class ValueAxis(pg.AxisItem):
     """Millimetres left of a plot: numbers alone, none of them cut off."""
 
     def __init__(self) -> None:
-        super().__init__("left", pen=None, textPen=style.MUTED)
+        super().__init__("left", textPen=style.MUTED)
+        self.setPen(None)  # no line along it
+        self.setTickPen(None)
+        self.setCacheMode(self.CacheMode.DeviceCoordinateCache)
         self.enableAutoSIPrefix(False)
         self.setWidth(style.AXIS_WIDTH)
         self.setStyle(
@@ -92,7 +95,8 @@ class _InsideAxis(pg.AxisItem):
     """
 
     def __init__(self, color: str, tick: int, offset: int) -> None:
-        super().__init__("top", pen=None, textPen=color, tickPen=style.TICK)
+        super().__init__("top", textPen=color, tickPen=style.TICK)
+        self.setPen(None)
         self.clip: Clip | None = None
         self.enableAutoSIPrefix(False)
         self.setStyle(

@@ -105,6 +105,7 @@ class Header(QWidget):
         self.value = ""
         self.note = ""
         self._active = self._chosen = False
+        self._measured: tuple[tuple[int, int, str], Layout] | None = None
         self.setFixedWidth(style.HEADER_WIDTH - style.AXIS_WIDTH)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
@@ -139,6 +140,13 @@ class Header(QWidget):
             self._chosen = chosen
             self.update()
 
+    def _layout(self) -> Layout:
+        """Measured once for each size and font."""
+        key = self.width(), self.height(), self.font().key()
+        if self._measured is None or self._measured[0] != key:
+            self._measured = key, Layout.of(self, self.control.label)
+        return self._measured[1]
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take the focus; with Ctrl join the curves that are edited together."""
         if event.button() == Qt.MouseButton.LeftButton:
@@ -158,7 +166,7 @@ class Header(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Bar, name, value."""
-        layout = Layout.of(self, self.control.label)
+        layout = self._layout()
         color = self.control.color
         with QPainter(self) as painter:
             ground = style.PLOT_ACTIVE if self._active else style.PLOT

@@ -7,26 +7,40 @@ from functools import lru_cache
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QFont, QLinearGradient, QPainter, QPen
-from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import (
+    QBrush,
+    QFont,
+    QLinearGradient,
+    QPainter,
+    QPainterPath,
+    QPen,
+    QPolygonF,
+)
+from PySide6.QtWidgets import (
+    QGraphicsItem,
+    QGraphicsPathItem,
+    QStyleOptionGraphicsItem,
+    QWidget,
+)
 
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.gestures import Span, clamped
-from faceedit_app.ui.curves.scale import Interval
+from faceedit_app.ui.curves.gestures import Span
+from faceedit_app.ui.curves.paint import draw_tag, tag_box
+from faceedit_app.ui.curves.scale import Interval, Scale
 
 LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is in view
 _NONE = QPen(Qt.PenStyle.NoPen)
-_APART = 14.0  # pixels between a point and its numbers
 _FAINTEST = 0.12  # of a span's strength, at the ends of its falloffs
 
 
 class SpanRegion(pg.LinearRegionItem):
     """A span of time with four edges: its hold, and the falloffs on either side.
 
-    Its fill fades as an edit there fades.
+    Its fill fades as an edit there fades. pyqtgraph's own two lines stay hidden: as items of
+    their own, four edges take as long to paint as the curves.
 
     Args:
         color: of the fill.
@@ -34,15 +48,14 @@ class SpanRegion(pg.LinearRegionItem):
     """
 
     def __init__(self, color: str, hold: QPen = _NONE, falloff: QPen = _NONE) -> None:
-        super().__init__(pen=hold, movable=False, swapMode=None)
-        self._color = color
-        self._shown: tuple[Span | None, int] = (None, 0)
+        super().__init__(pen=_NONE, movable=False, swapMode=None)
         self.span = Span(0.0, 0.0, 0.0)
-        self.outer = [pg.InfiniteLine(0.0, 90, pen=falloff) for _ in range(2)]
-        for line in self.outer:
-            line.setParentItem(self)
-        for line in (*self.lines, *self.outer):
-            line.setVisible(line.pen.style() != Qt.PenStyle.NoPen)
+        self._color, self._hold, self._falloff = color, hold, falloff
+        self._shown: tuple[Span | None, int] = (None, 0)
+        self._rect: QRectF | None = None
+        self._fades: list[QBrush] = []
+        for line in self.lines:
+            line.hide()
         self.hide()
 
     def show_span(self, span: Span | None, alpha: int) -> None:
@@ -54,48 +67,61 @@ class SpanRegion(pg.LinearRegionItem):
         if span is None:
             return
         self.span = span
-        self.prepareGeometryChange()
+        self.viewRangeChanged()
         self.setRegion((span.start, span.end))
-        for line, seconds in zip(self.outer, span.ends, strict=True):
-            line.setValue(seconds)
-        self.setBrush(self._fill(span, alpha))
+        self.setBrush(style.color(self._color, alpha))
+        ramps = (span.ends[0], span.start), (span.end, span.ends[1])
+        self._fades = [self._fade(span, *ramp, alpha) for ramp in ramps]
         self.update()
 
-    def _fill(self, span: Span, alpha: int) -> QBrush:
-        first, last = span.ends
-        if first == last:
-            return QBrush(style.color(self._color, alpha))
+    def _fade(self, span: Span, first: float, last: float, alpha: int) -> QBrush:
         fade = QLinearGradient(first, 0.0, last, 0.0)
-        for place, strength in _stops(span):
+        for place, strength in _stops(span, first, last):
             seen = alpha * (_FAINTEST + (1 - _FAINTEST) * strength)
             fade.setColorAt(place, style.color(self._color, round(seen)))
         return QBrush(fade)
 
     def viewRangeChanged(self) -> None:
         """It is as tall as the view, and never thinner than a pixel."""
+        self._rect = None
         self.prepareGeometryChange()
 
     def boundingRect(self) -> QRectF:
         """From the first to the last second that an edit changes."""
-        view = self.viewRect()
-        if view is None:
-            return QRectF()
-        first, last = self.span.ends
-        pixel = self.getViewBox().viewPixelSize()[0]
-        first, last = first - 0.5 * pixel, last + 0.5 * pixel
-        return QRectF(first, view.top(), last - first, view.height())
+        if self._rect is None:
+            view = self.viewRect()
+            if view is None:
+                return QRectF()
+            first, last = self.span.ends
+            pixel = self.getViewBox().viewPixelSize()[0]
+            first, last = first - pixel, last + pixel
+            self._rect = QRectF(first, view.top(), last - first, view.height())
+        return self._rect
+
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Fill hold and falloffs, then draw the edges."""
+        rect, span = self.boundingRect(), self.span
+        top, height = rect.top(), rect.height()
+        least = self.getViewBox().viewPixelSize()[0]
+        (first, last), hold = span.ends, max(span.end - span.start, least)
+        painter.fillRect(QRectF(span.start, top, hold, height), self.brush)
+        for start, end, fade in ((first, span.start, 0), (span.end, last, 1)):
+            if end > start:
+                painter.fillRect(QRectF(start, top, end - start, height), self._fades[fade])
+        for pen, edges in ((self._hold, (span.start, span.end)), (self._falloff, (first, last))):
+            painter.setPen(pen)
+            painter.drawLines([QLineF(x, top, x, top + height) for x in edges])
 
 
 @lru_cache(maxsize=16)
-def _stops(span: Span) -> list[tuple[float, float]]:
-    """(position 0..1, strength 0..1) along a span."""
+def _stops(span: Span, first: float, last: float) -> list[tuple[float, float]]:
+    """(position 0..1, strength 0..1) along one of a span's falloffs."""
     # The edit's own mask, so that the picture cannot tell another story than the result.
-    mask = span.edit((LIP_OPENING,), Op.OFFSET)
-    first, last = span.ends
     ramp = np.linspace(0.0, 1.0, 7)
-    times = np.concatenate([first + ramp * span.falloff, span.end + ramp * span.fade_out])
-    places = (times - first) / (last - first)
-    return [(float(p), float(s)) for p, s in zip(places, mask.mask(times), strict=True)]
+    mask = span.edit((LIP_OPENING,), Op.OFFSET).mask(first + ramp * (last - first))
+    return [(float(p), float(s)) for p, s in zip(ramp, mask, strict=True)]
 
 
 def selection_region() -> SpanRegion:
@@ -147,66 +173,75 @@ class Playhead(pg.InfiniteLine):
         super().__init__(0.0, 90, pen=style.hairline(style.PLAYHEAD, 215))
 
 
-class Dot(pg.GraphicsObject):
-    """A round handle or marker, as large at any scale."""
+class Marker(QGraphicsPathItem):
+    """A small shape that is as large at any scale.
 
-    def __init__(self, radius: float, fill: str, edge: str) -> None:
-        super().__init__()
-        self._radius, self._fill = radius, style.color(fill)
-        self._pen = QPen(style.color(edge), 1.5)
+    Args:
+        shape: around where it stands, in pixels.
+        fill, edge: colours.
+    """
+
+    def __init__(self, shape: QPainterPath, fill: str, edge: str | None = None) -> None:
+        super().__init__(shape)
+        self.setBrush(style.color(fill))
+        self.setPen(_NONE if edge is None else QPen(style.color(edge), 1.5))
         self.setFlag(self.GraphicsItemFlag.ItemIgnoresTransformations)
 
-    def fill(self, color: str) -> None:
-        """Have another colour inside."""
-        if (wanted := style.color(color)) != self._fill:
-            self._fill = wanted
-            self.update()
-
-    def boundingRect(self) -> QRectF:
-        """With room for its edge."""
-        size = self._radius + 2.0
-        return QRectF(-size, -size, 2.0 * size, 2.0 * size)
-
     def paint(
-        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+        self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Draw it."""
+        """Draw it smoothly."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
-        painter.setPen(self._pen)
-        painter.setBrush(self._fill)
-        painter.drawEllipse(QPointF(), self._radius, self._radius)
+        super().paint(painter, option, widget)
 
 
-class Numbers(pg.TextItem):
-    """Lines of numbers beside a point, kept inside the plot."""
+def dot(radius: float, fill: str, edge: str) -> Marker:
+    """A round one."""
+    shape = QPainterPath()
+    shape.addEllipse(QPointF(), radius, radius)
+    return Marker(shape, fill, edge)
+
+
+def grip() -> Marker:
+    """What one grabs to scrub, with its point on the playhead's foot."""
+    shape = QPainterPath()
+    corners = [(0.5, 0.0), (-4.5, -5.0), (-4.5, -10.0), (5.5, -10.0), (5.5, -5.0)]
+    shape.addPolygon(QPolygonF([QPointF(x, y) for x, y in corners]))
+    shape.closeSubpath()
+    return Marker(shape, style.PLAYHEAD)
+
+
+class Numbers(QGraphicsItem):
+    """Lines of numbers beside a point, kept inside the plot.
+
+    pyqtgraph's text items lay out a document for each change, which takes longer than the curves.
+    """
 
     def __init__(self, font: QFont) -> None:
-        super().__init__(color=style.TEXT, fill=style.color(style.TAG, 225))
-        self.setFont(font)
-        self.setVisible(False)
+        super().__init__()
+        self._font = font
+        self._lines: tuple[str, ...] = ()
+        self._box = QRectF()
+        self.setFlag(self.GraphicsItemFlag.ItemIgnoresTransformations)
+        self.hide()
 
-    def show_beside(self, seconds: float, value: float, lines: Sequence[str]) -> None:
-        """Show them right of the point, or left of it if there is no room; none: nothing."""
+    def show_beside(self, point: QPointF, scale: Scale, lines: tuple[str, ...]) -> None:
+        """Show them right of a point (seconds, millimetres), or left of it if there is no room."""
         self.setVisible(bool(lines))
         if not lines:
             return
-        self.setText("\n".join(lines))
-        view = self.getViewBox()
-        place = view.mapFromView(QPointF(seconds, value))
-        size = self.textItem.boundingRect()
-        fits = place.x() + _APART + size.width() <= view.width()
-        left = -_APART / size.width() if fits else 1.0 + _APART / size.width()
-        top = clamped(
-            place.y() - 0.5 * size.height(), (0.0, max(view.height() - size.height(), 0.0))
-        )
-        self.setAnchor((left, (place.y() - top) / size.height()))
-        self.setPos(seconds, value)
+        self.prepareGeometryChange()
+        place = QPointF(scale.x_of(point.x()), scale.y_of(point.y()))
+        self._lines, self._box = lines, tag_box(place, scale, lines, self._font)
+        self._box.translate(-place)
+        self.setPos(point)
+
+    def boundingRect(self) -> QRectF:
+        """Where they stand, from the point."""
+        return self._box.adjusted(-1.0, -1.0, 1.0, 1.0)
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Draw the box behind them."""
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
-        painter.setPen(_NONE)
-        painter.setBrush(self.fill)
-        painter.drawRoundedRect(self.boundingRect(), 4.0, 4.0)
+        """Draw them on their ground."""
+        draw_tag(painter, self._box, self._lines, self._font)

@@ -10,6 +10,8 @@ from faceedit_app.ui.curves.gestures import PAN_STEP, Span, WheelMeans, wheel_me
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.state.timeline import Timeline
 
+_APART = 14.0  # pixels between a point and its numbers
+
 
 def draw_selection(painter: QPainter, scale: Scale, span: Span) -> None:
     """The selected range, with edges that can be seen on any curve, and its falloffs."""
@@ -37,26 +39,27 @@ def draw_playhead(painter: QPainter, scale: Scale, seconds: float) -> None:
     painter.drawLine(QPointF(x, 0), QPointF(x, scale.height))
 
 
-def draw_tag(
-    painter: QPainter, scale: Scale, beside: QPointF, lines: tuple[str, ...], font: QFont
-) -> None:
-    """Numbers beside the pointer, kept inside the plot."""
+def tag_box(at: QPointF, scale: Scale, lines: tuple[str, ...], font: QFont) -> QRectF:
+    """Where lines of numbers stand beside a pixel: right of it, or left if there is no room."""
     metrics = QFontMetricsF(font)
-    width = max(metrics.horizontalAdvance(line) for line in lines) + 12
-    height = metrics.height() * len(lines) + 6
-    left = beside.x() + 14
+    width = max(metrics.horizontalAdvance(line) for line in lines) + 12.0
+    height = metrics.height() * len(lines) + 6.0
+    left = at.x() + _APART
     if left + width > scale.width:
-        left = beside.x() - 14 - width
-    top = min(max(beside.y() - height / 2, 2.0), max(scale.height - height - 2, 2.0))
-    rect = QRectF(left, top, width, height)
+        left = at.x() - _APART - width
+    top = min(max(at.y() - height / 2, 2.0), max(scale.height - height - 2.0, 2.0))
+    return QRectF(left, top, width, height)
+
+
+def draw_tag(painter: QPainter, box: QRectF, lines: tuple[str, ...], font: QFont) -> None:
+    """Lines of numbers on a ground of their own."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(style.color(style.TAG, 225))
-    painter.drawRoundedRect(rect, 4, 4)
+    painter.drawRoundedRect(box, 4.0, 4.0)
     painter.setPen(style.color(style.TEXT))
     painter.setFont(font)
-    text = "\n".join(lines)
-    painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, text)
+    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, "\n".join(lines))
 
 
 def turn_wheel(timeline: Timeline, seconds: float, event: QWheelEvent) -> WheelMeans:

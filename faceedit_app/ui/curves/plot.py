@@ -17,10 +17,10 @@ from faceedit_app.ui.curves.axes import GridLines, ValueAxis
 from faceedit_app.ui.curves.gestures import Pointer, Span
 from faceedit_app.ui.curves.lines import CurveLines
 from faceedit_app.ui.curves.marks import (
-    Dot,
     Gaps,
     Numbers,
     Playhead,
+    dot,
     edit_region,
     selection_region,
 )
@@ -111,6 +111,7 @@ class CurvePlot(pg.PlotWidget, Mouse):
         self.close_up = False  # whether they fit even the smallest movements
         self.shows_focus = False
         self._marks, self._active = Marks(), False
+        self._at = (0.0, 0.0)  # the playhead, and the face's value there
         self._lay_out(axis)
         self._fill(axis)
         self.setObjectName(f"plot_{control.id}")
@@ -125,6 +126,8 @@ class CurvePlot(pg.PlotWidget, Mouse):
 
     def _lay_out(self, axis: ValueAxis) -> None:
         self.plotItem.hideAxis("bottom")
+        for unseen in ("top", "right", "bottom"):
+            self.plotItem.getAxis(unseen).unlinkFromView()  # they would be numbered all the same
         self.plotItem.hideButtons()
         self.plotItem.layout.setContentsMargins(0, 0, 0, 0)
         axis.setStyle(tickFont=style.scaled_font(self, 0.82))
@@ -135,8 +138,8 @@ class CurvePlot(pg.PlotWidget, Mouse):
         self._selection, self._edit = selection_region(), edit_region()
         self._gaps, self._lines = Gaps(_GAP_ALPHA), CurveLines(color)
         self._playhead = Playhead()
-        self._dot = Dot(2.5, color, color)
-        self._handle_dot = Dot(5.0, style.PLOT, style.ASKED)
+        self._dot = dot(2.5, color, color)
+        self._handle_dot = dot(5.0, style.PLOT, style.ASKED)
         self._numbers = Numbers(style.scaled_font(self, 0.9))
         self.handle: Handle | None = None
         self._handle_dot.hide()
@@ -168,7 +171,8 @@ class CurvePlot(pg.PlotWidget, Mouse):
 
     def show_values(self, values: Interval) -> None:
         """Make a range of millimetres visible."""
-        self.view.setYRange(*values, padding=0)
+        if values != self.values:
+            self.view.setYRange(*values, padding=0)
 
     @property
     def lines(self) -> Lines:
@@ -195,8 +199,10 @@ class CurvePlot(pg.PlotWidget, Mouse):
             self._marks = marks
             self._selection.show_span(marks.selection, style.SELECTED)
             self._edit.show_span(marks.edit, marks.alpha)
-        self._playhead.setValue(playhead)
-        self._dot.setPos(playhead, dot)
+        if (playhead, dot) != self._at:
+            self._at = playhead, dot
+            self._playhead.setValue(playhead)
+            self._dot.setPos(playhead, dot)
         if handle != self.handle:
             self._show_handle(handle)
 
@@ -205,11 +211,12 @@ class CurvePlot(pg.PlotWidget, Mouse):
         self._handle_dot.setVisible(handle is not None)
         if handle is not None:
             color = self.control.color
-            self._handle_dot.fill(color if handle.held else style.PLOT)
-            self._handle_dot.setPos(handle.time, handle.value)
-            self._numbers.show_beside(handle.time, handle.value, handle.text)
+            self._handle_dot.setBrush(style.color(color if handle.held else style.PLOT))
+            at = QPointF(handle.time, handle.value)
+            self._handle_dot.setPos(at)
+            self._numbers.show_beside(at, self.current_scale, handle.text)
         else:
-            self._numbers.setVisible(False)
+            self._numbers.hide()
         self._show_active()
 
     def _show_active(self) -> None:

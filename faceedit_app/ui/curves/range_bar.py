@@ -42,7 +42,7 @@ class SelectionHandles(SpanRegion):
 
     def boundingRect(self) -> QRectF:
         """With room for the handles."""
-        rect = super().boundingRect()
+        rect: QRectF = super().boundingRect()
         room = _HANDLE * self.getViewBox().viewPixelSize()[0]
         return rect.adjusted(-room, 0.0, room, 0.0)
 

@@ -13,7 +13,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import FrameAxis, TimeAxis
 from faceedit_app.ui.curves.gestures import Pointer, RulerDrag, clamped
-from faceedit_app.ui.curves.marks import Gaps, Playhead, edit_region, selection_region
+from faceedit_app.ui.curves.marks import Gaps, Playhead, edit_region, grip, selection_region
 from faceedit_app.ui.curves.plot import Marks
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
@@ -43,15 +43,18 @@ class Ruler(pg.GraphicsView, Mouse):
         self.setCentralItem(self.view)
         self._selection, self._edit = selection_region(), edit_region()
         self._gap_marks, self._playhead = Gaps(_GAP_ALPHA), Playhead()
-        self._playhead.addMarker("|>", 0.0, 11.0)
+        self._grip = grip()
         self.times, self.frames = TimeAxis(timeline.clock), FrameAxis()
-        for item in (self._selection, self._edit, self._gap_marks, self._playhead):
+        for item in (self._selection, self._edit, self._gap_marks):
             self.view.addItem(item, ignoreBounds=True)
         for axis, size in ((self.times, 0.88), (self.frames, 0.74)):
             axis.setStyle(tickFont=style.scaled_font(self, size))
             axis.setHeight(style.RULER_HEIGHT)
             axis.setParentItem(self.view)
             axis.linkToView(self.view)
+        for front in (self._playhead, self._grip):
+            front.setZValue(1.0)  # over the numbers
+            self.view.addItem(front, ignoreBounds=True)
         self.view.sigResized.connect(self._arrange)
         self.view.sigXRangeChanged.connect(self._show_frames)
         self.view.menu_asked.connect(lambda _x, _y, place: self.menu_asked.emit(place))
@@ -87,6 +90,7 @@ class Ruler(pg.GraphicsView, Mouse):
         self._selection.show_span(marks.selection, style.SELECTED)
         self._edit.show_span(marks.edit, marks.alpha)
         self._playhead.setValue(playhead)
+        self._grip.setPos(playhead, 0.0)
 
     def _arrange(self) -> None:
         for axis in (self.times, self.frames):

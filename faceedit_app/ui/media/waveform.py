@@ -110,7 +110,8 @@ class Waveform(QWidget):
         if self._grabbed is not None:
             font = style.scaled_font(self, 0.92)
             at = QPointF(self._grabbed[0], 0.5 * scale.height)
-            paint.draw_tag(painter, scale, at, (f"{placed.offset:+.3f} s",), font)
+            lines = (f"{placed.offset:+.3f} s",)
+            paint.draw_tag(painter, paint.tag_box(at, scale, lines, font), lines, font)
 
     def _drawn(self) -> QImage:
         """The waveform alone, one column of the screen's pixels each, kept while it is the same."""
