@@ -1,6 +1,7 @@
-"""Which ARKit channel a name means, by rules.
+"""Which of a character's shapes make which ARKit channels, by rules.
 
-One shape has many spellings: `eyeBlinkLeft`, `EyeBlink_L`, `blendShape1.eyeBlink.L`,
+`core.names` knows the names that takes and characters share. Characters have more: one shape has
+many spellings: `eyeBlinkLeft`, `EyeBlink_L`, `blendShape1.eyeBlink.L`,
 `A14_Eye_Blink_Left`, `head_ARKit_eyeBlinkLeft`. A name is split into words; what is said of the
 file rather than of the face is left out; the side goes to the end; and the rest is looked up.
 
@@ -18,6 +19,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.names import canonical_channel
 
 
 class Half(StrEnum):
@@ -265,7 +267,8 @@ def match_channels(names: Iterable[str]) -> Match:
     for name in sorted(
         given, key=lambda n: n.lower() not in _CHANNELS
     ):  # ARKit's own spelling first
-        found = _exact(keys[name])
+        plain = canonical_channel(name)
+        found = (plain, "") if plain else _exact(keys[name])
         if found is None:
             rest.append(name)
             continue

@@ -1,16 +1,16 @@
-"""From the names that files use to ARKit's: by rules, for takes and characters alike.
+"""From the names that files use to ARKit's: by rules.
 
 Tools spell one shape `eyeBlinkLeft`, `EyeBlinkLeft`, `eyeBlink_L`, `EYE_BLINK_LEFT`,
 `left_eye_blink`, `A14_Eye_Blink_Left`, `blendShape1.eyeBlink_L` or `head_ARKit_eyeBlinkLeft`.
 A name is split into words, namespaces and the usual prefixes are dropped, and a word for a side
 at either end becomes the side. Nothing is compared by likeness: a name that the rules do not
-bring to an ARKit name has none.
+bring to an ARKit name has none. Characters go on from here (`characters.names`): their shapes may
+be halves or both sides of a channel, and bear names that no column of a take does.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
@@ -30,24 +30,6 @@ def canonical_channel(name: str) -> str | None:
     return _BY_KEY.get(_key(name))
 
 
-def match_channels(names: Iterable[str]) -> dict[str, list[str]]:
-    """Which of some names mean each ARKit channel.
-
-    Some characters have two halves of a shape that ARKit has whole, such as `browInnerUp_L` and
-    `browInnerUp_R`: both are listed under it.
-
-    Returns:
-        {ARKit name: the names that mean it, in their order}; channels without one are absent.
-    """
-    found: dict[str, list[str]] = {}
-    for name in names:
-        key = _key(name)
-        channel = _BY_KEY.get(key) or _HALVES.get(key)
-        if channel is not None:
-            found.setdefault(channel, []).append(name)
-    return found
-
-
 def _key(name: str) -> str:
     """What all spellings of a shape have in common: its words in lower case, its side last."""
     name = _PREFIX.sub("", _NAMESPACE.sub("", name.strip()))
@@ -61,10 +43,3 @@ def _key(name: str) -> str:
 
 
 _BY_KEY = {_key(name): name for name in ARKIT_CHANNELS}
-_HALVES = {
-    f"{_key(name)}{side}": name
-    for name in ARKIT_CHANNELS
-    if not name.endswith(("Left", "Right"))
-    for side in ("left", "right")
-    if f"{_key(name)}{side}" not in _BY_KEY
-}

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.names import canonical_channel, match_channels
+from faceedit_app.core.names import canonical_channel
 
 
 def words(name: str) -> list[str]:
@@ -65,16 +65,6 @@ def test_every_spelling_in_use_is_understood(spelling: str) -> None:
 )
 def test_other_names_mean_no_channel(name: str) -> None:
     assert canonical_channel(name) is None
-
-
-def test_two_halves_of_a_shape_are_both_found() -> None:
-    names = ["browInnerUp_L", "browInnerUp_R", "jawOpen", "mouthLeft", "eyeBlink_L"]
-    assert match_channels(names) == {
-        "browInnerUp": ["browInnerUp_L", "browInnerUp_R"],
-        "jawOpen": ["jawOpen"],
-        "mouthLeft": ["mouthLeft"],
-        "eyeBlinkLeft": ["eyeBlink_L"],
-    }
 
 
 @settings(deadline=None, derandomize=True)
