@@ -5,37 +5,24 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from itertools import accumulate
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from OpenGL import GL
-from pyrender import Material, Mesh, Primitive
+from pyrender import Material, Mesh, MetallicRoughnessMaterial, Primitive, Texture
 from pyrender.constants import FLOAT_SZ, GLTF
 
 from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import Tinter
-from faceedit_app.render.surface import NormalSolver, Shading, by_shading
+from faceedit_app.render.surface import Group, NormalSolver, Shading, by_shading
 
 # Materials are named after the shaders that draw them: these, or the variants in `Shading`.
 BACKDROP, DEPTH = "backdrop", "depth"
-_POSITION, _NORMAL, _COLOUR = 0, 1, 3  # where the shaders have what may change with each frame
-_PLACE = 8  # and where in its texture a vertex lies; pyrender has 4 to 7
-
-
-class Surface(Material):  # type: ignore[misc]  # pyrender has no types
-    """A material that has one of the rig's textures.
-
-    Attributes:
-        texture: OpenGL's number of it; None is none.
-        cutoff: what has less alpha is not drawn.
-    """
-
-    def __init__(
-        self, name: str, doubleSided: bool, texture: int | None = None, cutoff: float = 0.0
-    ) -> None:
-        super().__init__(name, doubleSided=doubleSided)
-        self.texture, self.cutoff = texture, cutoff
+# Where the shaders have what may change with each frame: pyrender's order of attributes. Where a
+# texture lies comes before the colour.
+_POSITION, _NORMAL, _COLOUR, _TEXTURED_COLOUR = 0, 1, 3, 4
 
 
 class Stream:
@@ -55,6 +42,26 @@ class Stream:
     def delete(self) -> None:
         """Free it."""
         GL.glDeleteBuffers(1, [self.name])
+
+
+class SrgbTexture(Texture):  # type: ignore[misc]  # pyrender has no types
+    """A texture of (H, W, 4) uint8, sRGB and alpha, top row first, that is read as linear light.
+
+    pyrender would take its numbers for light.
+    """
+
+    def __init__(self, pixels: Pixels) -> None:
+        super().__init__(source=pixels, source_channels="RGBA")
+
+    def _add_to_context(self) -> None:
+        super()._add_to_context()
+        pixels = np.ascontiguousarray(self.source[::-1])
+        height, width = pixels.shape[:2]
+        self._bind()
+        form = GL.GL_SRGB8_ALPHA8, width, height, 0, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE
+        GL.glTexImage2D(GL.GL_TEXTURE_2D, 0, *form, pixels)
+        GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+        self._unbind()
 
 
 class LivePrimitive(Primitive):  # type: ignore[misc]  # pyrender has no types
@@ -80,7 +87,6 @@ class LivePrimitive(Primitive):  # type: ignore[misc]  # pyrender has no types
             start = ctypes.c_void_p(FLOAT_SZ * stream.width * self._first)
             GL.glBindBuffer(GL.GL_ARRAY_BUFFER, stream.name)
             GL.glVertexAttribPointer(place, stream.width, GL.GL_FLOAT, GL.GL_FALSE, 0, start)
-            GL.glEnableVertexAttribArray(place)
         self._unbind()
 
 
@@ -111,16 +117,15 @@ class LiveMesh(Mesh):  # type: ignore[misc]  # pyrender has no types
             _NORMAL: self._normals_of(rig.neutral),
             _COLOUR: rig.colors[self.vertices],
         }
-        if rig.uv is not None:
-            values[_PLACE] = rig.uv[self.vertices]
         self._streams = {place: Stream(value) for place, value in values.items()}
         primitives = [
             LivePrimitive(
-                self._streams,
+                self._streams_of(material),
                 first,
                 positions=rig.neutral[vertices],
                 normals=values[_NORMAL][first : first + len(vertices)],
                 tangents=looks[vertices],  # pyrender's name for the third attribute, four wide
+                texcoord_0=_texture_places(rig, vertices) if material.tex_flags else None,
                 color_0=rig.colors[vertices],
                 indices=corners.reshape(-1, 3),
                 material=material,
@@ -129,6 +134,15 @@ class LiveMesh(Mesh):  # type: ignore[misc]  # pyrender has no types
             for (material, _), (vertices, corners), first in zip(parts, own, firsts, strict=False)
         ]
         super().__init__(primitives)
+
+    def _streams_of(self, material: Material) -> dict[int, Stream]:
+        """The streams by their place in the shaders of a material."""
+        colour = _TEXTURED_COLOUR if material.tex_flags else _COLOUR
+        return {
+            _POSITION: self._streams[_POSITION],
+            _NORMAL: self._streams[_NORMAL],
+            colour: self._streams[_COLOUR],
+        }
 
     def move(self, vertices: Floats) -> None:
         """Put the vertices elsewhere: (V, 3), metres, of the whole character."""
@@ -158,13 +172,10 @@ class Model:
     """
 
     def __init__(self, rig: Rig, looks: Floats) -> None:
-        self._textures = [_texture(pixels) for pixels in rig.textures]
+        textures = [SrgbTexture(pixels) for pixels in rig.textures]
         still, moving = [], []
         for group in by_shading(rig):
-            # Nothing but the skin is known to be closed; lashes and brows are thin.
-            both_sides = group.shading is not Shading.FLESH
-            texture = None if group.texture is None else self._textures[group.texture]
-            material = Surface(group.shading.value, both_sides, texture, group.cutoff)
+            material = _material(group, textures)
             still.append((material, group.still))
             moving.append((material, group.moving))
         self.still, self.moving = (
@@ -187,18 +198,24 @@ class Model:
         """Free what pyrender does not know of."""
         self.still.delete()
         self.moving.delete()
-        if self._textures:
-            GL.glDeleteTextures(len(self._textures), self._textures)
 
 
-def _texture(pixels: Pixels) -> int:
-    """A texture of (H, W, 4) sRGB and alpha, with smaller ones of itself for a distance."""
-    name = int(GL.glGenTextures(1))
-    height, width = pixels.shape[:2]
-    GL.glBindTexture(GL.GL_TEXTURE_2D, name)
-    GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
-    content = GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, np.ascontiguousarray(pixels)
-    GL.glTexImage2D(GL.GL_TEXTURE_2D, 0, GL.GL_SRGB8_ALPHA8, width, height, 0, *content)
-    GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
-    GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR)
-    return name
+def _material(group: Group, textures: Sequence[Texture]) -> Material:
+    # Nothing but the skin is known to be closed; lashes and brows are thin.
+    both_sides = group.shading is not Shading.FLESH
+    if group.texture is None:
+        return Material(group.shading.value, doubleSided=both_sides)
+    return MetallicRoughnessMaterial(
+        group.shading.value,
+        baseColorTexture=textures[group.texture],
+        alphaCutoff=group.cutoff,
+        doubleSided=both_sides,
+    )
+
+
+def _texture_places(rig: Rig, vertices: NDArray[np.integer[Any]]) -> Floats:
+    """(N, 2): OpenGL counts the rows of a texture from below."""
+    assert rig.uv is not None
+    places: Floats = rig.uv[vertices].copy()
+    places[:, 1] = 1.0 - places[:, 1]
+    return places

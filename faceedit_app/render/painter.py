@@ -8,7 +8,6 @@ import numpy as np
 from OpenGL import GL
 from pyrender import Material, Mesh, Renderer, Scene
 
-from faceedit_app.render.model import Surface
 from faceedit_app.render.programs import Program
 from faceedit_app.render.surface import Shading
 from faceedit_app.render.targets import Target
@@ -71,12 +70,11 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
 
     def _program(self, material: Material, quick: bool) -> Program:
         """The shaders that draw a material, made when they are first needed."""
-        name = material.name
-        key: tuple[str, ...] = ("face", name) if name in _SHADINGS else (name,)
-        if quick and name == Shading.FLESH.value:
-            key += ("QUICK",)
-        if isinstance(material, Surface) and material.texture is not None:
-            key += ("TEXTURED",)
+        key: tuple[str, ...] = (material.name,)
+        if material.name in _SHADINGS:
+            key = ("face", material.name)
+            key += ("TEXTURED",) if material.tex_flags else ()
+            key += ("QUICK",) if quick and material.name == Shading.FLESH.value else ()
         program = self._programs.get(key)
         if program is None:
             program = self._programs[key] = Program(*key)
@@ -97,17 +95,13 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
             self._camera_from_world, projection = self._get_camera_matrices(scene)
             self._clip_from_world = projection @ self._camera_from_world
         for primitive in (p for mesh in meshes for p in mesh.primitives):
-            material = primitive.material
-            program = self._program(material, quick=not target.samples)
+            program = self._program(primitive.material, quick=not target.samples)
             program._bind()
-            if isinstance(material, Surface) and material.texture is not None:
-                GL.glActiveTexture(GL.GL_TEXTURE0)
-                GL.glBindTexture(GL.GL_TEXTURE_2D, material.texture)
-                program.set_uniform("picture", 0)
-                program.set_uniform("cutoff", material.cutoff)
             if program.view != view:  # programs keep what they know
                 program.view = view
                 program.set_uniform("clip_from_world", self._clip_from_world)
                 program.set_uniform("camera_from_world", self._camera_from_world)
+            program.set_uniform("cutoff", primitive.material.alphaCutoff)
             self._bind_and_draw_primitive(primitive, None, program, flags)
+            self._reset_active_textures()
         GL.glFlush()

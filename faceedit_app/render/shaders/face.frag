@@ -3,14 +3,18 @@
 out vec4 pixel; // blue first, as the window has it: so it is read back as it lies
 
 #ifdef TEXTURED
-uniform sampler2D picture;
+struct Material {
+    sampler2D base_color_texture;
+};
+
+uniform Material material; // pyrender's names
 uniform float cutoff;
 
 in vec2 uv;
 in vec4 tint;
 
 vec3 textured() {
-    vec4 texel = texture(picture, uv) * tint;
+    vec4 texel = texture(material.base_color_texture, uv) * tint;
     if (texel.a < cutoff) {
         discard;
     }

@@ -3,9 +3,11 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 look;   // roughness, flesh, wet, light from above
-layout(location = 3) in vec4 colour; // linear RGB and alpha
 #ifdef TEXTURED
-layout(location = 8) in vec2 place;  // in the texture
+layout(location = 3) in vec2 place;  // in the texture
+layout(location = 4) in vec4 colour; // linear RGB and alpha
+#else
+layout(location = 3) in vec4 colour;
 #endif
 
 uniform mat4 clip_from_world;
