@@ -21,11 +21,11 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
+from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.page.editor import Editor
-from faceedit_app.ui.start.app import application
+from faceedit_app.ui.start.application import application
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.actions import help_rows
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 
 DOCS = Path(__file__).parent
 PICTURES = DOCS / "images"
@@ -44,14 +44,14 @@ def main() -> None:
     application()
     with tempfile.TemporaryDirectory() as folder:
         settings = QSettings(str(Path(folder) / "s.ini"), QSettings.Format.IniFormat)
-        window = MainWindow(Store(settings))
+        window = MainWindow(Preferences(settings))
         window.resize(*SIZE)
         window.show()
         picture(window, "guide_start")
         window.open_demo_now()
         walk(window)
         window.leave()
-        film = MainWindow(Store(settings))
+        film = MainWindow(Preferences(settings))
         film.resize(*FILM_SIZE)
         film.show()
         film.open_demo_now()
@@ -70,8 +70,7 @@ def walk(window: MainWindow) -> None:
     do(window, "deselect")
 
     line.show_range(4.6, 8.2)
-    opening = editor.curves.plots[0]
-    at = QPoint(round(editor.curves.plots[0].current_scale.x_of(6.1)), 40)
+    opening, at = editor.curves.plots[0].viewport(), place(editor, 6.1, 40)
     drag(opening, at, QPoint(0, -16), release=False)
     picture(window, "guide_drag")
     QTest.mouseRelease(opening, LEFT, pos=at + QPoint(0, -16))
@@ -122,9 +121,8 @@ class Film:
         window.timeline.set_falloff(0.25)
         window.timeline.go_to_time(5.02)
         wait(0.5)  # the face is drawn finely
-        plot = editor.curves.plots[0]
-        x = round(plot.current_scale.x_of(5.02))
-        start = QPoint(x, round(0.55 * plot.height()))
+        plot = editor.curves.plots[0].viewport()
+        start = place(editor, 5.02, 0.55 * plot.height())
         self._frame(400)
         for share in (0.3, 0.6, 0.85, 1.0):
             self._go(plot, start, share)
@@ -175,12 +173,21 @@ def go_to(window: MainWindow, editor: Editor, kind: str) -> None:
     """The first problem of a kind."""
     editor.problems.search()
     kinds = [problem.kind.value for problem in editor.problems.problems]
-    window.fixes.go_to(kinds.index(kind))
+    window.commands.fix.go_to(kinds.index(kind))
 
 
 def do(window: MainWindow, command: str) -> None:
     """As the menu would."""
     window.actions_[command].trigger()
+
+
+def place(editor: Editor, seconds: float, y: float) -> QPoint:
+    """Where a time is on the first plot."""
+    plot = editor.curves.plots[0]
+    at: QPoint = plot.mapFromScene(
+        plot.view.mapToScene(QPointF(plot.current_scale.x_of(seconds), y))
+    )
+    return at
 
 
 def drag(widget: QWidget, start: QPoint, by: QPoint, release: bool = True) -> None:

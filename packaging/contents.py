@@ -9,6 +9,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from faceedit_app.formats.registry import offered_endings
+
 Entry = tuple[str, str, str]  # PyInstaller's: name in the bundle, file or link's target, kind
 
 # Chosen by name at run time, where PyInstaller cannot see it.
@@ -34,7 +36,14 @@ UNUSED_SCIPY = [
 EXCLUDED = [
     # The laboratory stays with pip: torch alone is twice the rest of the application.
     "torch",
+    "onnx",
     "faceedit_app.lab",
+    # ONNX Runtime brings tools for making models; the application only answers with them.
+    "onnxruntime.backend",
+    "onnxruntime.datasets",
+    "onnxruntime.quantization",
+    "onnxruntime.tools",
+    "onnxruntime.transformers",
     # FaceEdit, and what trimesh does for it, get along without these.
     *(f"scipy.{part}" for part in UNUSED_SCIPY),
     # pyrender, trimesh, networkx and pyqtgraph use these if they are there; FaceEdit does not.
@@ -132,8 +141,9 @@ def without_orphans(binaries: list[Entry]) -> list[Entry]:
             found = set(by_base.get(Path(wanted).name, [])) - kept
             kept |= found
             fresh += found
-    # ctypes opens these by name.
-    kept |= {name for name in files if "freetype/" in name}
+    # These are opened by name: by ctypes, and by ONNX Runtime, which warns where it is missing.
+    by_name = ("freetype/", "/libonnxruntime_providers_shared")
+    kept |= {name for name in files if any(part in name for part in by_name)}
     whole = [e for e in binaries if e[2] != "SYMLINK" and e[0] in kept]
     return whole + without_dangling([e for e in binaries if e[2] == "SYMLINK"], whole)
 
@@ -214,10 +224,10 @@ def macos_properties(version: str) -> dict[str, Any]:
                 "LSItemContentTypes": ["org.faceedit.project"],
             },
             {
-                "CFBundleTypeName": "Facial animation (CSV)",
+                "CFBundleTypeName": "Facial animation",
                 "CFBundleTypeRole": "Editor",
                 "LSHandlerRank": "Alternate",
-                "LSItemContentTypes": ["public.comma-separated-values-text"],
+                "CFBundleTypeExtensions": [ending.lstrip(".") for ending in offered_endings()],
             },
         ],
     }

@@ -16,7 +16,9 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 _LINE = "=" * 78
-_LICENCE_FILE = re.compile(r"(^|[-_.])(licen[cs]es?|copying|notice|copyright|authors)\b", re.I)
+_LICENCE_FILE = re.compile(
+    r"(^|[-_.])(licen[cs]es?|copying|notice|copyright|authors|thirdpartynotices)\b", re.I
+)
 _COMMON = Path("/usr/share/common-licenses")
 # Licence texts that wheels name without bringing them along.
 _SPOKEN_OF = {"LGPL": "LGPL-3", "GPL": "GPL-3"}
@@ -58,6 +60,21 @@ def collect(sources: Iterable[Path]) -> str:
         for title in sorted(parts, key=str.lower)
     ]
     return head + "".join(bodies)
+
+
+def metadata_of(sources: Iterable[Path]) -> list[tuple[str, str, str]]:
+    """PyInstaller's entries for what says of each distribution in the bundle what it is.
+
+    About lists their licences (`core/licences.py`): what is left out of the bundle is not named.
+    """
+    places = {place for source in sources for place in (source.absolute(), source.resolve())}
+    names = {name for place, name in _owners().items() if place in places}
+    entries = []
+    for name in sorted(names):
+        for file in metadata.distribution(name).files or []:
+            if file.name == "METADATA" and file.parent.suffix == ".dist-info":
+                entries.append((file.as_posix(), str(file.locate()), "DATA"))
+    return entries
 
 
 def _origin(source: Path) -> tuple[str, Callable[[], str]]:

@@ -105,6 +105,14 @@ def test_every_library_that_is_imported_is_declared() -> None:
         assert names & declared, f"{path} imports {module} of {names}"
 
 
+def test_only_the_document_passes_on_what_the_session_announces() -> None:
+    """Whoever changes the session says nothing to the views: they would hear it twice, or not."""
+    says = re.compile(r"document\.(previewed|changed)\.emit")
+    files = [path for room in ("faceedit_app", "tests") for path in (ROOT / room).rglob("*.py")]
+    assert files
+    assert not [path for path in files if says.search(path.read_text(encoding="utf-8"))]
+
+
 def test_no_file_of_the_application_is_long() -> None:
     files = sorted((ROOT / "faceedit_app").rglob("*.py"))
     assert len(files) > 40

@@ -246,7 +246,7 @@ class Fields:
                 case str():
                     self._text(name, item, LONGEST_TEXT)
                 case int() | float() if not -(2**53) <= item <= 2**53:
-                    raise FieldError(f"{self._full(name)} holds a number that is too large")
+                    raise FieldError(f"{self._full(name)} holds a number out of range")
 
 
 def _quoted(text: str) -> str:

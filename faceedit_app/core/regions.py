@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from faceedit_app.core.controls import CONTROL_IDS as CONTROL_IDS  # until all import them there
-from faceedit_app.core.controls import CONTROL_INDEX as CONTROL_INDEX
-from faceedit_app.core.controls import CONTROLS as CONTROLS
-from faceedit_app.core.controls import MIRRORED_CONTROL as MIRRORED_CONTROL
-from faceedit_app.core.controls import Control as Control
+from faceedit_app.core.controls import CONTROLS
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from faceedit_app.core.errors import FileError
 
+DEMO_TAKE = "assets/demo_take.csv"
 _PACKAGE = Path(__file__).resolve().parent.parent
 
 
@@ -19,3 +20,11 @@ def shipped(name: str) -> Path:
         if (root / name).exists():
             return root / name
     raise FileError(_PACKAGE.parent / name, "missing from this installation", "reinstall FaceEdit")
+
+
+def is_demo_take(path: Path) -> bool:
+    """Whether a file is the demo take, whose folder belongs to the installation."""
+    try:
+        return path.resolve() == shipped(DEMO_TAKE).resolve()
+    except FileError:
+        return False

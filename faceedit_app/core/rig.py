@@ -20,13 +20,22 @@ MILLIMETRES = 1000.0
 
 @dataclass(frozen=True)
 class Material:
-    """How a run of triangles is drawn: `faces[start:stop]` of the rig."""
+    """How a run of triangles is drawn: `faces[start:stop]` of the rig.
+
+    Attributes:
+        surface: what it is, such as `skin` or `teeth`, where the name does not say so.
+        texture: which of the rig's textures has its colour, if one has.
+        cutoff: what has less alpha is not drawn; 0 draws all.
+    """
 
     name: str
     start: int
     stop: int
     roughness: float = 0.55
     metallic: float = 0.0
+    surface: str = ""
+    texture: int | None = None
+    cutoff: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -45,6 +54,9 @@ class Rig:
         control_pairs: (C, 2) int32 vertex indices, in the order of `controls.CONTROLS`; -1 where
             the character does not say which vertices a control joins.
         name, attribution: shown to the user.
+        uv: (V, 2) float32, where vertices lie in their texture; (0, 0) is its upper left corner.
+        textures: (H, W, 4) uint8 each, sRGB and alpha, top row first.
+        shading_groups: (V,) int32; vertices with one number have one normal (seams of a texture).
     """
 
     neutral: Floats
@@ -56,6 +68,9 @@ class Rig:
     control_pairs: NDArray[np.int32]
     name: str = "Character"
     attribution: str = ""
+    uv: Floats | None = None
+    textures: tuple[NDArray[np.uint8], ...] = ()
+    shading_groups: NDArray[np.int32] | None = None
     channel_index: dict[str, int] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -163,6 +178,13 @@ class Distances:
         """Some of the distances."""
         rows = np.asarray(controls, np.intp)
         return Distances(self.offsets[rows], self.gradients[:, rows], self.shuts[rows])
+
+    @cached_property
+    def farthest(self) -> Floats:
+        """(C,) mm that no weights in 0..1 can exceed."""
+        moves = np.linalg.norm(self.gradients, axis=2).sum(axis=0)
+        lengths: Floats = moves + np.linalg.norm(self.offsets, axis=1)
+        return lengths
 
     def vectors(self, weights: NDArray[Any]) -> NDArray[Any]:
         """Weights (T, K) -> (T, C, 3), mm, as exact as the weights are."""

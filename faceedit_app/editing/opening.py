@@ -32,7 +32,10 @@ def load_engine(rig: Rig, models: Path | None = None) -> Engine:
 
 
 def open_session(
-    take: Take | Path | str, rig: Rig | None = None, engine: Engine | None = None
+    take: Take | Path | str,
+    rig: Rig | None = None,
+    engine: Engine | None = None,
+    fps: float | None = None,
 ) -> EditSession:
     """Open a take for editing.
 
@@ -40,10 +43,12 @@ def open_session(
         take: the take, or its file.
         rig: the character; None = the one that ships.
         engine: the networks; None = edits are answered by the rig alone.
+        fps: the take's frame rate, if its file does not tell it or is not believed.
 
     Raises:
+        RateNeeded: the file does not tell its frame rate, and there is no `fps`.
         FileError: the take or the character cannot be read.
     """
     if not isinstance(take, Take):
-        take = open_take(take)
+        take = open_take(take, fps)
     return EditSession(take, rig if rig is not None else shipped_rig(), engine)

@@ -92,6 +92,11 @@ class EditSession:
         return self._solver.engine is not None
 
     @property
+    def limits(self) -> list[tuple[float, float]]:
+        """Lowest and highest mm of each control that a face, or this take, can do."""
+        return self._solver.limits
+
+    @property
     def is_exported(self) -> bool:
         """Whether the present edits are the ones last exported or saved, and media are saved."""
         return self.state == self._saved

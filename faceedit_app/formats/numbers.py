@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable
@@ -40,8 +41,13 @@ class NumberFormat:
         return text.encode()
 
 
-def detect_format(texts: Iterable[bytes]) -> NumberFormat:
-    """The format of a sample of a file's numbers."""
+def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
+    """The format of a sample of a file's numbers.
+
+    Args:
+        scale: what stands for a full blendshape.
+    """
+    fewer = round(math.log10(scale))
     decimals: Counter[int] = Counter()
     exponents: Counter[str] = Counter()
     total = 0
@@ -61,5 +67,5 @@ def detect_format(texts: Iterable[bytes]) -> NumberFormat:
     padded = most > 1 and decimals[most] + decimals[0] + decimals[1] == total
     padded = padded and decimals[most] > 1 and 10 * decimals[most] > total
     if padded:
-        return NumberFormat(max(most, _LEAST_PADDED), True)
-    return NumberFormat(min(max(most, _LEAST_TRIMMED), _MOST_TRIMMED), False)
+        return NumberFormat(max(most, _LEAST_PADDED - fewer), True)
+    return NumberFormat(min(max(most, _LEAST_TRIMMED - fewer), _MOST_TRIMMED - fewer), False)

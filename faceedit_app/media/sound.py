@@ -1,4 +1,4 @@
-"""A take's sound: all of it in memory, and the peaks that its waveform is drawn from."""
+"""A take's sound: all of it in memory, and the extremes that its waveform is drawn from."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.extremes import Extremes
 from faceedit_app.media.container import check, find_film, opened, seconds
 
 if TYPE_CHECKING:
@@ -21,36 +22,16 @@ if TYPE_CHECKING:
 Samples = NDArray[np.int16]
 
 FULL = 32768.0  # of the 16 bits that are kept: a quarter of what float64 would need
-BLOCK = 128  # samples under the finest peak
-STEP = 4  # peaks under the next coarser one
+BLOCK = 128  # samples in the smallest bin of the extremes
+_QUARTER = 4  # a waveform's bins are at most a quarter of a pixel: coarser ones would be seen
 _LONGEST = 2.0  # hours; more would fill the memory, and no take is as long
 _HOLE = 0.02  # seconds without packets that are filled with silence rather than closed up
 
 
-@dataclass(frozen=True)
-class Peaks:
-    """Lowest and highest sample of blocks, of blocks of blocks, and so on.
-
-    Attributes:
-        levels: (B, 2) int16 each, over `BLOCK`, `BLOCK * STEP`, ... samples.
-    """
-
-    levels: tuple[Samples, ...]
-
-    @classmethod
-    def of(cls, samples: Samples) -> Peaks:
-        """The peaks of (N, C) samples, over all channels."""
-        low, high = samples.min(axis=1), samples.max(axis=1)
-        levels = [_extremes(low, high, BLOCK)]
-        while len(levels[-1]) > STEP:
-            levels.append(_extremes(levels[-1][:, 0], levels[-1][:, 1], STEP))
-        return cls(tuple(levels))
-
-
-def _extremes(low: Samples, high: Samples, size: int) -> Samples:
-    starts = np.arange(0, len(low), size)
-    pair = [np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)]
-    return np.stack(pair, axis=1)
+def extremes_of(samples: Samples) -> Extremes:
+    """The lowest and highest of (N, C) samples, by channel."""
+    length, channels = samples.shape
+    return Extremes(lambda rows: samples[rows], length, channels, np.int16, BLOCK)
 
 
 @dataclass(frozen=True)
@@ -63,7 +44,7 @@ class Sound:
         samples: (N, C) int16, C is 1 or 2.
         start: seconds from the file's beginning to the first sample. In a film the beginning
             is the first picture, so that sound and picture keep their distance.
-        peaks: what its waveform is drawn from.
+        extremes: what its waveform is drawn from.
         began: seconds since midnight at which it began, where the file tells (Broadcast WAV).
     """
 
@@ -71,7 +52,7 @@ class Sound:
     rate: int
     samples: Samples
     start: float
-    peaks: Peaks
+    extremes: Extremes
     began: float | None = None
 
     @property
@@ -121,13 +102,9 @@ class Sound:
         """
         edges = (np.linspace(first, last, count + 1) - self.start) * self.rate
         width = float(edges[1] - edges[0])
-        size, level = 1, None
-        for candidate in self.peaks.levels:
-            bigger = BLOCK if level is None else size * STEP
-            if bigger * STEP > width:
-                break  # coarser than a quarter of a pixel would be seen
-            size, level = bigger, candidate
-        total = len(self.samples) if level is None else len(level)
+        wanted = int(width) // _QUARTER
+        size = self.extremes.bin_size(wanted) if wanted >= BLOCK else 1
+        total = -(-len(self.samples) // size)
         begins = np.floor(edges[:-1] / size).astype(np.int64)
         # A pixel reaches to where the next begins, so that no line breaks between two.
         ends = np.maximum(np.floor(edges[1:] / size).astype(np.int64) + 1, begins + 1)
@@ -135,7 +112,7 @@ class Sound:
         out = np.full((count, 2), np.nan, np.float32)
         if inside.any():
             begins, ends = np.clip(begins[inside], 0, None), np.clip(ends[inside], None, total)
-            low, high = self._range(level, int(begins[0]), int(ends[-1]))
+            low, high = self._range(int(begins[0]), int(ends[-1]), size)
             spans = np.stack([begins, ends], axis=1).ravel() - begins[0]
             # reduceat takes index pairs; a last end beyond the array is the array's end.
             low, high = np.append(low, low[-1]), np.append(high, high[-1])
@@ -143,11 +120,13 @@ class Sound:
             out[inside, 1] = np.maximum.reduceat(high, spans)[::2] / FULL
         return out
 
-    def _range(self, level: Samples | None, first: int, last: int) -> tuple[Samples, Samples]:
-        if level is not None:
-            return level[first:last, 0], level[first:last, 1]
-        rows = self.samples[first:last]
-        return rows.min(axis=1), rows.max(axis=1)
+    def _range(self, first: int, last: int, size: int) -> tuple[Samples, Samples]:
+        """(N,) lowest and highest samples of bins of some size, over all channels."""
+        if size > 1:
+            low, high = self.extremes.bins(first, last, size)
+        else:
+            low = high = self.samples[first:last]
+        return low.min(axis=1), high.max(axis=1)
 
 
 def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound | None:
@@ -179,7 +158,7 @@ def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound |
         raise FileError(path, "has a sound track with nothing in it", "choose another file")
     samples = np.concatenate(tape.pieces)
     start = 0.0 if origin is None else tape.start - origin
-    return Sound(path, tape.rate, samples, start, Peaks.of(samples), began)
+    return Sound(path, tape.rate, samples, start, extremes_of(samples), began)
 
 
 def _began(container: InputContainer) -> float | None:

@@ -12,7 +12,7 @@ from OpenGL import GL
 from pyrender import Material, Mesh, Primitive
 from pyrender.constants import FLOAT_SZ, GLTF
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import Tinter
 from faceedit_app.render.surface import NormalSolver, Shading, by_shading
@@ -20,6 +20,22 @@ from faceedit_app.render.surface import NormalSolver, Shading, by_shading
 # Materials are named after the shaders that draw them: these, or the variants in `Shading`.
 BACKDROP, DEPTH = "backdrop", "depth"
 _POSITION, _NORMAL, _COLOUR = 0, 1, 3  # where the shaders have what may change with each frame
+_PLACE = 8  # and where in its texture a vertex lies; pyrender has 4 to 7
+
+
+class Surface(Material):  # type: ignore[misc]  # pyrender has no types
+    """A material that has one of the rig's textures.
+
+    Attributes:
+        texture: OpenGL's number of it; None is none.
+        cutoff: what has less alpha is not drawn.
+    """
+
+    def __init__(
+        self, name: str, doubleSided: bool, texture: int | None = None, cutoff: float = 0.0
+    ) -> None:
+        super().__init__(name, doubleSided=doubleSided)
+        self.texture, self.cutoff = texture, cutoff
 
 
 class Stream:
@@ -64,6 +80,7 @@ class LivePrimitive(Primitive):  # type: ignore[misc]  # pyrender has no types
             start = ctypes.c_void_p(FLOAT_SZ * stream.width * self._first)
             GL.glBindBuffer(GL.GL_ARRAY_BUFFER, stream.name)
             GL.glVertexAttribPointer(place, stream.width, GL.GL_FLOAT, GL.GL_FALSE, 0, start)
+            GL.glEnableVertexAttribArray(place)
         self._unbind()
 
 
@@ -86,12 +103,16 @@ class LiveMesh(Mesh):  # type: ignore[misc]  # pyrender has no types
         own = [np.unique(faces, return_inverse=True) for _, faces in parts]
         self.vertices = np.concatenate([np.zeros(0, np.intp), *(vertices for vertices, _ in own)])
         firsts = accumulate((len(vertices) for vertices, _ in own), initial=0)
-        self._normals_of = NormalSolver(rig.faces, len(rig.neutral), wanted=self.vertices)
+        self._normals_of = NormalSolver(
+            rig.faces, len(rig.neutral), wanted=self.vertices, groups=rig.shading_groups
+        )
         values = {
             _POSITION: rig.neutral[self.vertices],
             _NORMAL: self._normals_of(rig.neutral),
             _COLOUR: rig.colors[self.vertices],
         }
+        if rig.uv is not None:
+            values[_PLACE] = rig.uv[self.vertices]
         self._streams = {place: Stream(value) for place, value in values.items()}
         primitives = [
             LivePrimitive(
@@ -137,11 +158,13 @@ class Model:
     """
 
     def __init__(self, rig: Rig, looks: Floats) -> None:
+        self._textures = [_texture(pixels) for pixels in rig.textures]
         still, moving = [], []
         for group in by_shading(rig):
             # Nothing but the skin is known to be closed; lashes and brows are thin.
             both_sides = group.shading is not Shading.FLESH
-            material = Material(group.shading.value, doubleSided=both_sides)
+            texture = None if group.texture is None else self._textures[group.texture]
+            material = Surface(group.shading.value, both_sides, texture, group.cutoff)
             still.append((material, group.still))
             moving.append((material, group.moving))
         self.still, self.moving = (
@@ -164,3 +187,18 @@ class Model:
         """Free what pyrender does not know of."""
         self.still.delete()
         self.moving.delete()
+        if self._textures:
+            GL.glDeleteTextures(len(self._textures), self._textures)
+
+
+def _texture(pixels: Pixels) -> int:
+    """A texture of (H, W, 4) sRGB and alpha, with smaller ones of itself for a distance."""
+    name = int(GL.glGenTextures(1))
+    height, width = pixels.shape[:2]
+    GL.glBindTexture(GL.GL_TEXTURE_2D, name)
+    GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
+    content = GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, np.ascontiguousarray(pixels)
+    GL.glTexImage2D(GL.GL_TEXTURE_2D, 0, GL.GL_SRGB8_ALPHA8, width, height, 0, *content)
+    GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+    GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR)
+    return name

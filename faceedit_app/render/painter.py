@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from OpenGL import GL
-from pyrender import Mesh, Renderer, Scene
+from pyrender import Material, Mesh, Renderer, Scene
 
+from faceedit_app.render.model import Surface
 from faceedit_app.render.programs import Program
 from faceedit_app.render.surface import Shading
 from faceedit_app.render.targets import Target
@@ -68,11 +69,14 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
         pyrender would delete by number here, in whichever context happens to be current.
         """
 
-    def _program(self, material: str, quick: bool) -> Program:
+    def _program(self, material: Material, quick: bool) -> Program:
         """The shaders that draw a material, made when they are first needed."""
-        key: tuple[str, ...] = ("face", material) if material in _SHADINGS else (material,)
-        if quick and material == Shading.FLESH.value:
+        name = material.name
+        key: tuple[str, ...] = ("face", name) if name in _SHADINGS else (name,)
+        if quick and name == Shading.FLESH.value:
             key += ("QUICK",)
+        if isinstance(material, Surface) and material.texture is not None:
+            key += ("TEXTURED",)
         program = self._programs.get(key)
         if program is None:
             program = self._programs[key] = Program(*key)
@@ -93,8 +97,14 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
             self._camera_from_world, projection = self._get_camera_matrices(scene)
             self._clip_from_world = projection @ self._camera_from_world
         for primitive in (p for mesh in meshes for p in mesh.primitives):
-            program = self._program(primitive.material.name, quick=not target.samples)
+            material = primitive.material
+            program = self._program(material, quick=not target.samples)
             program._bind()
+            if isinstance(material, Surface) and material.texture is not None:
+                GL.glActiveTexture(GL.GL_TEXTURE0)
+                GL.glBindTexture(GL.GL_TEXTURE_2D, material.texture)
+                program.set_uniform("picture", 0)
+                program.set_uniform("cutoff", material.cutoff)
             if program.view != view:  # programs keep what they know
                 program.view = view
                 program.set_uniform("clip_from_world", self._clip_from_world)

@@ -92,6 +92,8 @@ def _arrived(rig: Rig, vertices: Floats, normals: Floats, depths_of: DepthsOf) -
 def _face_centre(rig: Rig) -> Doubles:
     """Where the controls are measured, (3,) metres."""
     vertices = rig.control_pairs[rig.has_control].ravel()
+    if not len(vertices):
+        vertices = np.arange(len(rig.neutral), dtype=np.int32)
     centre: Doubles = rig.neutral[vertices].mean(axis=0, dtype=np.float64)
     return centre
 

@@ -190,7 +190,8 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
                 yield depths
 
         try:
-            return bake_shade(rig, NormalSolver(rig.faces, len(rig.neutral)), depths_of)
+            normals_of = NormalSolver(rig.faces, len(rig.neutral), groups=rig.shading_groups)
+            return bake_shade(rig, normals_of, depths_of)
         finally:
             mesh.delete()
             target.delete()

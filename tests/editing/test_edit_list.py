@@ -42,6 +42,10 @@ STEPS: dict[str, tuple[Callable[[EditSession], None], tuple[Edit, ...]]] = {
     "switch off": (lambda s: s.set_enabled(0, False), (replace(A, enabled=False), B, C)),
     "strength": (lambda s: s.set_strength(2, 1.5), (A, B, replace(C, strength=1.5))),
     "rename": (lambda s: s.rename(0, " jaw "), (replace(A, name="jaw"), B, C)),
+    "rename by what no file holds": (
+        lambda s: s.rename(0, "j\ud800w"),
+        (replace(A, name="j�w"), B, C),
+    ),
     "remove": (lambda s: s.remove(0), (B, C)),
     "remove several": (lambda s: s.remove(-1, 0), (B,)),
     "move down": (lambda s: s.move(0, 2), (B, C, A)),

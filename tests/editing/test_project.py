@@ -19,12 +19,12 @@ from test_edits_file import edits
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.edits.media import Media
+from faceedit_app.editing.edits.media import MediaFile
 from faceedit_app.editing.files import fingerprint as fingerprint_module
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
 from faceedit_app.editing.files.project import (
     Project,
-    View,
+    ViewState,
     Whereabouts,
     locate_take,
     read_project,
@@ -38,7 +38,7 @@ EDITS = (
     Edit(("left_eyelid", "right_eyelid"), Op.SET, 4.0, 4.1, 0.1, 0.0, 0.2, 0.5, False),
     Edit(("mouth_width",), Op.DRAW, 1.0, 2.0, 0.1, points=((1.0, 3.0), (2.0, 4.0))),
 )
-VIEW = View(1.5, (0.0, 5.0), (2.0, 2.4), 0.3, {"splitter": [1, 2], "dark": True})
+VIEW = ViewState(1.5, (0.0, 5.0), (2.0, 2.4), 0.3, {"splitter": [1, 2], "dark": True})
 
 
 @pytest.fixture
@@ -57,8 +57,8 @@ def project_of(take: Path, **changes: Any) -> Project:
             fingerprint=fingerprint(take),
             state=EditState(EDITS, Settings(Mode.RESYNTHESIZE, 0.5, 0.25)),
             view=VIEW,
-            audio=Media(take.with_suffix(".mov"), -0.25),
-            film=Media(take.with_suffix(".mov"), 0.5),
+            audio=MediaFile(take.with_suffix(".mov"), -0.25),
+            film=MediaFile(take.with_suffix(".mov"), 0.5),
         ),
         **changes,
     )

@@ -33,7 +33,7 @@ from faceedit_app.editing.edits.edit import (
     Edit,
     Op,
 )
-from faceedit_app.editing.edits.media import Media, Placement
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.help.clipboard import Copied, copy_range
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import load_presets
@@ -166,7 +166,7 @@ class Editing(RuleBasedStateMachine):
     def drag_the_sound(self, offsets: list[float], keep: bool) -> None:
         before = self.exported()
         for offset in offsets:
-            self.session.preview_media(Placement(Media(Path("/a.wav"), offset)))
+            self.session.preview_media(Placement(MediaFile(Path("/a.wav"), offset)))
         self.session.commit("Move sound") if keep else self.session.cancel()
         assert self.exported() == before
         self.finished()
@@ -180,7 +180,7 @@ class Editing(RuleBasedStateMachine):
 
     @rule(sound=st.none() | st.floats(-9, 9), film=st.none() | st.floats(-9, 9))
     def place_media(self, sound: float | None, film: float | None) -> None:
-        media = [None if at is None else Media(Path("/a.mov"), at) for at in (sound, film)]
+        media = [None if at is None else MediaFile(Path("/a.mov"), at) for at in (sound, film)]
         before = self.exported()
         self.session.place(Placement(*media))
         assert self.exported() == before

@@ -10,7 +10,7 @@ import pytest
 
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.media.output import FADE, GRAIN, DeviceClock, Mixer, open_output
-from faceedit_app.media.sound import FULL, Peaks, Sound
+from faceedit_app.media.sound import FULL, Sound, extremes_of
 
 RATE = 1000
 
@@ -18,7 +18,7 @@ RATE = 1000
 def rising(seconds: float = 4.0, rate: int = RATE, channels: int = 1) -> Sound:
     """A sound whose samples are their own numbers, so that what is heard says from when it is."""
     samples = np.repeat(np.arange(round(seconds * rate), dtype=np.int16)[:, None], channels, 1)
-    return Sound(Path("x.wav"), rate, samples, 0.0, Peaks.of(samples))
+    return Sound(Path("x.wav"), rate, samples, 0.0, extremes_of(samples))
 
 
 def heard(mixer: Mixer, count: int) -> list[int]:
@@ -88,7 +88,7 @@ def test_a_grain_is_short_and_soft_at_both_ends(mixer: Mixer) -> None:
 def test_a_new_grain_takes_over_without_a_click() -> None:
     samples = np.full((4000, 1), 16384, np.int16)
     mixer = Mixer(RATE, 1)
-    mixer.use(Sound(Path("x.wav"), RATE, samples, 0.0, Peaks.of(samples)), 0.0)
+    mixer.use(Sound(Path("x.wav"), RATE, samples, 0.0, extremes_of(samples)), 0.0)
     mixer.grain(2.0)
     heard(mixer, 30)
     mixer.grain(1.0)

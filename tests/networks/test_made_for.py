@@ -13,6 +13,7 @@ from support.networks import random_content, random_description, write_models
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.fields import Fields
 from faceedit_app.core.regions import EYELIDS, LOWER, UPPER
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
@@ -73,7 +74,7 @@ def test_character_that_lacks_a_channel_is_another_one() -> None:
 
 def test_it_comes_back_from_json() -> None:
     made_for = MadeFor.of(shipped_rig(), CONTROL_IDS)
-    back = MadeFor.from_json(json.loads(json.dumps(made_for.to_json())))
+    back = MadeFor.from_json(Fields(json.loads(json.dumps(made_for.to_json()))), CONTROL_IDS)
     assert back.name == shipped_rig().name
     for control, vectors in made_for.controls.items():
         np.testing.assert_array_equal(vectors, back.controls[control])

@@ -11,12 +11,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.faces import shipped_rig
 from support.rigs import ball
 
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Material, Rig
-from faceedit_app.render import Camera, FaceRenderer, contexts, default_camera, open_renderer
+from faceedit_app.render import (
+    Aim,
+    Camera,
+    FaceRenderer,
+    aimed_camera,
+    contexts,
+    default_camera,
+    open_renderer,
+)
 from faceedit_app.render.camera import DISTANCE_LIMITS, PITCH_LIMIT, field_of_view
 from faceedit_app.render.snapshot import snapshot, write_png
 from faceedit_app.render.surface import NormalSolver, Shading, by_shading, look_of, vertex_looks
@@ -380,3 +390,45 @@ def _inside(image: np.ndarray) -> np.ndarray:
 
 def _middle(shape: np.ndarray) -> np.ndarray:
     return np.argwhere(shape).mean(axis=0)
+
+
+# --- where the camera can be pointed ---------------------------------------------------------
+
+
+def seen(camera: Camera, point: np.ndarray, aspect: float) -> np.ndarray:
+    """Where a point is in the view: -1..1 to the right and up."""
+    x, y, z, _ = np.linalg.inv(camera.pose()) @ np.append(point, 1.0)
+    half = -z * math.tan(field_of_view(aspect) / 2.0)
+    return np.array([x / (half * aspect), y / half])
+
+
+@pytest.mark.parametrize("aspect", [0.5, 1.0, 1.8])
+def test_details_fill_the_view_and_lie_in_its_middle(aspect: float) -> None:
+    rig = shipped_rig()
+    for aim, names in ((Aim.MOUTH, (MOUTH_WIDTH,)), (Aim.EYES, LIDS)):
+        camera = aimed_camera(rig, aim, aspect)
+        pairs = rig.control_pairs[[CONTROL_INDEX[name] for name in names]].ravel()
+        places = np.array([seen(camera, rig.neutral[i], aspect) for i in pairs])
+        assert np.abs(places).max() < 0.9, "all of it is in view"
+        assert np.ptp(places[:, 0]) > 0.3, "and not from far away"
+        assert np.abs(places.mean(axis=0)).max() < 0.1
+        assert camera.yaw == 0
+
+
+def test_sides_are_the_characters_own() -> None:
+    rig = shipped_rig()
+    left, right = (aimed_camera(rig, aim).pose()[:3, 3] for aim in (Aim.LEFT, Aim.RIGHT))
+    assert left[0] > 0.2, "+X is the character's left"
+    assert right[0] < -0.2
+    assert aimed_camera(rig, Aim.FRONT) == default_camera(rig)
+    head = rig.neutral[rig.neutral[:, 1] > 0.0]
+    for aim in (Aim.LEFT, Aim.RIGHT):
+        across = np.array([seen(aimed_camera(rig, aim), point, 1.0)[0] for point in head[::40]])
+        assert -1.0 < across.min() < 0.0 < across.max() < 1.0
+
+
+def test_a_character_without_the_controls_of_a_detail_is_seen_from_the_front() -> None:
+    rig = shipped_rig()
+    bare = dataclasses.replace(rig, control_pairs=np.full_like(rig.control_pairs, -1))
+    for aim in (Aim.MOUTH, Aim.EYES):
+        assert aimed_camera(bare, aim) == default_camera(bare)

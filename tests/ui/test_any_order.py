@@ -7,10 +7,11 @@ from collections.abc import Callable
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
+from support.curves import drag
 from support.windows import Bench, drag_curve
 
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.resources import shipped
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow
@@ -50,9 +51,11 @@ class Monkey:
             action.trigger()
 
     def drag(self) -> None:
-        self.window.tooling.choose(self.random.choice(list(Tool)))
+        self.window.tools.choose(self.random.choice(list(Tool)))
         seconds = self.random.uniform(*self.window.timeline.view)
-        drag_curve(self.window, self.random.randrange(8), seconds, self.random.randint(-25, 25))
+        drag_curve(
+            self.window, self.random.randrange(len(CONTROLS)), seconds, self.random.randint(-25, 25)
+        )
 
     def band(self) -> None:
         bar = self.editor.curves.range_bar
@@ -61,9 +64,7 @@ class Monkey:
         self._press_and_move(bar, start, stop)
 
     def _press_and_move(self, widget: QWidget, start: QPoint, stop: QPoint) -> None:
-        QTest.mousePress(widget, LEFT, pos=start)
-        QTest.mouseMove(widget, stop)
-        QTest.mouseRelease(widget, LEFT, pos=stop)
+        drag(widget, start, stop)
 
     def choose(self) -> None:
         count = len(self.editor.edits.model.edits)
@@ -71,7 +72,7 @@ class Monkey:
             self.editor.edits.select(self.random.randrange(count))
 
     def weaken(self) -> None:
-        slider = self.random.choice((self.editor.edits.strength, self.editor.strip.natural))
+        slider = self.random.choice((self.editor.edits.strength, self.editor.settings_bar.natural))
         if slider.isEnabled():
             slider.setSliderDown(True)
             slider.setSliderPosition(self.random.randrange(slider.maximum()))
@@ -97,7 +98,7 @@ def test_undo_all_and_redo_all(bench: Bench, monkeypatch: pytest.MonkeyPatch, se
     monkey = Monkey(window, seed)
     for _ in range(STEPS):
         monkey.act()
-    window.edits.finish()
+    window.workspace.finish()
     reached, steps = exported(window), 0
     state = session.state
     while session.can_undo:

@@ -2,108 +2,47 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt
-from PySide6.QtGui import QFontMetricsF, QImage, QMouseEvent, QWheelEvent
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QFontMetricsF, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QWidget
+from PySide6.QtWidgets import QApplication, QLabel
 from pytestqt.qtbot import QtBot
-from support.rigs import tiny_session
+from support.curves import (
+    CTRL,
+    LEFT,
+    MIDDLE,
+    NONE,
+    RIGHT,
+    SHIFT,
+    drag,
+    let_go,
+    move_with,
+    open_panel,
+    place,
+    session_of,
+    surface,
+    turn,
+)
+from support.rigs import tiny_rig, tiny_session, tiny_take
 
 from faceedit_app.core.clip import Gap
-from faceedit_app.core.controls import CONTROLS
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, MOUTH_WIDTH
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.opening import open_session
 from faceedit_app.ui.curves import CurvesPanel, style
 from faceedit_app.ui.curves.header import Layout
-from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool
-
-NONE, SHIFT, CTRL = (
-    Qt.KeyboardModifier.NoModifier,
-    Qt.KeyboardModifier.ShiftModifier,
-    Qt.KeyboardModifier.ControlModifier,
-)
-LEFT, MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
-
-
-def open_panel(qtbot: QtBot, session: EditSession) -> CurvesPanel:
-    timeline = Timeline()
-    panel = CurvesPanel(timeline)
-    timeline.setParent(panel)
-    qtbot.addWidget(panel)
-    panel.resize(900, 700)
-    panel.show()
-    qtbot.waitExposed(panel)
-    timeline.open(session.take.clip)
-    panel.set_session(session)
-    session.previewed.connect(panel.refresh)
-    session.changed.connect(panel.refresh)
-    QApplication.processEvents()
-    return panel
 
 
 @pytest.fixture
 def panel(qtbot: QtBot) -> CurvesPanel:
     return open_panel(qtbot, tiny_session())
-
-
-def session_of(panel: CurvesPanel) -> EditSession:
-    assert panel.session is not None
-    return panel.session
-
-
-def place(plot: CurvePlot, seconds: float, y: int = 40) -> QPoint:
-    return QPoint(round(plot.current_scale.x_of(seconds)), y)
-
-
-def drag(
-    widget: QWidget,
-    start: QPoint,
-    stop: QPoint,
-    modifiers: Qt.KeyboardModifier = NONE,
-    release: bool = True,
-    button: Qt.MouseButton = LEFT,
-    pause: int = 0,
-) -> None:
-    QTest.mouseMove(widget, start)
-    QTest.mousePress(widget, button, modifiers, start)
-    for i in range(1, 6):
-        at = start + (stop - start) * i / 5
-        QTest.mouseMove(widget, at) if modifiers == NONE else move_with(widget, at, modifiers)
-        if pause:
-            QTest.qWait(pause)
-    if release:
-        QTest.mouseRelease(widget, button, modifiers, stop)
-
-
-def move_with(widget: QWidget, at: QPoint, modifiers: Qt.KeyboardModifier) -> None:
-    """QTest moves the mouse without keys."""
-    where = QPointF(widget.mapToGlobal(at))
-    event = QMouseEvent(
-        QEvent.Type.MouseMove, QPointF(at), where, Qt.MouseButton.NoButton, LEFT, modifiers
-    )
-    QApplication.sendEvent(widget, event)
-
-
-def turn(
-    widget: QWidget, at: QPoint, notches: float, modifiers: Qt.KeyboardModifier = NONE
-) -> None:
-    QApplication.sendEvent(
-        widget,
-        QWheelEvent(
-            QPointF(at),
-            QPointF(widget.mapToGlobal(at)),
-            QPoint(),
-            QPoint(0, round(120 * notches)),
-            Qt.MouseButton.NoButton,
-            modifiers,
-            Qt.ScrollPhase.NoScrollPhase,
-            False,
-        ),
-    )
 
 
 # --- editing -------------------------------------------------------------------------------
@@ -112,7 +51,7 @@ def turn(
 @pytest.mark.parametrize("pause", [0, 20])
 @pytest.mark.parametrize("index", [0, 2, 6])
 def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, pause: int) -> None:
-    panel.tooling.link(False)
+    panel.tools.link(False)
     plot, session = panel.plots[index], session_of(panel)
     per_pixel = plot.current_scale.mm_per_pixel
     committed: list[int] = []
@@ -151,28 +90,28 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
     assert steps == sorted(steps)
     # The playhead has gone where the face is changing.
     assert panel.timeline.frame == frame
-    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -20))
+    let_go(plot, start + QPoint(0, -20))
 
 
 def test_many_moves_are_few_previews_and_the_last_counts(panel: CurvesPanel) -> None:
     plot, session = panel.plots[0], session_of(panel)
     steps: list[int] = []
     session.previewed.connect(lambda: steps.append(1))
-    start = place(plot, 2.1)
-    QTest.mousePress(plot, LEFT, NONE, start)
+    start, per_pixel = place(plot, 2.1), plot.current_scale.mm_per_pixel
+    QTest.mousePress(surface(plot), LEFT, NONE, start)
     for i in range(200):
         move_with(plot, start + QPoint(0, -(i % 30)), NONE)
     assert len(steps) == 0  # all in one turn of the event loop
-    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -25))
-    assert session.edits[0].value == pytest.approx(25 * plot.current_scale.mm_per_pixel)
+    let_go(plot, start + QPoint(0, -25))
+    assert session.edits[0].value == pytest.approx(25 * per_pixel)
 
 
 def test_shift_is_fine(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
-    start = place(plot, 1.5)
+    start, per_pixel = place(plot, 1.5), plot.current_scale.mm_per_pixel
     drag(plot, start, start + QPoint(0, -20), SHIFT)
     (edit,) = session_of(panel).edits
-    assert edit.value == pytest.approx(2 * plot.current_scale.mm_per_pixel)
+    assert edit.value == pytest.approx(2 * per_pixel)
 
 
 def test_esc_drops_the_drag(panel: CurvesPanel) -> None:
@@ -185,7 +124,7 @@ def test_esc_drops_the_drag(panel: CurvesPanel) -> None:
     assert not panel.is_dragging
     assert np.array_equal(session.asked, session.tracked)
     assert panel.timeline.frame == 3
-    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -20))
+    let_go(plot, start + QPoint(0, -20))
     assert session.edits == ()
     assert not session.can_undo
 
@@ -200,7 +139,7 @@ def test_the_wheel_sets_the_falloff_of_the_drag(panel: CurvesPanel, qtbot: QtBot
     assert session.asked[beside, 0] == pytest.approx(session.tracked[beside, 0], abs=1e-4)
     turn(plot, stop, 2)
     qtbot.waitUntil(lambda: session.asked[beside, 0] > session.tracked[beside, 0] + 0.01)
-    QTest.mouseRelease(plot, LEFT, NONE, stop)
+    let_go(plot, stop)
     assert session.edits[0].falloff == panel.timeline.falloff == pytest.approx(0.288)
     assert panel.timeline.view == view
 
@@ -222,89 +161,136 @@ def test_the_value_axis_stretches_with_the_curve_and_gives_back(
 ) -> None:
     """The curve is never lost above the plot, and stays under a hand that is inside it."""
     plot, session = panel.plots[0], session_of(panel)
-    span, per_pixel = plot.span, plot.current_scale.mm_per_pixel
+    values, per_pixel = plot.values, plot.current_scale.mm_per_pixel
     frame = int(session.tracked[:, 0].argmin())
     start = place(plot, float(session.take.clip.times[frame]))
     drag(plot, start, start + QPoint(0, -10), release=False, pause=20)
-    assert plot.span == span
+    assert plot.values == values
 
     def go_to(pixels: int) -> None:
-        move_with(plot, start + QPoint(0, -pixels), NONE)
+        move_with(plot, start + QPoint(0, -pixels))
         wanted = float(session.tracked[frame, 0]) + pixels * per_pixel
         qtbot.waitUntil(lambda: session.asked[frame, 0] == pytest.approx(wanted))
 
-    before = span[1]
-    for pixels in range(40, 301, 20):
+    before = values[1]
+    for pixels in range(40, 161, 20):
         go_to(pixels)
         asked = float(session.asked[frame, 0])
         assert 0 < plot.current_scale.y_of(asked) < plot.height()
-        assert plot.span[1] >= before
-        before = plot.span[1]
-    assert before > span[1] + 10 * per_pixel
+        assert plot.values[1] >= before
+        before = plot.values[1]
+    assert before > values[1] + 10 * per_pixel
     go_to(10)
-    assert plot.span == span
-    go_to(300)
-    stretched = plot.span
-    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -300))
-    assert plot.span == pytest.approx(stretched, abs=2 * per_pixel)  # no jump at the end
-    assert plot.span[1] > float(session.asked[:, 0].max())
+    assert plot.values == values
+    let_go(plot, start + QPoint(0, -160))
+    assert plot.values[1] > float(session.asked[:, 0].max())
+
+
+def test_the_axis_fits_again_after_each_gesture(panel: CurvesPanel) -> None:
+    """So that the same drag is the same number of millimetres, however often it is tried."""
+    plot, session = panel.plots[0], session_of(panel)
+    values, done = plot.values, []
+    for _ in range(4):
+        start = place(plot, 1.5)
+        drag(plot, start, start + QPoint(0, -60))
+        done.append((session.edits[0].value, plot.values))
+        assert plot.values[1] > values[1]
+        session.undo()
+        panel.refresh()
+        assert plot.values == values
+    assert len(set(done)) == 1
+
+
+@pytest.mark.parametrize("way", [-5_000, 5_000])
+@pytest.mark.parametrize("index", [0, 6])
+def test_a_hand_asks_for_no_more_than_a_face_can_do(
+    panel: CurvesPanel, qtbot: QtBot, index: int, way: int
+) -> None:
+    """And comes back as it went: the curve is under it again once it is inside."""
+    panel.tools.link(False)
+    plot, session = panel.plots[index], session_of(panel)
+    low, high = session.limits[index]
+    frame = session.take.clip.frame_at(1.5)
+    start, per_pixel = place(plot, 1.5), plot.current_scale.mm_per_pixel
+    drag(plot, start, start + QPoint(0, way), release=False, pause=20)
+    qtbot.waitUntil(lambda: session.is_previewing)
+    assert session.asked[frame, index] == pytest.approx(high if way < 0 else low, abs=1e-3)
+    move_with(plot, start + QPoint(0, way // 1000))
+    wanted = session.tracked[frame, index] - way // 1000 * per_pixel
+    qtbot.waitUntil(lambda: session.asked[frame, index] == pytest.approx(wanted, abs=0.01))
+    panel.cancel_drag()
+    let_go(plot, start)
+    assert session.edits == ()
+
+
+@pytest.mark.parametrize("tool", list(Tool))
+def test_no_drag_however_wild_raises(panel: CurvesPanel, tool: Tool) -> None:
+    panel.tools.choose(tool)
+    plot, session = panel.plots[0], session_of(panel)
+    low, high = session.limits[0]
+    for way in (QPoint(40, -100_000), QPoint(-90, 100_000), QPoint(30, -100_000)):
+        start = place(plot, 1.5)
+        drag(plot, start, start + way)
+    assert session.asked[:, 0].min() >= low - 1.5 * (high - low)
+    assert session.asked[:, 0].max() <= high + 1.5 * (high - low)
 
 
 def test_the_curves_that_move_along_take_their_axes_along(panel: CurvesPanel, qtbot: QtBot) -> None:
     left, right = panel.plots[2:4]
-    still = panel.plots[6].span
+    still = panel.plots[6].values
     start = place(left, 1.5)
+    per_pixel = left.current_scale.mm_per_pixel
     drag(left, start, start + QPoint(0, -150), release=False, pause=20)
     session, frame = session_of(panel), panel.timeline.frame
-    wanted = float(session.tracked[frame, 3]) + 150 * left.current_scale.mm_per_pixel * 0.2
+    wanted = float(session.tracked[frame, 3]) + 150 * per_pixel * 0.2
     qtbot.waitUntil(lambda: session.asked[frame, 3] > wanted)
     assert 0 < right.current_scale.y_of(float(session.asked[frame, 3])) < right.height()
-    assert panel.plots[6].span == still
-    QTest.mouseRelease(left, LEFT, NONE, start + QPoint(0, -150))
+    assert panel.plots[6].values == still
+    let_go(left, start + QPoint(0, -150))
 
 
 def test_a_dropped_drag_leaves_the_value_axis_as_it_was(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
-    span = plot.span
+    span = plot.values
     start = place(plot, 1.5)
     drag(plot, start, start + QPoint(0, -300), release=False, pause=20)
-    assert plot.span[1] > span[1]
+    assert plot.values[1] > span[1]
     QTest.keyClick(plot, Qt.Key.Key_Escape)
-    assert plot.span == span
-    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(0, -300))
+    assert plot.values == span
+    let_go(plot, start + QPoint(0, -300))
 
 
 def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
-    span = plot.span
-    panel.tooling.choose(Tool.DRAW)
+    span = plot.values
+    panel.tools.choose(Tool.DRAW)
     start = place(plot, 1.5)
     drag(plot, start, start + QPoint(20, -300), release=False, pause=20)
     assert panel.is_dragging
-    assert plot.span == span
-    QTest.mouseRelease(plot, LEFT, NONE, start + QPoint(20, -300))
+    assert plot.values == span
+    let_go(plot, start + QPoint(20, -300))
 
 
 @pytest.mark.parametrize("tool", [Tool.DRAW, Tool.SMOOTH, Tool.FLATTEN, Tool.RESTORE])
 def test_the_face_follows_a_pen_and_a_brush(panel: CurvesPanel, qtbot: QtBot, tool: Tool) -> None:
     """And Esc puts the playhead back where it was."""
     plot, line = panel.plots[0], panel.timeline
-    panel.tooling.choose(tool)
+    panel.tools.choose(tool)
     line.go_to_frame(3)
     start, stop = place(plot, 1.5), place(plot, 2.5)
     drag(plot, start, stop, release=False, pause=20)
     qtbot.waitUntil(lambda: line.time == pytest.approx(2.5, abs=0.05))
-    handle = plot._handle
+    handle = plot.handle
     assert handle is not None
     assert handle.time == line.time
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert line.frame == 3
-    QTest.mouseRelease(plot, LEFT, NONE, stop)
+    let_go(plot, stop)
 
 
 def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:
     plot = panel.plots[3]
-    QTest.mouseClick(plot, LEFT, NONE, place(plot, 2.5))
+    QTest.mouseClick(surface(plot), LEFT, NONE, place(plot, 2.5))
     assert panel.timeline.time == pytest.approx(2.5, abs=0.02)
     assert session_of(panel).edits == ()
 
@@ -315,7 +301,7 @@ def test_another_take_ends_the_drag(panel: CurvesPanel) -> None:
     drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
     panel.set_session(None)
     assert not panel.is_dragging
-    QTest.mouseRelease(plot, LEFT, NONE, start)
+    let_go(plot, start)
     assert session.edits == ()
 
 
@@ -324,13 +310,12 @@ def test_another_take_ends_the_drag(panel: CurvesPanel) -> None:
 
 def test_the_ruler_scrubs_selects_and_clears(panel: CurvesPanel) -> None:
     ruler, timeline = panel.ruler, panel.timeline
-    drag(ruler, QPoint(20, 10), QPoint(round(ruler.scale.x_of(3.0)), 10))
+    drag(ruler, QPoint(20, 10), place(ruler, 3.0, 10))
     assert timeline.time == pytest.approx(3.0, abs=0.02)
-    start, stop = (QPoint(round(ruler.scale.x_of(t)), 10) for t in (2.0, 1.0))
-    drag(ruler, start, stop, SHIFT)
+    drag(ruler, place(ruler, 2.0, 10), place(ruler, 1.0, 10), SHIFT)
     assert timeline.selection == pytest.approx((1.0, 2.0), abs=0.02)
     assert timeline.time == pytest.approx(3.0, abs=0.02)
-    QTest.mouseDClick(ruler, LEFT, NONE, QPoint(30, 10))
+    QTest.mouseDClick(surface(ruler), LEFT, NONE, QPoint(30, 10))
     assert timeline.selection is None
 
 
@@ -340,45 +325,92 @@ def test_wheel_and_middle_button_move_about(panel: CurvesPanel) -> None:
     turn(plot, at, 4)
     first, last = timeline.view
     assert last - first < 0.6 * timeline.duration
-    assert plot.current_scale.time_at(at.x()) == pytest.approx(1.0, abs=0.02)
+    assert place(plot, 1.0).x() == pytest.approx(at.x(), abs=1)
     turn(plot, at, -1, SHIFT)
     assert timeline.view[0] > first
-    first = timeline.view[0]
-    drag(plot, at, at + QPoint(50, 0), button=MIDDLE)
+    first, values = timeline.view[0], plot.values
+    drag(plot, at, at + QPoint(50, 20), button=MIDDLE, pause=20)
     assert timeline.view[0] < first
+    assert plot.values == values
     assert session_of(panel).edits == ()
     for other in panel.plots:
-        assert other.view == timeline.view
+        assert other.current_scale.view == pytest.approx(timeline.view)
+
+
+def test_the_view_never_leaves_the_take(panel: CurvesPanel) -> None:
+    plot, timeline = panel.plots[1], panel.timeline
+    turn(plot, place(plot, 1.0), 3)
+    for _ in range(4):
+        drag(plot, QPoint(100, 40), QPoint(400, 40), button=MIDDLE, pause=12)
+    assert timeline.view[0] == pytest.approx(0.0, abs=1e-9)
+    turn(plot, place(plot, timeline.view[0] + 0.1), -40)
+    assert timeline.view == pytest.approx((0.0, timeline.duration))
+    for other in (*panel.plots, panel.ruler, panel.range_bar):
+        assert other.current_scale.view == pytest.approx(timeline.view)
+
+
+@pytest.mark.parametrize("sideways", [True, False])
+def test_a_right_drag_scales_the_way_it_goes_first(panel: CurvesPanel, sideways: bool) -> None:
+    plot, timeline = panel.plots[1], panel.timeline
+    values, view = plot.values, timeline.view
+    start = place(plot, 2.0)
+    way = QPoint(60, 8) if sideways else QPoint(8, -60)
+    drag(plot, start, start + way, button=RIGHT, pause=20)
+    scaled = plot.values[1] - plot.values[0] < 0.8 * (values[1] - values[0])
+    zoomed = timeline.view[1] - timeline.view[0] < 0.8 * (view[1] - view[0])
+    assert (zoomed, scaled) == (sideways, not sideways)
+    assert session_of(panel).edits == ()
+    panel.fit_values()
+    timeline.show_range(*view)
+    assert plot.values == pytest.approx(values)
+
+
+def test_wheel_and_drag_on_the_numbers_are_for_the_values(panel: CurvesPanel) -> None:
+    plot, view = panel.plots[1], panel.timeline.view
+    numbers = QPoint(style.AXIS_WIDTH // 2, plot.height() // 2)
+    values, other = plot.values, panel.plots[2].values
+    turn(plot, numbers, 3)
+    zoomed = plot.values
+    assert zoomed[1] - zoomed[0] < 0.7 * (values[1] - values[0])
+    drag(plot, numbers, numbers + QPoint(0, 20), button=MIDDLE, pause=20)
+    assert plot.values[0] > zoomed[0]
+    assert plot.values[1] - plot.values[0] == pytest.approx(zoomed[1] - zoomed[0])
+    assert panel.plots[2].values == other
+    assert panel.timeline.view == view
+    panel.refresh()
+    assert plot.values[1] - plot.values[0] == pytest.approx(zoomed[1] - zoomed[0])
 
 
 def test_ctrl_wheel_zooms_one_value_axis(panel: CurvesPanel) -> None:
-    plot, other = panel.plots[1], panel.plots[2].span
-    view, span = panel.timeline.view, plot.span
+    plot, other = panel.plots[1], panel.plots[2].values
+    view, span = panel.timeline.view, plot.values
     turn(plot, place(plot, 1.0), 3, CTRL)
-    assert plot.span[1] - plot.span[0] < 0.7 * (span[1] - span[0])
-    assert panel.plots[2].span == other
+    assert plot.values[1] - plot.values[0] < 0.7 * (span[1] - span[0])
+    assert panel.plots[2].values == other
     assert panel.timeline.view == view
     panel.refresh()
-    assert plot.span[1] - plot.span[0] < 0.7 * (span[1] - span[0])  # the user's choice stays
+    assert plot.values[1] - plot.values[0] < 0.7 * (span[1] - span[0])  # the user's choice stays
     QTest.mouseDClick(panel.headers[1], LEFT)
-    assert plot.span == span
+    assert plot.values == span
 
 
 def test_a_double_click_on_the_header_shows_small_movements_large(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
     panel.timeline.show_range(0.9, 1.1)  # the mouth hardly moves here
-    span = plot.span
+    span = plot.values
     QTest.mouseDClick(panel.headers[0], LEFT)
-    assert plot.span[1] - plot.span[0] < 0.8 * (span[1] - span[0])
+    assert plot.values[1] - plot.values[0] < 0.8 * (span[1] - span[0])
     QTest.mouseDClick(panel.headers[0], LEFT)
-    assert plot.span == span
+    assert plot.values == span
 
 
 def test_plots_and_ruler_stand_over_each_other(panel: CurvesPanel) -> None:
-    left = panel.ruler.mapTo(panel, QPoint(0, 0)).x()
-    for plot in panel.plots:
-        assert plot.mapTo(panel, QPoint(0, 0)).x() == left
-        assert plot.width() == panel.ruler.width()
+    panel.resize(1003, 600)
+    QApplication.processEvents()
+    strips = (panel.ruler, panel.range_bar, *panel.plots)
+    lefts = {surface(strip).mapTo(panel, place(strip, 0.0, 5)).x() for strip in strips}
+    rights = {surface(strip).mapTo(panel, place(strip, 4.0, 5)).x() for strip in strips}
+    assert (len(lefts), len(rights)) == (1, 1)
 
 
 # --- what it says and shows ----------------------------------------------------------------
@@ -409,16 +441,39 @@ def test_names_do_not_hop_when_there_is_more_to_say(panel: CurvesPanel) -> None:
 
 
 def test_names_stand_alike_in_rows_that_differ_by_a_pixel(panel: CurvesPanel) -> None:
-    """A height that eight rows share leaves some of them a pixel more."""
+    """A height that rows share leaves some of them a pixel more."""
     header = panel.headers[1]
-    tops = set()
-    for height in range(style.ROW_HEIGHT - 4, style.ROW_HEIGHT + 6):  # with sound, they are lower
+    layouts = []
+    for height in range(style.ROW_HEIGHT, 90):
         header.setFixedHeight(height)
-        layout = Layout.of(header, "Mouth width")
+        layouts.append((height, Layout.of(header, "Mouth width")))
+    assert [layout.is_low for _, layout in layouts] == sorted(
+        (layout.is_low for _, layout in layouts), reverse=True
+    )
+    with_note = [(height, layout) for height, layout in layouts if layout.note is not None]
+    tops = [layout.name.top() for _, layout in with_note]
+    assert all(0 <= below - above <= 1 for above, below in pairwise(tops))
+    for height, layout in with_note:
         assert layout.note is not None
         assert layout.note.top() + QFontMetricsF(layout.name_font).height() < height + 1
-        tops.add(round(layout.name.top()))
-    assert max(tops) - min(tops) <= 4
+
+
+@pytest.mark.parametrize("height", range(style.ROW_HEIGHT, 90, 3))
+def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel, height: int) -> None:
+    for header in panel.headers:
+        header.setFixedHeight(height)
+        layout = Layout.of(header, header.control.label)
+        metrics, bold = QFontMetricsF(layout.name_font), QFontMetricsF(layout.value_font)
+        wrap = int(Qt.TextFlag.TextWordWrap)
+        name = metrics.boundingRect(layout.name, wrap, header.control.label)
+        assert name.width() <= layout.name.width()
+        assert name.height() <= height + 1
+        assert bold.horizontalAdvance("88.8 mm") <= layout.value.width()
+        if layout.is_low:
+            assert layout.name.right() <= layout.value.left()
+        else:
+            assert layout.value.top() >= layout.name.top() + name.height() - 4
+            assert layout.value.top() + bold.height() <= height + 3
 
 
 def test_what_reads_the_same_is_not_said_twice(panel: CurvesPanel) -> None:
@@ -499,3 +554,18 @@ def test_a_long_take_is_drawn_from_few_points(qtbot: QtBot) -> None:
         assert plot.lines is not None
         for line in (plot.lines.tracked, plot.lines.face, plot.lines.asked):
             assert len(line.x) <= 3 * plot.width() + 4
+
+
+def test_a_curve_that_the_character_lacks_is_disabled_and_says_why(qtbot: QtBot) -> None:
+    rig = tiny_rig()
+    pairs = rig.control_pairs.copy()
+    pairs[CONTROL_INDEX[MOUTH_WIDTH]] = -1
+    panel = CurvesPanel(Timeline())
+    qtbot.addWidget(panel)
+    panel.set_session(open_session(tiny_take(), replace(rig, control_pairs=pairs)))
+    able = {plot.control.id: plot.isEnabled() for plot in panel.plots}
+    assert able.pop(MOUTH_WIDTH) is False
+    assert all(able.values())
+    assert "no vertices" in panel.headers[CONTROL_INDEX[MOUTH_WIDTH]].toolTip()
+    panel.set_session(open_session(tiny_take(), rig))
+    assert panel.plots[CONTROL_INDEX[MOUTH_WIDTH]].isEnabled()

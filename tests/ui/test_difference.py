@@ -293,19 +293,19 @@ def test_asking_for_it_brings_the_edited_face(window: MainWindow) -> None:
 
 def test_it_is_remembered(bench: Bench, window: MainWindow) -> None:
     trigger(window, "show_difference")
-    assert bench.store().difference()
+    assert bench.preferences().difference()
     again = bench.editing()
     assert again.actions_["show_difference"].isChecked()
     assert face_of(again).shows_difference
     trigger(again, "show_difference")
-    assert not bench.store().difference()
+    assert not bench.preferences().difference()
 
 
 def test_nothing_of_the_last_take_stays(bench: Bench, window: MainWindow) -> None:
     trigger(window, "show_difference")
     other = make_livelink_csv(bench.folder / "other.csv", seconds=2.0)
     bench.answers["unsaved"] = dialogs.Unsaved.DISCARD
-    window.files.open_if_saved(other)
+    window.commands.file.open_if_saved(other)
     bench.qtbot.waitUntil(lambda: open_path(window) == other)
     (tint,) = tints(bench, window)
     assert tint is not None

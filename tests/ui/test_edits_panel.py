@@ -8,8 +8,8 @@ from PySide6.QtCore import QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QStyle, QStyleOptionViewItem
+from support.curves import drag, turn
 from support.windows import Bench, drag_curve, session_of
-from test_curves_panel import drag, turn
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.edits.delegate import cells
@@ -268,7 +268,8 @@ def test_arrows_walk_the_list(window: MainWindow) -> None:
 def test_the_edges_of_the_chosen_edit_reshape_it(window: MainWindow) -> None:
     panel, session = panel_of(window), session_of(window)
     assert window.editor is not None
-    bar, scale = window.editor.curves.range_bar, window.editor.curves.range_bar.scale
+    bar = window.editor.curves.range_bar
+    scale = bar.current_scale
     click(panel, 2)
     start, stop = (QPoint(round(scale.x_of(t)), 8) for t in (1.8, 2.4))
     drag(bar, start, stop)

@@ -2,43 +2,35 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.ui.curves.axes import (
-    Scale,
-    fitted_span,
-    frame_ticks,
-    grown_span,
-    nice_step,
-    time_label,
-    time_ticks,
-    value_ticks,
-    zoomed_span,
-)
 from faceedit_app.ui.curves.gestures import (
-    Brush,
     CurveDrag,
     Pan,
     RulerDrag,
+    Span,
     WheelMeans,
-    brush_at,
-    press_curve,
+    span_at,
     stepped_falloff,
     wheel_means,
 )
-from faceedit_app.ui.curves.line import offsets
+from faceedit_app.ui.curves.lines import offsets
+from faceedit_app.ui.curves.scale import Scale
+from faceedit_app.ui.curves.ticks import frame_ticks, nice_step, time_label, time_steps
+from faceedit_app.ui.curves.tools import Press, move
+from faceedit_app.ui.curves.value_range import fitted, grown, stretched
 
-SCALE = Scale(width=500, height=100, view=(0.0, 10.0), span=(0.0, 20.0))  # 0.2 mm a pixel
+SCALE = Scale(width=500, height=100, view=(0.0, 10.0), values=(0.0, 20.0))  # 0.2 mm a pixel
 
 
 def drag_from(x: float = 100.0, y: float = 50.0) -> CurveDrag:
-    return press_curve("mouth_opening", x, y, SCALE, 2.0, Brush(2.0, 2.0, 0.3))
+    span, limits = Span(2.0, 2.0, 0.3), (0.0, 40.0)
+    mine = ("mouth_opening",)
+    return move(Press(mine[0], mine, (x, y), 2.0, SCALE, span, 10.0, 8.0, limits))
 
 
 # --- dragging a curve ----------------------------------------------------------------------
@@ -83,9 +75,9 @@ def test_back_to_where_it_began_is_no_edit() -> None:
 
 
 def test_a_press_inside_the_selection_edits_all_of_it() -> None:
-    assert brush_at(2.5, (2.0, 3.0), 0.1) == Brush(2.0, 3.0, 0.1)
-    assert brush_at(3.5, (2.0, 3.0), 0.1) == Brush(3.5, 3.5, 0.1)
-    assert brush_at(2.5, None, 0.1).reach == (2.4, 2.6)
+    assert span_at(2.5, (2.0, 3.0), 0.1) == Span(2.0, 3.0, 0.1)
+    assert span_at(3.5, (2.0, 3.0), 0.1) == Span(3.5, 3.5, 0.1)
+    assert span_at(2.5, None, 0.1).ends == (2.4, 2.6)
 
 
 # --- wheel, pan, ruler ---------------------------------------------------------------------
@@ -130,26 +122,30 @@ def test_scale_there_and_back() -> None:
 
 
 def test_an_axis_never_magnifies_noise() -> None:
-    low, high = fitted_span(10.0, 10.01)
+    low, high = fitted(10.0, 10.01)
     assert high - low >= 2.0
-    low, high = fitted_span(10.0, 12.0, least=8.0)
+    low, high = fitted(10.0, 12.0, least=8.0)
     assert (low + high) / 2 == pytest.approx(11.0)
     assert high - low > 8.0
 
 
 @given(st.floats(-50, 50), st.floats(0, 50))
 def test_an_axis_grows_and_never_shrinks(low: float, height: float) -> None:
-    span = (0.0, 10.0)
-    first, last = grown_span(span, low, low + height)
-    assert first <= min(span[0], low)
-    assert last >= max(span[1], low + height)
-    assert grown_span(span, 1.0, 9.0) == span
+    shown = (0.0, 10.0)
+    first, last = grown(shown, low, low + height)
+    assert first <= min(shown[0], low)
+    assert last >= max(shown[1], low + height)
+    assert grown(shown, 1.0, 9.0) == shown
 
 
-def test_zooming_values_keeps_what_is_under_the_pointer() -> None:
-    first, last = zoomed_span((0.0, 10.0), 0.5, 4.0)
-    assert (4.0 - first) / (last - first) == pytest.approx(0.4)
-    assert last - first == pytest.approx(5.0)
+@given(st.floats(-50, 50))
+def test_an_axis_stretches_no_further_than_it_must(value: float) -> None:
+    shown = (0.0, 10.0)
+    low, high = stretched(shown, value)
+    assert low < value < high
+    assert low == shown[0] or high == shown[1]
+    if 1.0 <= value <= 9.0:
+        assert (low, high) == shown
 
 
 @pytest.mark.parametrize(("smallest", "step"), [(0.9, 1), (1, 1), (1.1, 2), (3, 5), (6, 10)])
@@ -157,23 +153,11 @@ def test_nice_steps(smallest: float, step: float) -> None:
     assert nice_step(smallest) == pytest.approx(step)
 
 
-@given(st.floats(-100, 100), st.floats(0.1, 200), st.floats(40, 400))
-def test_numbers_of_the_value_axis_do_not_touch(low: float, height: float, pixels: float) -> None:
-    ticks = value_ticks((low, low + height), pixels, 20)
-    scale = Scale(100, pixels, (0, 1), (low, low + height))
-    places = [scale.y_of(tick.at) for tick in ticks]
-    assert all(a - b >= 19.9 for a, b in pairwise(places))
-    assert not any(tick.label.startswith("-0") and float(tick.label) == 0 for tick in ticks)
-
-
-@given(st.floats(0, 4000), st.floats(0.1, 4000), st.floats(100, 3000))
-def test_numbers_of_the_time_axis_do_not_touch(first: float, width: float, pixels: float) -> None:
-    labelled, between = time_ticks((first, first + width), pixels, 74)
-    scale = Scale(pixels, 1, (first, first + width), (0, 1))
-    places = [scale.x_of(tick.at) for tick in labelled]
-    assert all(b - a >= 73 for a, b in pairwise(places))
-    assert len({tick.label for tick in labelled}) == len(labelled)
-    assert len(between) < pixels
+@pytest.mark.parametrize(
+    ("smallest", "step", "fine"), [(0.9, 1, 0.2), (2.0, 2, 0.5), (12, 15, 5), (61, 120, 30)]
+)
+def test_steps_of_time(smallest: float, step: float, fine: float) -> None:
+    assert time_steps(smallest) == pytest.approx((step, fine))
 
 
 @pytest.mark.parametrize(
@@ -192,14 +176,16 @@ def test_times_are_written_as_people_do(seconds: float, step: float, label: str)
     assert time_label(seconds, step) == label
 
 
-def test_frames_are_marked_at_deep_zoom_only() -> None:
+def test_frames_have_round_numbers() -> None:
     times = np.arange(1000) / 50
-    assert frame_ticks(times, (0.0, 20.0), 500, 34, 9) == []
-    ticks = frame_ticks(times, (1.0, 1.5), 500, 34, 9)
-    assert len(ticks) == 25
-    assert ticks[0].at == pytest.approx(1.0)
-    # People count from 1; there is room for every second number.
-    assert [tick.label for tick in ticks[:4]] == ["", "52", "", "54"]
+    numbered, marked = frame_ticks(times, (0.0, 20.0), 500, 34, 9)
+    assert [frame + 1 for frame in numbered] == list(range(100, 1001, 100))
+    assert [frame + 1 for frame in marked[:4]] == [20, 40, 60, 80]
+    # There is room for every second number, and for a mark at each frame.
+    numbered, marked = frame_ticks(times, (1.0, 1.5), 500, 34, 9)
+    assert [frame + 1 for frame in numbered[:2]] == [52, 54]
+    assert [frame + 1 for frame in marked[:2]] == [51, 53]
+    assert len(numbered) + len(marked) == 26
 
 
 # --- lines ---------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, QTimer
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
+from support.curves import surface
 from support.films import make_wav
 from support.windows import Bench, add_edit
 
@@ -20,9 +21,10 @@ LEFT, NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 
 
 def move(widget: QWidget, to: QPoint, held: Qt.MouseButton, keys: Qt.KeyboardModifier) -> None:
-    at, everywhere = QPointF(to), QPointF(widget.mapToGlobal(to))
+    on = surface(widget)
+    at, everywhere = QPointF(to), QPointF(on.mapToGlobal(to))
     event = QMouseEvent(QEvent.Type.MouseMove, at, everywhere, NONE, held, keys)
-    QApplication.sendEvent(widget, event)
+    QApplication.sendEvent(on, event)
 
 
 def hold(
@@ -32,8 +34,9 @@ def hold(
     start: QPoint | None = None,
 ) -> None:
     """Press and drag, and do not let go."""
-    start = start or widget.rect().center()
-    QTest.mousePress(widget, LEFT, keys, start)
+    on = surface(widget)
+    start = start or on.rect().center()
+    QTest.mousePress(on, LEFT, keys, start)
     for step in (1, 2, 3):
         move(widget, start + by * step / 3, LEFT, keys)
 
@@ -70,7 +73,7 @@ def opened(bench: Bench) -> tuple[MainWindow, Editor]:
 def test_a_drag_on_a_curve_is_kept_as_one_step(bench: Bench, lose: Lose, tool: Tool) -> None:
     window, editor = opened(bench)
     add_edit(window)
-    window.tooling.choose(tool)
+    window.tools.choose(tool)
     plot, session = editor.curves.plots[0], window.document.session
     assert session is not None
     hold(plot, QPoint(30, -30))
@@ -82,7 +85,7 @@ def test_a_drag_on_a_curve_is_kept_as_one_step(bench: Bench, lose: Lose, tool: T
     assert not session.is_previewing
     assert len(session.edits) == 2
     assert (session.live.asked == shown).all(), "the stray move did not drag"
-    QTest.mouseRelease(plot, LEFT, pos=QPoint(9, 9))  # it comes after all
+    QTest.mouseRelease(surface(plot), LEFT, pos=QPoint(9, 9))  # it comes after all
     assert len(session.edits) == 2
     session.undo()
     assert len(session.edits) == 1
@@ -93,7 +96,7 @@ def test_a_press_that_never_moved_is_forgotten(bench: Bench, lose: Lose) -> None
     window, editor = opened(bench)
     plot, session = editor.curves.plots[0], window.document.session
     assert session is not None
-    QTest.mousePress(plot, LEFT, pos=QPoint(200, 20))
+    QTest.mousePress(surface(plot), LEFT, pos=QPoint(200, 20))
     lose(window, plot)
     move(plot, QPoint(200, 70), NONE, Qt.KeyboardModifier.NoModifier)
     assert not editor.curves.is_dragging
@@ -122,7 +125,7 @@ def test_an_edge_of_the_selection_stays_where_it_was_dragged(bench: Bench, lose:
     window, editor = opened(bench)
     window.timeline.select((1.0, 2.0))
     bar = editor.curves.range_bar
-    edge = QPoint(round(bar.scale.x_of(2.0)), bar.height() // 2)
+    edge = QPoint(round(bar.current_scale.x_of(2.0)), bar.height() // 2)
     hold(bar, QPoint(60, 0), start=edge)
     moved = window.timeline.selection
     assert moved is not None
@@ -174,7 +177,7 @@ def test_a_slider_is_let_go_of(bench: Bench, lose: Lose) -> None:
     add_edit(window)
     session = window.document.session
     assert session is not None
-    for slider in (editor.strip.natural, editor.edits.strength):
+    for slider in (editor.settings_bar.natural, editor.edits.strength):
         editor.edits.select(0)
         slider.setSliderDown(True)
         slider.setSliderPosition(40)

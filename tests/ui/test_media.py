@@ -13,14 +13,14 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
+from support.curves import let_go, move_with, place, surface
 from support.faces import random_engine
 from support.films import make_broadcast_wav, make_film, make_wav, number_of
 from support.takes import make_livelink_csv
 from support.windows import Bench, drag_curve, drop, trigger
 
 from faceedit_app.core.errors import Unavailable
-from faceedit_app.editing.edits.media import Media as Kept
-from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.media import output
 from faceedit_app.media.sound import Sound
 from faceedit_app.ui.commands import dialogs
@@ -214,7 +214,7 @@ def test_what_lies_beside_a_take_is_opened_with_it_and_goes_with_it(
     assert window.media.film is not None
     assert window.status.currentMessage() == "Opened take.mov, found beside the take"
     other = make_livelink_csv(bench.folder / "another.csv", seconds=1.0)
-    window.files.open(other)
+    window.commands.file.open(other)
     bench.qtbot.waitUntil(lambda: window.document.path == other)
     assert window.media.film is None
     assert window.media.sound is None
@@ -235,7 +235,7 @@ def test_a_bad_file_beside_the_take_does_not_get_in_the_way(bench: Bench) -> Non
     window = bench.editing()
     other = make_livelink_csv(bench.folder / "another.csv", seconds=1.0)
     other.with_suffix(".wav").write_bytes(b"RIFF nonsense")
-    window.files.open(other)
+    window.commands.file.open(other)
     bench.qtbot.waitUntil(lambda: window.document.path == other)
     settle(bench, window)
     assert not bench.errors
@@ -256,9 +256,9 @@ def test_the_waveform_is_under_the_plots_to_the_pixel(
     bench.qtbot.wait(30)
     window.timeline.show_range(0.31, 1.57)
     plot, wave = editor.curves.plots[0], editor.sound.waveform
-    left = plot.mapTo(window, QPoint(0, 0)).x()
+    left = plot.viewport().mapTo(window, place(plot, 0.31)).x()
     assert wave.mapTo(window, QPoint(0, 0)).x() == left
-    assert wave.width() == plot.width()
+    assert wave.width() == plot.current_scale.width
     for seconds in (0.31, 0.5, 1.57):
         there = editor.curves.plots[0].current_scale.x_of(seconds)
         assert wave.scale.x_of(seconds) == pytest.approx(there, abs=0.01)
@@ -374,7 +374,7 @@ def test_a_mirrored_film_is_shown_as_in_a_mirror_and_kept_in_the_project(
     assert again.media.mirrored
     assert again.actions_["mirror_film"].isChecked()
     other = make_livelink_csv(bench.folder / "another.csv", seconds=1.0)
-    again.files.open(other)
+    again.commands.file.open(other)
     bench.qtbot.waitUntil(lambda: again.document.path == other)
     assert not again.media.mirrored
 
@@ -493,12 +493,12 @@ def test_mute_and_volume(bench: Bench, devices: list[FakeOutput]) -> None:
     assert window.actions_["mute"].isChecked()
     trigger(window, "mute")
     assert devices[0].volume == 1.0
-    window.sounding.set_volume(0.5)
+    window.sound_player.set_volume(0.5)
     assert devices[0].volume == 0.25
     trigger(window, "mute")
-    assert bench.store().volume() == (0.5, True)
+    assert bench.preferences().volume() == (0.5, True)
     again = bench.window()
-    assert (again.sounding.volume, again.sounding.muted) == (0.5, True)
+    assert (again.sound_player.volume, again.sound_player.muted) == (0.5, True)
 
 
 def test_without_a_device_the_take_is_played_in_silence(
@@ -509,7 +509,7 @@ def test_without_a_device_the_take_is_played_in_silence(
 
     monkeypatch.setattr(output, "open_output", none)
     window = with_media(bench, make_wav(bench.folder / "voice.wav"))
-    bench.qtbot.waitUntil(lambda: window.sounding.problem == "No sound: no device")
+    bench.qtbot.waitUntil(lambda: window.sound_player.problem == "No sound: no device")
     trigger(window, "play")
     bench.qtbot.wait(200)
     assert window.timeline.frame > 3
@@ -570,8 +570,8 @@ def test_what_is_played_is_heard_when_the_playhead_is_there(
     FakeLibrary.streams = []
     monkeypatch.setattr(output, "_library", FakeLibrary)
     window = with_media(bench, make_wav(bench.folder / "voice.wav", at=0.5))
-    bench.qtbot.waitUntil(lambda: window.sounding.start(0.0, 1.0, None))
-    window.sounding.stop()
+    bench.qtbot.waitUntil(lambda: window.sound_player.start(0.0, 1.0, None))
+    window.sound_player.stop()
     bench.qtbot.wait(50)
     stream = FakeLibrary.streams[0]
     before = len(stream.blocks)
@@ -600,8 +600,8 @@ def test_a_placement_is_shown_again(bench: Bench, devices: list[FakeOutput]) -> 
     window.media.move_sound(-0.125)
     placement = window.media.placement
     assert placement == Placement(
-        Kept(bench.folder / "voice.wav", -0.125),
-        Kept(film, 0.25),
+        MediaFile(bench.folder / "voice.wav", -0.125),
+        MediaFile(film, 0.25),
     )
     window.media.clear()
     window.media.show(placement)
@@ -613,7 +613,7 @@ def test_a_placement_is_shown_again(bench: Bench, devices: list[FakeOutput]) -> 
 
 def test_a_placement_whose_files_are_gone_is_kept_for_when_they_are_back(bench: Bench) -> None:
     window = bench.editing()
-    gone = Placement(Kept(bench.folder / "gone.wav", 1.0))
+    gone = Placement(MediaFile(bench.folder / "gone.wav", 1.0))
     window.media.show(gone)
     assert "gone.wav" in window.banner.text.text()
     assert window.media.placement == gone
@@ -632,9 +632,9 @@ def step_back_and_forward(bench: Bench, window: MainWindow, *places: Placement) 
     assert session is not None
     assert window.media.placement == places[-1]
     for way, expected in (("undo", places[-2::-1]), ("redo", places[1:])):
-        for place in expected:
+        for placed in expected:
             trigger(window, way)
-            assert window.media.placement == place
+            assert window.media.placement == placed
             settle(bench, window)
             assert window.media.placement == place
             for kind in ("sound", "film"):
@@ -653,12 +653,12 @@ def test_adding_moving_and_removing_are_one_step_each(
     window.media.add(film)
     settle(bench, window)
     assert window.isWindowModified()
-    added = Placement(Kept(film), Kept(film))
+    added = Placement(MediaFile(film), MediaFile(film))
     assert window.media.placement == added
     strip = editor_of(window).sound
     for _ in range(5):  # the arrows of the number
         QTest.keyClick(strip.offset, Qt.Key.Key_Up)
-    moved = Placement(Kept(film, 0.05), Kept(film, 0.05))
+    moved = Placement(MediaFile(film, 0.05), MediaFile(film, 0.05))
     assert window.media.placement == moved
     trigger(window, "undo")
     assert window.media.placement == added, "five presses are one step"
@@ -679,7 +679,7 @@ def test_a_dropped_drag_of_the_sound_is_no_step(bench: Bench, devices: list[Fake
     mouse(wave, QEvent.Type.MouseButtonPress, 50, Qt.KeyboardModifier.AltModifier)
     mouse(wave, QEvent.Type.MouseMove, 150, Qt.KeyboardModifier.AltModifier)
     session.use_engine(random_engine(3))  # the networks are loaded meanwhile: the drag goes on
-    assert window.media.placement.sound != Kept(bench.folder / "voice.wav")
+    assert window.media.placement.sound != MediaFile(bench.folder / "voice.wav")
     QTest.keyClick(wave, Qt.Key.Key_Escape)
     assert session.state == before
     assert window.media.placement == before.media
@@ -691,7 +691,7 @@ def test_what_lies_beside_the_take_is_no_step_until_it_is_moved(
     make_wav(bench.take.with_suffix(".wav"))
     window = bench.editing()
     settle(bench, window)
-    found = Placement(Kept(bench.take.with_suffix(".wav")))
+    found = Placement(MediaFile(bench.take.with_suffix(".wav")))
     assert window.media.placement == found
     assert not window.isWindowModified()
     assert not window.actions_["undo"].isEnabled()
@@ -705,7 +705,7 @@ def test_what_lies_beside_the_take_is_no_step_until_it_is_moved(
 
 def replace_sound(placement: Placement, offset: float) -> Placement:
     assert placement.sound is not None
-    return Placement(Kept(placement.sound.path, offset), placement.film)
+    return Placement(MediaFile(placement.sound.path, offset), placement.film)
 
 
 def test_steps_of_sound_and_of_curves_are_undone_in_their_order(
@@ -724,10 +724,10 @@ def test_steps_of_sound_and_of_curves_are_undone_in_their_order(
         places.append((len(session.edits), window.media.placement.sound))
     voice = bench.folder / "voice.wav"
     assert places[-1] == (0, None)
-    assert set(places[:-1]) >= {(1, Kept(voice)), (0, Kept(voice))}
+    assert set(places[:-1]) >= {(1, MediaFile(voice)), (0, MediaFile(voice))}
     while session.can_redo:
         trigger(window, "redo")
-    assert (len(session.edits), window.media.placement.sound) == (2, Kept(voice, 0.2))
+    assert (len(session.edits), window.media.placement.sound) == (2, MediaFile(voice, 0.2))
 
 
 def test_a_sound_that_arrives_during_a_drag_leaves_the_drag_alone(
@@ -738,19 +738,15 @@ def test_a_sound_that_arrives_during_a_drag_leaves_the_drag_alone(
     assert session is not None
     plot = editor.curves.plots[0]
     start = plot.rect().center()
-    QTest.mousePress(plot, Qt.MouseButton.LeftButton, pos=start)
-    glob = QPointF(plot.mapToGlobal(start - QPoint(0, 30)))
-    QApplication.sendEvent(plot, QMouseEvent(
-        QEvent.Type.MouseMove, QPointF(start - QPoint(0, 30)), glob, Qt.MouseButton.NoButton,
-        Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier,
-    ))  # fmt: skip
+    QTest.mousePress(surface(plot), Qt.MouseButton.LeftButton, pos=start)
+    move_with(plot, start - QPoint(0, 30))
     bench.qtbot.waitUntil(lambda: session.is_previewing)
     window.media.add(make_wav(bench.folder / "voice.wav"))
     settle(bench, window)
     assert window.media.sound is not None
     assert session.is_previewing
     assert not session.can_undo
-    QTest.mouseRelease(plot, Qt.MouseButton.LeftButton, pos=start - QPoint(0, 30))
+    let_go(plot, start - QPoint(0, 30))
     assert len(session.edits) == 1
     assert session.state.media == window.media.placement
     trigger(window, "undo")
@@ -770,12 +766,12 @@ def test_an_export_keeps_no_sound_and_a_project_does(
     assert not window.isWindowModified()
     again = bench.window(bench.folder / "p.faceedit")
     settle(bench, again)
-    assert again.media.placement == Placement(Kept(bench.folder / "voice.wav", 0.75))
+    assert again.media.placement == Placement(MediaFile(bench.folder / "voice.wav", 0.75))
     assert not again.isWindowModified()
     assert not again.actions_["undo"].isEnabled()
     editor_of(again).sound.offset.setValue(0.5)
     trigger(again, "undo")
-    assert again.media.placement == Placement(Kept(bench.folder / "voice.wav", 0.75))
+    assert again.media.placement == Placement(MediaFile(bench.folder / "voice.wav", 0.75))
 
 
 def test_after_a_crash_the_sound_is_back_where_it_was(
@@ -791,7 +787,7 @@ def test_after_a_crash_the_sound_is_back_where_it_was(
     monkeypatch.setattr(dialogs, "ask_recover", lambda *_: dialogs.Recover.RECOVER)
     again = bench.window(bench.take)
     settle(bench, again)
-    assert again.media.placement == Placement(Kept(bench.folder / "voice.wav", 0.3))
+    assert again.media.placement == Placement(MediaFile(bench.folder / "voice.wav", 0.3))
     assert again.media.sound is not None
     assert again.isWindowModified()
     message = "Recovered 2 steps of take.csv; Undo takes all back at once"

@@ -6,29 +6,31 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
-from support.rigs import tiny_session
-from test_curves_panel import (
+from support.curves import (
+    ALT,
     CTRL,
+    LEFT,
     NONE,
     SHIFT,
     drag,
+    let_go,
     move_with,
     open_panel,
     place,
     session_of,
+    surface,
     turn,
 )
+from support.rigs import tiny_session
 
 from faceedit_app.ui.curves import CurvesPanel
-from faceedit_app.ui.curves.axes import Scale
 from faceedit_app.ui.curves.edges import Edge, edge_at, press_edge
-from faceedit_app.ui.curves.gestures import Brush
+from faceedit_app.ui.curves.gestures import Span
+from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.state.timeline import Timeline
 
-ALT = Qt.KeyboardModifier.AltModifier
-LEFT = Qt.MouseButton.LeftButton
 SCALE = Scale(1000, 50, (0.0, 10.0), (0.0, 1.0))  # 100 pixels a second
-BAND = Brush(2.0, 3.0, 0.5, 1.0)
+SPAN = Span(2.0, 3.0, 0.5, 1.0)
 
 
 @pytest.fixture
@@ -40,7 +42,7 @@ def panel(qtbot: QtBot) -> CurvesPanel:
 
 
 def at(panel: CurvesPanel, seconds: float) -> QPoint:
-    return QPoint(round(panel.range_bar.scale.x_of(seconds)), 8)
+    return place(panel.range_bar, seconds, 8)
 
 
 # --- the rules, without Qt ---------------------------------------------------------------------
@@ -58,15 +60,15 @@ def at(panel: CurvesPanel, seconds: float) -> QPoint:
     ],
 )
 def test_the_edge_under_a_pixel(x: float, edge: Edge | None) -> None:
-    assert edge_at(x, SCALE, BAND) is edge
+    assert edge_at(x, SCALE, SPAN) is edge
 
 
 def test_without_falloff_the_outside_of_an_edge_is_the_falloff() -> None:
-    band = Brush(2.0, 3.0, 0.0)
-    assert edge_at(198, SCALE, band) is Edge.FADE_IN
-    assert edge_at(202, SCALE, band) is Edge.START
-    assert edge_at(298, SCALE, band) is Edge.END
-    assert edge_at(302, SCALE, band) is Edge.FADE_OUT
+    span = Span(2.0, 3.0, 0.0)
+    assert edge_at(198, SCALE, span) is Edge.FADE_IN
+    assert edge_at(202, SCALE, span) is Edge.START
+    assert edge_at(298, SCALE, span) is Edge.END
+    assert edge_at(302, SCALE, span) is Edge.FADE_OUT
 
 
 @pytest.mark.parametrize(
@@ -83,23 +85,23 @@ def test_without_falloff_the_outside_of_an_edge_is_the_falloff() -> None:
 )
 def test_dragging_an_edge(edge: Edge, to: float, expected: tuple[float, ...]) -> None:
     begin = {Edge.START: 2.0, Edge.END: 3.0, Edge.FADE_IN: 1.5, Edge.FADE_OUT: 4.0}
-    drag = press_edge(edge, BAND, begin[edge], (0.0, 10.0)).moved(to, fine=False)
-    band = drag.band
-    assert (band.start, band.end, band.falloff, band.fade_out) == pytest.approx(expected)
+    drag = press_edge(edge, SPAN, begin[edge], (0.0, 10.0)).moved(to, fine=False)
+    span = drag.span
+    assert (span.start, span.end, span.falloff, span.fade_out) == pytest.approx(expected)
 
 
-def test_the_whole_band_stays_in_the_take() -> None:
-    drag = press_edge(Edge.BODY, BAND, 2.5, (0.0, 10.0))
-    band = drag.moved(3.0, fine=False).band
-    assert (band.start, band.end) == pytest.approx((2.5, 3.5))
-    band = drag.moved(99.0, fine=False).band
-    assert (band.start, band.end) == pytest.approx((9.0, 10.0))
+def test_the_whole_selection_stays_in_the_take() -> None:
+    drag = press_edge(Edge.BODY, SPAN, 2.5, (0.0, 10.0))
+    span = drag.moved(3.0, fine=False).span
+    assert (span.start, span.end) == pytest.approx((2.5, 3.5))
+    span = drag.moved(99.0, fine=False).span
+    assert (span.start, span.end) == pytest.approx((9.0, 10.0))
 
 
 def test_fine_moves_are_a_tenth_and_frames_attract() -> None:
-    drag = press_edge(Edge.END, BAND, 3.0, (0.0, 10.0))
-    assert drag.moved(4.0, fine=True).band.end == pytest.approx(3.1)
-    assert drag.moved(4.01, fine=False, frame=4.0).band.end == 4.0
+    drag = press_edge(Edge.END, SPAN, 3.0, (0.0, 10.0))
+    assert drag.moved(4.0, fine=True).span.end == pytest.approx(3.1)
+    assert drag.moved(4.01, fine=False, frame=4.0).span.end == 4.0
 
 
 # --- through the widgets -----------------------------------------------------------------------
@@ -127,7 +129,7 @@ def test_a_drag_in_the_empty_bar_selects_and_one_in_the_middle_moves(panel: Curv
     assert line.selection == pytest.approx((1.0, 2.0), abs=0.02)
     turn(bar, at(panel, 1.5), 2)
     assert line.falloff > 0.3
-    QTest.mouseDClick(bar, LEFT, NONE, at(panel, 1.5))
+    QTest.mouseDClick(surface(bar), LEFT, NONE, at(panel, 1.5))
     assert line.selection is None
 
 
@@ -135,10 +137,12 @@ def test_edges_are_dragged_on_the_plots_too(panel: CurvesPanel) -> None:
     plot, line = panel.plots[3], panel.timeline
     drag(plot, place(plot, 2.0), place(plot, 2.4))
     assert line.selection == pytest.approx((1.0, 2.4), abs=0.02)
-    move_with(plot, place(plot, 1.0), NONE)
-    assert plot.cursor().shape() is Qt.CursorShape.SizeHorCursor
-    move_with(plot, place(plot, 1.5), NONE)
-    assert plot.cursor().shape() is Qt.CursorShape.SizeVerCursor
+    for seconds, shape in (
+        (1.0, Qt.CursorShape.SizeHorCursor),
+        (1.5, Qt.CursorShape.SizeVerCursor),
+    ):
+        move_with(plot, place(plot, seconds), held=Qt.MouseButton.NoButton)
+        assert plot.viewport().cursor().shape() is shape
 
 
 def test_ctrl_snaps_an_edge_to_a_frame(panel: CurvesPanel) -> None:
@@ -157,7 +161,7 @@ def test_esc_puts_an_edge_back(panel: CurvesPanel) -> None:
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert line.selection == pytest.approx((1.0, 2.0))
     assert not panel.is_dragging
-    QTest.mouseRelease(plot, LEFT, NONE, place(plot, 2.4))
+    let_go(plot, place(plot, 2.4))
     assert session_of(panel).edits == ()
 
 
@@ -195,7 +199,7 @@ def test_alt_and_wheel_change_the_falloff_of_one_side(panel: CurvesPanel) -> Non
     turn(plot, start, 2, ALT)
     assert line.falloff == 0.3
     assert line.falloff_out > 0.5
-    QTest.mouseRelease(plot, LEFT, NONE, start)
+    let_go(plot, start)
 
 
 def test_esc_brings_back_what_was_selected(panel: CurvesPanel) -> None:
@@ -205,5 +209,5 @@ def test_esc_brings_back_what_was_selected(panel: CurvesPanel) -> None:
     assert panel.is_dragging
     panel.cancel_drag()
     assert line.selection == pytest.approx((1.0, 2.0))
-    QTest.mouseRelease(bar, LEFT, NONE, at(panel, 3.2))
+    let_go(bar, at(panel, 3.2))
     assert line.selection == pytest.approx((1.0, 2.0))

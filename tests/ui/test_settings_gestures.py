@@ -143,7 +143,7 @@ def test_esc_and_undo_drop_the_drag_of_a_slider(
 ) -> None:
     session, editor = session_of(window), editor_of(window)
     editor.edits.select(0)
-    slider = editor.strip.natural if which == "natural" else editor.edits.strength
+    slider = editor.settings_bar.natural if which == "natural" else editor.edits.strength
     before, weights, value = session.state, session.weights.copy(), slider.value()
     start = press(slider)
     move(slider, start, -30)
@@ -190,7 +190,7 @@ def test_ticks_end_where_something_comes_between(
     bench: Bench, window: MainWindow, between: str
 ) -> None:
     session, editor = session_of(window), editor_of(window)
-    slider = editor.strip.natural
+    slider = editor.settings_bar.natural
     press_key(slider, Qt.Key.Key_Left, 2)
     match between:
         case "focus":
@@ -200,7 +200,7 @@ def test_ticks_end_where_something_comes_between(
         case "drag":
             drag_curve(window, 0, 2.5, 20)
         case "other slider":
-            press_key(editor.strip.reach, Qt.Key.Key_Left)
+            press_key(editor.settings_bar.reach, Qt.Key.Key_Left)
         case "save":
             bench.answers["save_project"] = bench.folder / "p.faceedit"
             trigger(window, "save")
@@ -356,7 +356,7 @@ def test_whoever_changes_the_session_is_seen_everywhere(bench: Bench) -> None:
     assert window.isWindowModified()
     assert len(editor.edits.model.edits) == 1
     assert editor.edits.title.text() == "Edits  1"
-    assert editor.strip.edits.text().startswith("1 edit")
+    assert editor.settings_bar.edits.text().startswith("1 edit")
     session.undo()
     assert not window.isWindowModified()
     assert editor.edits.title.text() == "Edits"
@@ -369,7 +369,7 @@ def test_the_session_of_the_last_take_is_heard_no_more(bench: Bench) -> None:
     add_edit(window)
     (edit,) = old.edits
     old.mark_saved()
-    window.files.open(bench.take)
+    window.commands.file.open(bench.take)
     bench.qtbot.waitUntil(lambda: window.document.session is not old)
     window.document.changed.connect(lambda: heard.append(None))
     window.document.previewed.connect(lambda: heard.append(None))

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from support.rigs import tiny_session
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.ui.curves.envelope import BASE, Envelope
-from faceedit_app.ui.curves.polyline import Polyline, run_of, visible_rows
-from faceedit_app.ui.curves.sight import Sight
+from faceedit_app.ui.curves.visible_curves import Polyline, VisibleCurves, run_of, visible_rows
 
 OPENING = CONTROL_INDEX["mouth_opening"]
 COLUMNS = 600
@@ -22,38 +18,12 @@ def nudge(at: float, value: float = 3.0) -> Edit:
     return Edit(("mouth_opening",), Op.OFFSET, at, at, 0.1, value)
 
 
-def lowest_and_highest(values: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    bins = [values[i : i + size] for i in range(0, len(values), size)]
-    return np.array([b.min(axis=0) for b in bins]), np.array([b.max(axis=0) for b in bins])
-
-
-@given(st.integers(1, 3_000), st.integers(BASE, 900), st.integers(0, 5), st.data())
-def test_an_envelope_holds_what_it_covers_also_after_changes(
-    frames: int, wanted: int, seed: int, data: st.DataObject
-) -> None:
-    values = np.random.default_rng(seed).normal(size=(frames, 2)).astype(np.float32)
-    envelope = Envelope(lambda rows: values[rows], frames, 2)
-    size = envelope.bin_size(wanted)
-    assert wanted / 2 < size <= wanted
-    first = data.draw(st.integers(0, frames - 1))
-    last = data.draw(st.integers(first, frames))
-    values[first:last] += 5.0
-    envelope.update(first, last)
-    bins = -(-frames // size)
-    low, high = envelope.bins(0, bins, size)
-    lowest, highest = lowest_and_highest(values, size)
-    assert np.array_equal(low, lowest)
-    assert np.array_equal(high, highest)
-    part = envelope.bins(bins // 2, bins, size)
-    assert np.array_equal(part[0], lowest[bins // 2 :])
-
-
 def test_few_frames_are_all_drawn_with_one_beyond_each_edge() -> None:
     session = tiny_session()
     assert visible_rows(session.take.clip.times, 2.0, 3.0) == slice(99, 152)
-    sight = Sight(session)
-    sight.look((2.0, 3.0), COLUMNS)
-    face = sight.lines(OPENING).face
+    curves = VisibleCurves(session)
+    curves.look((2.0, 3.0), COLUMNS)
+    face = curves.lines(OPENING).face
     assert np.array_equal(face.x, session.take.clip.times[99:152])
     assert np.array_equal(face.y, session.achieved[99:152, OPENING])
     assert face.joined is None
@@ -64,9 +34,9 @@ def test_few_frames_are_all_drawn_with_one_beyond_each_edge() -> None:
 def test_peaks_survive_thinning(frames: int) -> None:
     session = tiny_session(frames)
     session.add(nudge(30.0, 40.0), nudge(60.0, -40.0))
-    sight = Sight(session)
-    sight.look((0.0, session.take.clip.duration), COLUMNS)
-    face = sight.lines(OPENING).face
+    curves = VisibleCurves(session)
+    curves.look((0.0, session.take.clip.duration), COLUMNS)
+    face = curves.lines(OPENING).face
     assert face.thinned
     assert len(face.x) <= 3 * COLUMNS
     assert face.y.max() == session.achieved[:, OPENING].max()
@@ -76,11 +46,11 @@ def test_peaks_survive_thinning(frames: int) -> None:
 
 def test_panning_does_not_make_peaks_flicker() -> None:
     session = tiny_session(36_000)
-    sight = Sight(session)
+    curves = VisibleCurves(session)
     drawn = []
     for start in (100.0, 100.3):
-        sight.look((start, start + 400.0), COLUMNS)
-        line = sight.lines(OPENING).face
+        curves.look((start, start + 400.0), COLUMNS)
+        line = curves.lines(OPENING).face
         drawn.append({*zip(line.x.tolist(), line.y.tolist(), strict=True)})
     assert len(drawn[0] & drawn[1]) >= len(drawn[0]) - 6
 
@@ -88,18 +58,18 @@ def test_panning_does_not_make_peaks_flicker() -> None:
 @pytest.mark.parametrize("view", [(0.0, 4.0), (0.0, 100.0), (0.0, 720.0)])
 def test_a_change_is_drawn_as_if_all_were_read_again(view: tuple[float, float]) -> None:
     session = tiny_session(36_000)
-    sight = Sight(session)
-    sight.look(view, COLUMNS)
+    curves = VisibleCurves(session)
+    curves.look(view, COLUMNS)
     for edit in (nudge(2.0), nudge(50.0, -2.0), nudge(700.0)):
         session.add(edit)
-        sight.refresh()
+        curves.refresh()
     session.undo()
-    sight.refresh()
-    afresh = Sight(session)
+    curves.refresh()
+    afresh = VisibleCurves(session)
     afresh.look(view, COLUMNS)
-    for control in range(8):
-        assert sight.extent(control) == afresh.extent(control)
-        ours, theirs = sight.lines(control), afresh.lines(control)
+    for control in range(len(CONTROL_INDEX)):
+        assert curves.extent(control) == afresh.extent(control)
+        ours, theirs = curves.lines(control), afresh.lines(control)
         assert_alike(ours.tracked, theirs.tracked)
         assert_alike(ours.face, theirs.face)
         assert_alike(ours.asked, theirs.asked)
@@ -118,12 +88,12 @@ def test_only_what_differs_is_drawn_and_it_joins_its_neighbours() -> None:
 
 def test_a_short_difference_is_seen_in_a_long_take() -> None:
     session = tiny_session(36_000)
-    sight = Sight(session)
-    sight.look((0.0, 720.0), COLUMNS)
-    assert len(sight.lines(OPENING).asked.x) == 0
+    curves = VisibleCurves(session)
+    curves.look((0.0, 720.0), COLUMNS)
+    assert len(curves.lines(OPENING).asked.x) == 0
     session.add(nudge(400.0))
-    sight.refresh()
-    asked = sight.lines(OPENING).asked
+    curves.refresh()
+    asked = curves.lines(OPENING).asked
     assert 2 <= len(asked.x) < 20
     assert abs(asked.x - 400.0).min() < 2.0
 
@@ -137,25 +107,25 @@ def assert_alike(ours: Polyline, theirs: Polyline) -> None:
 
 def test_a_line_that_is_drawn_as_before_stays_the_same() -> None:
     session = tiny_session()
-    sight = Sight(session)
-    sight.look((0.0, 4.0), COLUMNS)
-    before = sight.lines(OPENING)
-    sight.refresh()
-    again = sight.lines(OPENING)
+    curves = VisibleCurves(session)
+    curves.look((0.0, 4.0), COLUMNS)
+    before = curves.lines(OPENING)
+    curves.refresh()
+    again = curves.lines(OPENING)
     assert again.face is before.face
     assert again.tracked is before.tracked
     assert again.asked is before.asked
     session.add(nudge(2.0))
-    sight.refresh()
-    first = sight.lines(OPENING)
+    curves.refresh()
+    first = curves.lines(OPENING)
     session.preview(nudge(2.0, 1.0))
-    sight.refresh()
-    second = sight.lines(OPENING)
+    curves.refresh()
+    second = curves.lines(OPENING)
     assert second.face is not first.face
     assert second.asked is not first.asked
     assert second.tracked is first.tracked, "as tracked, where the face differs from it"
-    sight.look((0.0, 3.0), COLUMNS)
-    assert len(sight.lines(OPENING).face.x) < len(first.face.x)
+    curves.look((0.0, 3.0), COLUMNS)
+    assert len(curves.lines(OPENING).face.x) < len(first.face.x)
 
 
 def test_changes_that_are_long_past_are_all_of_the_take() -> None:

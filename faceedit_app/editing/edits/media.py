@@ -10,7 +10,7 @@ from faceedit_app.core.fields import Fields
 
 
 @dataclass(frozen=True)
-class Media:
+class MediaFile:
     """Sound or film of the take.
 
     Attributes:
@@ -26,8 +26,8 @@ class Media:
 class Placement:
     """The sound and the film of a take, if any."""
 
-    sound: Media | None = None
-    film: Media | None = None
+    sound: MediaFile | None = None
+    film: MediaFile | None = None
 
 
 def describe_change(before: Placement, after: Placement) -> str:
@@ -51,7 +51,7 @@ def describe_change(before: Placement, after: Placement) -> str:
 def to_json(placement: Placement | None) -> dict[str, Any] | None:
     """For the journal; `None` is what lies beside the take by itself."""
 
-    def entry(media: Media | None) -> dict[str, Any] | None:
+    def entry(media: MediaFile | None) -> dict[str, Any] | None:
         return None if media is None else {"path": str(media.path), "offset": media.offset}
 
     if placement is None:
@@ -70,5 +70,5 @@ def placement_from(fields: Fields | None) -> Placement | None:
     return Placement(*(_media(fields.fields_or_none(name)) for name in ("sound", "film")))
 
 
-def _media(fields: Fields | None) -> Media | None:
-    return None if fields is None else Media(Path(fields.path("path")), fields.number("offset"))
+def _media(fields: Fields | None) -> MediaFile | None:
+    return None if fields is None else MediaFile(Path(fields.path("path")), fields.number("offset"))

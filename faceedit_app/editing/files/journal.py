@@ -52,12 +52,19 @@ class Journal:
         take: the open take.
         project: the project file it was opened from, if any.
         folder: where journals are; None = `journal_folder()`.
+        fps: the take's frame rate, if the user had to give it.
     """
 
-    def __init__(self, take: Path, project: Path | None = None, folder: Path | None = None) -> None:
+    def __init__(
+        self,
+        take: Path,
+        project: Path | None = None,
+        folder: Path | None = None,
+        fps: float | None = None,
+    ) -> None:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{_SUFFIX}"
-        self._take, self._project = take.absolute(), project
+        self._take, self._project, self._fps = take.absolute(), project, fps
         self._print: Fingerprint | None = None  # as it was opened: it may be exported over
         with contextlib.suppress(FileError):
             self._print = fingerprint(take)
@@ -153,6 +160,8 @@ class Journal:
             head["project"] = str(self._project.absolute())
         if self._print is not None:
             head["fingerprint"] = asdict(self._print)
+        if self._fps is not None:
+            head["fps"] = self._fps
         return head
 
     def _append(self, entry: dict[str, Any]) -> bool:
@@ -212,6 +221,7 @@ class Pending:
         state: after its last finished gesture.
         gestures: how many there were since the last save.
         when: seconds since the epoch at which the last one was made.
+        fps: the take's frame rate, if the user had to give it.
     """
 
     path: Path
@@ -221,6 +231,7 @@ class Pending:
     state: EditState
     gestures: int
     when: float
+    fps: float | None = None
 
     def discard(self) -> None:
         """Forget it: it is recovered, or not wanted."""
@@ -265,6 +276,7 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         take = Path(head.path("take"))
         project = Path(head.path("project")) if head.has("project") else None
         print_ = fingerprint_from(head.fields("fingerprint")) if head.has("fingerprint") else None
+        fps = head.number_or_none("fps", 1.0, 1000.0)
     except ValueError:
         return None
     state, step, gestures = None, 0, 0
@@ -278,7 +290,7 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         gestures += 1
     if state is None:
         return None
-    return Pending(path, take, print_, project, state, gestures, when)
+    return Pending(path, take, print_, project, state, gestures, when, fps)
 
 
 def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:

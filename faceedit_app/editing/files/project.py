@@ -16,7 +16,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, Fields, read_document, to_text
 from faceedit_app.editing.edits.edit import edits_from, to_json
-from faceedit_app.editing.edits.media import Media
+from faceedit_app.editing.edits.media import MediaFile
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
@@ -32,7 +32,7 @@ SUFFIX = ".faceedit"
 
 
 @dataclass(frozen=True)
-class View:
+class ViewState:
     """How the take was being looked at; all times in seconds of the take.
 
     Attributes:
@@ -52,14 +52,24 @@ class View:
 
 @dataclass(frozen=True)
 class Project:
-    """All that a project file holds; paths are absolute here and relative in the file."""
+    """All that a project file holds; paths are absolute here and relative in the file.
+
+    Attributes:
+        take: the file that it is about.
+        fingerprint: of that file.
+        state: what is done to it.
+        view: how it was being looked at.
+        audio, film: what plays beside it.
+        fps: the take's frame rate, if the user had to give it.
+    """
 
     take: Path
     fingerprint: Fingerprint
     state: EditState = field(default_factory=EditState)
-    view: View = field(default_factory=View)
-    audio: Media | None = None
-    film: Media | None = None
+    view: ViewState = field(default_factory=ViewState)
+    audio: MediaFile | None = None
+    film: MediaFile | None = None
+    fps: float | None = None
 
 
 def write_project(path: Path | str, project: Project) -> None:
@@ -70,9 +80,12 @@ def write_project(path: Path | str, project: Project) -> None:
     """
     path = Path(path)
     settings = project.state.settings
+    take = {"path": _relative(project.take, path), **asdict(project.fingerprint)}
+    if project.fps is not None:
+        take["fps"] = project.fps
     head = {
         "version": VERSION,
-        "take": {"path": _relative(project.take, path), **asdict(project.fingerprint)},
+        "take": take,
         "settings": {
             "mode": settings.mode.value,
             "naturalness": settings.naturalness,
@@ -114,6 +127,7 @@ def _from_document(fields: Fields, path: Path) -> Project:
         view=_view(fields.fields("view", {})),
         audio=_media(fields, "audio", path),
         film=_media(fields, "film", path),
+        fps=take.number_or_none("fps", 1.0, 1000.0),
     )
     take.finish()
     fields.finish()
@@ -135,8 +149,8 @@ def settings_from(fields: Fields) -> Settings:
     return settings
 
 
-def _view(fields: Fields) -> View:
-    view = View(
+def _view(fields: Fields) -> ViewState:
+    view = ViewState(
         playhead=fields.number("playhead", 0.0),
         visible=fields.span("visible"),
         selection=fields.span("selection"),
@@ -147,11 +161,11 @@ def _view(fields: Fields) -> View:
     return view
 
 
-def _media(fields: Fields, name: str, project: Path) -> Media | None:
+def _media(fields: Fields, name: str, project: Path) -> MediaFile | None:
     entry = fields.fields_or_none(name)
     if entry is None:
         return None
-    media = Media(_absolute(entry, project), entry.number("offset", 0.0))
+    media = MediaFile(_absolute(entry, project), entry.number("offset", 0.0))
     entry.finish()
     return media
 

@@ -8,7 +8,7 @@ the chunks that it touches.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +22,7 @@ from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Distances, Rig
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.solving.answerable import find_lacks, region_covariance, without
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, Piece
 from faceedit_app.editing.solving.companions import Companions
@@ -36,8 +37,6 @@ __all__ = ["Mode", "Patch", "Settings", "Solver"]
 
 # How far above the range seen in training a request is followed, as a share of that range.
 BEYOND = 0.1
-# Where in that range a face at rest is: with it, the demo take is resynthesized best.
-AT_REST = 0.25
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ class Solver:
     def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
         self.clip = clip
         self.tracked = clip.arkit_weights()
-        self.distances, self._has_control = rig.arkit_distances, rig.has_control
+        self.distances = rig.arkit_distances
         self._missing = frozenset(rig.missing_controls)
         self.controls = self.distances.measure(self.tracked)
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
@@ -73,6 +72,7 @@ class Solver:
         """Answer by these networks from now on; chunks may lie elsewhere than before."""
         self.engine = engine
         clip, present = self.clip, frozenset(self.clip.channels)
+        self._mute = self._missing | find_lacks(present, self.distances, engine).keys()
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
         self.chunks = Chunks(clip.times, clip.rate, len(self.grid), scale, context)
         may = present if "jawOpen" in present else present - {"mouthClose"}
@@ -85,12 +85,20 @@ class Solver:
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
-        # Networks that listen to a control which the character lacks hear a face at rest.
-        self._heard = self.grid.copy()
-        for column in np.flatnonzero(~self._has_control & np.isfinite(self._low)):
-            low, high = self._low[column], self._high[column]
-            self._heard[:, column] = low + AT_REST * (high - low)
-        self._answers = Answers(engine, self._heard) if engine else None
+        self._answers = Answers(engine, self.grid) if engine else None
+        self.limits = self._limits()
+
+    def _limits(self) -> list[tuple[float, float]]:
+        """Lowest and highest mm of each control that a face, or this take, can do.
+
+        A hand need not ask for more. Where no networks say how low people go, it is down to 0.
+        """
+        high = np.where(np.isfinite(self._high), self._high, self.distances.farthest)
+        low = np.where(np.isfinite(self._low), self._low, 0.0)
+        low = np.maximum(low - BEYOND * (high - low), 0.0)
+        low = np.minimum(low, self.controls.min(axis=0))
+        high = np.maximum(high, self.controls.max(axis=0))
+        return list(zip(low.tolist(), high.tolist(), strict=True))
 
     def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
         """What has to be computed to answer edits, by chunk."""
@@ -98,15 +106,11 @@ class Solver:
         return self.chunks.pieces(self._possible(edits), settings, listening)
 
     def _possible(self, edits: Sequence[Edit]) -> Sequence[Edit]:
-        """The edits without the controls that the character lacks."""
-        if not self._missing:
+        """The edits without the controls that the character lacks, or the take cannot answer."""
+        if not self._mute:
             return edits
-        possible = []
-        for edit in edits:
-            controls = tuple(name for name in edit.controls if name not in self._missing)
-            if controls:
-                possible.append(replace(edit, controls=controls))
-        return possible
+        parts = (without(edit, self._mute) for edit in edits)
+        return [part for part in parts if part is not None]
 
     def solve(self, piece: Piece) -> Patch:
         """Compute one chunk."""
@@ -160,7 +164,7 @@ class Solver:
             return {}
         first, last = (int(i) for i in self.chunks.windows[piece.chunk])
         times = self.clip.times[slice(*piece.near)]
-        edited = self._heard[first:last] + to_grid(times, change, first, last)
+        edited = self.grid[first:last] + to_grid(times, change, first, last)
         window = first, last
         answers = self._answers.to(regions, window, edited, settings.naturalness)
         if not anew:
@@ -238,9 +242,7 @@ class _Part:
         self.listens_to = tuple(dict.fromkeys((*heard, *self.own)))
         self.columns = np.array([ARKIT_INDEX[c] for c in region.channels], np.intp)
         self.have = np.array([i for i, c in enumerate(region.channels) if c in may], np.intp)
-        self._covariance = (
-            self._model.covariance if self._model else 0.04 * np.eye(len(region.channels))
-        )
+        self._covariance = region_covariance(region, engine)
         names = [region.channels[i] for i in self.have]
         both = {"mouthClose", "jawOpen"} <= set(names)
         coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None

@@ -5,21 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import Enum, auto
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
+from faceedit_app.editing.files.journal import Pending
 from faceedit_app.media import ENDINGS
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.files.journal import Pending
 
 TAKES = "Takes (*.csv);;All files (*)"
 OPENED = "Takes and projects (*.csv *.faceedit);;All files (*)"
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
+PICTURES = "Pictures (*.png);;All files (*)"
 
 
 class Unsaved(Enum):
@@ -111,6 +109,11 @@ def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
 def ask_media(parent: QWidget, folder: Path) -> Path | None:
     """Which sound or film to add."""
     return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
+
+
+def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save the picture of the face."""
+    return _save_name(parent, "Save picture", suggestion, PICTURES)
 
 
 def ask_preset_name(parent: QWidget) -> str | None:

@@ -1,8 +1,9 @@
-"""The curves panel: eight plots on one time axis, and editing them by dragging.
+"""The curves panel: one pyqtgraph plot a control on one time axis, and editing by dragging.
 
 `CurvesPanel` is all that the window needs. Inside, from plain to Qt:
-`polyline`, `axes` and `gestures` are pure functions and small frozen objects that know no Qt;
-`style` and `paint` say what things look like; `plot`, `header`, `ruler` and `legend` are the
+`scale`, `value_range`, `ticks`, `gestures`, `tools`, `edges` and `visible_curves` are pure
+functions and small objects that know no Qt; `time_view`, `axes`, `lines` and `marks` are small
+subclasses of pyqtgraph's items; `plot`, `ruler`, `range_bar`, `header` and `legend` are the
 widgets, which only translate events; `interaction` turns gestures into edits of the session.
 """
 

@@ -6,13 +6,14 @@ end what came of it. Widgets translate events into these calls and do as they ar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from faceedit_app.core.regions import CONTROL_IDS, MIRRORED_CONTROL
+from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.ui.curves.axes import Scale, Span
+from faceedit_app.ui.curves.scale import Interval
 
 CLICK_SLOP = 3.0  # pixels that a hand moves while it only means to click
 FINE = 0.1  # Shift makes the hand ten times as steady
@@ -24,7 +25,24 @@ LEAST_FALLOFF = 0.02  # seconds; below, a falloff is 0
 
 
 @dataclass(frozen=True)
-class Brush:
+class Pointer:
+    """Where the mouse is on a plot, in pixels, and what the keys held with it mean.
+
+    Attributes:
+        fine: Shift: ten times as steady.
+        snap: Ctrl: to frames, to the tracked curve, to touching.
+        one_side: Alt: this side only, of the face or of the falloffs.
+    """
+
+    x: float
+    y: float
+    fine: bool = False
+    snap: bool = False
+    one_side: bool = False
+
+
+@dataclass(frozen=True)
+class Span:
     """Where an edit acts: in full from `start` to `end` seconds, fading before and after.
 
     Attributes:
@@ -43,7 +61,7 @@ class Brush:
         return self.falloff if self.falloff_out is None else self.falloff_out
 
     @property
-    def reach(self) -> Span:
+    def ends(self) -> Interval:
         """First and last second that the edit changes."""
         return self.start - self.falloff, self.end + self.fade_out
 
@@ -56,29 +74,34 @@ class Brush:
     ) -> Edit:
         """The edit that acts here."""
         fade_out = None if self.falloff_out == self.falloff else self.falloff_out
-        span = self.start, self.end, self.falloff
-        return Edit(controls, op, *span, value, falloff_out=fade_out, points=points)
+        times = self.start, self.end, self.falloff
+        return Edit(controls, op, *times, value, falloff_out=fade_out, points=points)
 
 
-def brush_at(
-    seconds: float, selection: Span | None, falloff: float, falloff_out: float | None = None
-) -> Brush:
+def span_at(
+    seconds: float, selection: Interval | None, falloff: float, falloff_out: float | None = None
+) -> Span:
     """What a press at a frame's time would edit: the selection it lies in, else that frame."""
     if selection is not None:
-        brush = Brush(*selection, falloff, falloff_out)
-        if brush.reach[0] <= seconds <= brush.reach[1]:
-            return brush
-    return Brush(seconds, seconds, falloff, falloff_out)
+        span = Span(*selection, falloff, falloff_out)
+        if span.ends[0] <= seconds <= span.ends[1]:
+            return span
+    return Span(seconds, seconds, falloff, falloff_out)
+
+
+def clamped(value: float, limits: Interval) -> float:
+    """The value, or the limit that it is beyond."""
+    return min(max(value, limits[0]), limits[1])
 
 
 class Held:
     """A gesture that acts from the first to the last second of its hold."""
 
-    hold: Span
+    hold: Interval
 
-    def brush(self, falloff: float, falloff_out: float | None = None) -> Brush:
+    def span(self, falloff: float, falloff_out: float | None = None) -> Span:
         """Where the edit acts."""
-        return Brush(*self.hold, falloff, falloff_out)
+        return Span(*self.hold, falloff, falloff_out)
 
 
 class VerticalDrag(Held):
@@ -105,6 +128,7 @@ class CurveDrag(VerticalDrag):
         press: pixels of the press.
         at: pixels of the pointer now.
         mm_per_pixel: fixed at the press: the hand counts alike while an axis stretches.
+        limits: millimetres that it may move at most, down and up: what a face can do.
         others: ids of the curves that move along.
         magnets: millimetres of moving at which it snaps: back on the tracked curve, touching.
         value: millimetres moved so far, by the hand.
@@ -114,10 +138,11 @@ class CurveDrag(VerticalDrag):
 
     control: str
     time: float
-    hold: Span
+    hold: Interval
     press: tuple[float, float]
     at: tuple[float, float]
     mm_per_pixel: float
+    limits: Interval = (-math.inf, math.inf)
     others: tuple[str, ...] = ()
     magnets: tuple[float, ...] = ()
     value: float = 0.0
@@ -133,12 +158,13 @@ class CurveDrag(VerticalDrag):
 
     @property
     def amount(self) -> float:
-        """Millimetres that the edit moves the curves: snapped, where that is wanted."""
+        """Millimetres that the edit moves the curves: within limits, snapped if wanted."""
+        value = self.value
         if self.snapping and self.magnets:
-            nearest = min(self.magnets, key=lambda magnet: abs(magnet - self.value))
-            if abs(nearest - self.value) <= MAGNET * self.mm_per_pixel:
-                return nearest
-        return self.value
+            nearest = min(self.magnets, key=lambda magnet: abs(magnet - value))
+            if abs(nearest - value) <= MAGNET * self.mm_per_pixel:
+                value = nearest
+        return clamped(value, self.limits)
 
     @property
     def controls(self) -> tuple[str, ...]:
@@ -149,27 +175,12 @@ class CurveDrag(VerticalDrag):
         """The edit as it stands, or None while there is nothing to do."""
         if not self.moving or self.amount == 0.0:
             return None
-        return self.brush(falloff, falloff_out).edit(self.controls, Op.OFFSET, self.amount)
+        return self.span(falloff, falloff_out).edit(self.controls, Op.OFFSET, self.amount)
 
     @property
     def words(self) -> str:
         """How far it is."""
         return f"{self.amount:+.1f} mm"
-
-
-def press_curve(
-    control: str,
-    x: float,
-    y: float,
-    scale: Scale,
-    time: float,
-    brush: Brush,
-    others: tuple[str, ...] = (),
-    magnets: tuple[float, ...] = (),
-) -> CurveDrag:
-    """Begin a drag: `time` is that of the frame under the pixel, `brush` what would be edited."""
-    hold, at = (brush.start, brush.end), (x, y)
-    return CurveDrag(control, time, hold, at, at, scale.mm_per_pixel, others, magnets)
 
 
 def moved_together(control: str, chosen: Iterable[str], linked: bool) -> tuple[str, ...]:
@@ -186,10 +197,10 @@ class Pan:
     """Middle press: the time under the pointer stays under it."""
 
     press: float
-    view: Span
+    view: Interval
     seconds_per_pixel: float
 
-    def moved(self, x: float) -> Span:
+    def moved(self, x: float) -> Interval:
         """The view when the pointer is at a pixel."""
         shift = (self.press - x) * self.seconds_per_pixel
         return self.view[0] + shift, self.view[1] + shift
@@ -202,7 +213,7 @@ class RulerDrag:
     anchor: float
     selecting: bool
 
-    def selection(self, seconds: float) -> Span:
+    def selection(self, seconds: float) -> Interval:
         """The selection when the pointer is at a frame's time."""
         return min(self.anchor, seconds), max(self.anchor, seconds)
 

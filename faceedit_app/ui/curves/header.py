@@ -1,35 +1,46 @@
-"""The head of a plot's row: region, name, value at the playhead, and the value axis' numbers."""
+"""The head of a plot's row: region, name, and value at the playhead."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from PySide6.QtCore import QRectF, Qt, Signal
-from PySide6.QtGui import QFont, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtCore import QPoint, QRectF, Qt, Signal
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QFont,
+    QFontMetricsF,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+)
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from faceedit_app.core.regions import Control
+from faceedit_app.core.controls import Control
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.axes import Scale, value_ticks
-from faceedit_app.ui.curves.backdrop import Backdrop
 
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
-_AXIS = 38  # pixels for the numbers
+_WIDEST = "88.8 mm"  # of the values
+_APART = 3.0  # pixels between name and value
+_NAME_SIZES = (0.92, 0.86, 0.8, 0.74)  # of the widget's font
 # Pixels that three lines may move together: rows differ by a pixel, and should all look alike.
 _SQUEEZE = 6.0
-_FLAGS = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
+_LEFT = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
+_RIGHT = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+_MIDDLE = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Name, value and remark as one block, centred; the name gets two lines where it needs them.
+    """Where name, value and remark are written; the name gets two lines if it needs them.
 
-    The remark has its place whether there is one or not: names must not hop in playback.
+    In a tall row they are one block, centred; the remark has its place whether there is one or
+    not: names must not hop in playback. In a low row the value stands right of the name.
 
     Attributes:
         name_font, value_font: the remark is in the name's.
-        name, value, note: where each is written; no note where there is no room.
+        name, value, note: where each is written; no note if there is no room.
+        is_low: whether the value stands beside the name.
     """
 
     name_font: QFont
@@ -37,16 +48,19 @@ class Layout:
     name: QRectF
     value: QRectF
     note: QRectF | None
+    is_low: bool = False
 
     @classmethod
     def of(cls, widget: QWidget, label: str) -> Layout:
-        """The block of a widget."""
+        """The layout of a widget."""
         name, value = style.scaled_font(widget, 0.92), style.scaled_font(widget, 1.08, bold=True)
         height = widget.height()
-        room = QRectF(_TEXT_LEFT, 0, widget.width() - _TEXT_LEFT - _AXIS, height)
-        metrics = QFontMetricsF(name)
-        name_height = metrics.boundingRect(room, _FLAGS, label).height()
-        text_height = name_height + QFontMetricsF(value).height()
+        room = QRectF(_TEXT_LEFT, 0, widget.width() - _TEXT_LEFT, height)
+        metrics, bold = QFontMetricsF(name), QFontMetricsF(value)
+        name_height = metrics.boundingRect(room, _LEFT, label).height()
+        text_height = name_height + bold.height()
+        if 2 * metrics.height() + bold.height() > height:  # for names of two lines: all alike
+            return cls._low(widget, label, room)
         with_note = text_height + metrics.height() <= height + _SQUEEZE
         whole = text_height + (metrics.height() if with_note else 0.0)
         top = max(0.5 * (height - whole), 0.0)
@@ -55,6 +69,22 @@ class Layout:
         places = [room.translated(0, y) for y in tops]
         return cls(name, value, places[0], places[1], places[2] if with_note else None)
 
+    @classmethod
+    def _low(cls, widget: QWidget, label: str, room: QRectF) -> Layout:
+        """Side by side; names get as small as they must."""
+        value = style.scaled_font(widget, 0.92, bold=True)
+        wide = QFontMetricsF(value).horizontalAdvance(_WIDEST)
+        beside = QRectF(room.right() - wide, 0.0, wide, room.height())
+        left = room.adjusted(0.0, 0.0, -wide - _APART, 0.0)
+        fonts = [style.scaled_font(widget, size) for size in _NAME_SIZES]
+        name = next((font for font in fonts if _fits(label, font, left)), fonts[-1])
+        return cls(name, value, left, beside, None, True)
+
+
+def _fits(text: str, font: QFont, room: QRectF) -> bool:
+    needed = QFontMetricsF(font).boundingRect(room, _LEFT, text)
+    return needed.width() <= room.width() and needed.height() <= room.height() + 1.0
+
 
 class Header(QWidget):
     """Stands left of a plot, as tall as it.
@@ -62,40 +92,40 @@ class Header(QWidget):
     Signals:
         close_up_asked(): double click: show small movements large, or no longer.
         picked(bool): a click: this curve has the focus; True: it is added to the chosen ones.
+        menu_asked(place): a right click, and where it was on the screen.
     """
 
     close_up_asked = Signal()
     picked = Signal(bool)
+    menu_asked = Signal(QPoint)
 
     def __init__(self, control: Control, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.control = control
         self.value = ""
         self.note = ""
-        self._scale: Scale | None = None
         self._active = self._chosen = False
-        self._backdrop = Backdrop(self)
-        self._layout: Layout
-        self.setFixedWidth(style.HEADER_WIDTH)
+        self._measured: tuple[tuple[int, int, str], Layout] | None = None
+        self.setFixedWidth(style.HEADER_WIDTH - style.AXIS_WIDTH)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.setAccessibleName(control.label)
+        self.show_missing("")
+
+    def show_missing(self, why: str) -> None:
+        """Disable the row and say why, or enable it again if `why` is empty."""
+        self.setEnabled(not why)
         self.setToolTip(
-            f"{control.hint}\nDouble click: enlarge small movements.\n"
+            why
+            or f"{self.control.hint}\nDouble click: enlarge small movements.\n"
             "Ctrl+click: choose several curves, to edit them together."
         )
-        self.setAccessibleName(control.label)
 
     def show_value(self, value: str, note: str = "") -> None:
         """Show the value at the playhead, and a remark on it."""
         if (value, note) != (self.value, self.note):
             self.value, self.note = value, note
             self.setAccessibleDescription(f"{value} at the playhead. {self.control.hint}")
-            self.update()
-
-    def show_scale(self, scale: Scale) -> None:
-        """Number the value axis of the plot beside it."""
-        known, self._scale = self._scale, scale
-        if known is None or (known.span, known.height) != (scale.span, scale.height):
             self.update()
 
     def show_active(self, active: bool) -> None:
@@ -110,55 +140,48 @@ class Header(QWidget):
             self._chosen = chosen
             self.update()
 
+    def _layout(self) -> Layout:
+        """Measured once for each size and font."""
+        key = self.width(), self.height(), self.font().key()
+        if self._measured is None or self._measured[0] != key:
+            self._measured = key, Layout.of(self, self.control.label)
+        return self._measured[1]
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take the focus; with Ctrl join the curves that are edited together."""
-        self.picked.emit(bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier))
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.picked.emit(bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier))
         event.accept()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Show small movements large."""
-        self.close_up_asked.emit()
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.close_up_asked.emit()
+        event.accept()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """What can be done with the curve."""
+        self.menu_asked.emit(event.globalPos())
         event.accept()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Bar, name, value, numbers; only the value and the remark on it change often."""
-        looks = (self._active, self._chosen, self._scale, self.font().key())
+        """Bar, name, value."""
+        layout = self._layout()
+        color = self.control.color
         with QPainter(self) as painter:
-            self._backdrop.paint(painter, looks, self._paint_still)
-            painter.setFont(self._layout.value_font)
+            ground = style.PLOT_ACTIVE if self._active else style.PLOT
+            painter.fillRect(self.rect(), style.color(ground))
+            if self._chosen:
+                painter.fillRect(self.rect(), style.color(color, 46))
+            bar = QRectF(0, 0, 2 * _BAR if self._chosen else _BAR, self.height())
+            painter.fillRect(bar, style.color(color))
+            painter.setFont(layout.name_font)
+            painter.setPen(style.color(style.TEXT if self._active else style.LABEL))
+            painter.drawText(layout.name, _MIDDLE if layout.is_low else _LEFT, self.control.label)
+            painter.setFont(layout.value_font)
             painter.setPen(style.color(style.TEXT))
-            painter.drawText(self._layout.value, _FLAGS, self.value)
-            if self._layout.note is not None:
-                painter.setFont(self._layout.name_font)
+            painter.drawText(layout.value, _RIGHT if layout.is_low else _LEFT, self.value)
+            if layout.note is not None:
+                painter.setFont(layout.name_font)
                 painter.setPen(style.color(style.MUTED))
-                painter.drawText(self._layout.note, _FLAGS, self.note)
-
-    def _paint_still(self, painter: QPainter, _rect: QRectF) -> None:
-        """Whatever stays while the value changes."""
-        self._layout = Layout.of(self, self.control.label)
-        painter.fillRect(
-            self.rect(), style.color(style.PLOT_ACTIVE if self._active else style.PLOT)
-        )
-        region = style.color(style.REGION_COLORS[self.control.region])
-        if self._chosen:
-            tint = style.color(style.REGION_COLORS[self.control.region], 46)
-            painter.fillRect(self.rect(), tint)
-        painter.fillRect(QRectF(0, 0, 2 * _BAR if self._chosen else _BAR, self.height()), region)
-        painter.setFont(self._layout.name_font)
-        painter.setPen(style.color(style.TEXT if self._active else style.LABEL))
-        painter.drawText(self._layout.name, _FLAGS, self.control.label)
-        self._paint_axis(painter)
-
-    def _paint_axis(self, painter: QPainter) -> None:
-        if self._scale is None:
-            return
-        font = style.scaled_font(self, 0.82)
-        half = 0.5 * QFontMetricsF(font).height()
-        painter.setFont(font)
-        painter.setPen(style.color(style.MUTED))
-        for tick in value_ticks(self._scale.span, self._scale.height, style.VALUE_SPACING):
-            y = self._scale.y_of(tick.at)
-            if half - 2 <= y <= self.height() - half + 2:  # never half a number
-                box = QRectF(self.width() - _AXIS, y - half, _AXIS - 6, 2 * half)
-                flags = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-                painter.drawText(box, flags, tick.label)
+                painter.drawText(layout.note, _LEFT, self.note)

@@ -6,6 +6,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QFontMetricsF, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.ui.curves import style
 
 _SAMPLE = 22.0  # pixels of line
@@ -40,11 +41,12 @@ class Legend(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
         font = style.scaled_font(self, 0.9)
         painter.setFont(font)
-        lower, lids = style.face_pen("lower"), style.face_pen("eyelids")
+        colors = dict.fromkeys(control.color for control in CONTROLS)
+        faces = tuple(style.face_pen(color) for color in colors)
         x = 12.0
         x = self._sample(painter, x, (style.tracked_pen(),), "as tracked")
         x = self._sample(painter, x, (style.asked_pen(),), "asked for")
-        x = self._sample(painter, x, (lower, lids), "the face")
+        x = self._sample(painter, x, faces, "the face")
         room = QRectF(x, 0, self.width() - x - style.RIGHT_MARGIN, self.height())
         hint = QFontMetricsF(font).elidedText(
             self.hint, Qt.TextElideMode.ElideRight, max(room.width(), 0)

@@ -1,36 +1,30 @@
-"""The curves panel: legend, ruler and the eight plots, kept in step with timeline and session."""
+"""The curves panel: legend, ruler and plots, kept in step with timeline and session."""
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
 
-from faceedit_app.core.regions import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.axes import (
-    LEAST_SHARE,
-    SMALLEST_SPAN,
-    Span,
-    fitted_span,
-    grown_span,
-    held_span,
-)
-from faceedit_app.ui.curves.band import BandMouse
-from faceedit_app.ui.curves.gestures import CurveDrag, brush_at
+from faceedit_app.ui.curves.gestures import CurveDrag, span_at
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
-from faceedit_app.ui.curves.paint import Marks
-from faceedit_app.ui.curves.plot import CurvePlot, Handle
+from faceedit_app.ui.curves.plot import CurvePlot, Handle, Marks
 from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.range_fields import RangeFields
+from faceedit_app.ui.curves.rows import Rows
 from faceedit_app.ui.curves.ruler import Ruler
-from faceedit_app.ui.curves.sight import Sight
+from faceedit_app.ui.curves.scale import Interval
+from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import ScaleDrag
+from faceedit_app.ui.curves.value_axes import ValueAxes
+from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tool, Tooling
+from faceedit_app.ui.state.tools import Tool, Tools
 
 _APART = 0.05  # mm between two lines from which on the header mentions it
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
@@ -45,40 +39,44 @@ _IDLE_HINTS = {
 
 
 class CurvesPanel(QWidget):
-    """Eight curves on one time axis; dragging them edits the session.
+    """The controls' curves on one time axis; dragging them edits the session.
 
     The window opens the clip on the timeline and gives the session; the panel shows both. Call
     `refresh` when the session announces that it shows something else, in a drag as well.
 
     Signals:
         reshaped(): an edge of the selection is being dragged.
-        reshape_ended(): it was let go of.
+        reshape_ended(): it was released.
+        curve_menu_asked(place): a right click on the curve that has the focus now.
+        name_menu_asked(place): on its name.
+        time_menu_asked(place): on the ruler, or on the bar under it.
     """
 
     reshaped = Signal()
     reshape_ended = Signal()
+    curve_menu_asked = Signal(QPoint)
+    name_menu_asked = Signal(QPoint)
+    time_menu_asked = Signal(QPoint)
 
     def __init__(
-        self, timeline: Timeline, tooling: Tooling | None = None, parent: QWidget | None = None
+        self, timeline: Timeline, tools: Tools | None = None, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.timeline = timeline
-        self.tooling = tooling or Tooling(self)
+        self.tools = tools or Tools(self)
         self.session: EditSession | None = None
-        self._gaps: tuple[tuple[float, float], ...] = ()
         self._width = 0.0  # seconds in view
-        self._sight: Sight | None = None
-        self._columns = 0  # of pixels
-        self._resting: tuple[Span, ...] = ()  # value axes as they were before the drag
-        self._band = BandMouse(timeline, self)
-        self._mouse = Interaction(timeline, self.tooling, self._band, self)
+        self._curves: VisibleCurves | None = None
+        self._columns = 0  # of the screen's dots
+        self._edges = SelectionMouse(timeline, self)
+        self._mouse = Interaction(timeline, self.tools, self._edges, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
-        self.range_bar, self.fields = (
-            RangeBar(timeline, self._band),
-            RangeFields(timeline, self._band),
-        )
-        self.plots = [CurvePlot(control, self._mouse) for control in CONTROLS]
+        self.range_bar = RangeBar(timeline, self._edges)
+        self.fields = RangeFields(timeline, self._edges)
+        self.plots = [CurvePlot(control, timeline, self._mouse) for control in CONTROLS]
         self.headers = [Header(control) for control in CONTROLS]
+        self._rows = Rows(self.headers, self.plots)
+        self._axes = ValueAxes(self.plots)
         self._pages = QStackedWidget()
         self._build()
         self._connect()
@@ -97,19 +95,17 @@ class CurvesPanel(QWidget):
         empty.setStyleSheet(f"color: {style.MUTED}; font-size: 15px;")
         content = QWidget()
         grid = self._grid = QGridLayout(content)
-        grid.setContentsMargins(0, 0, style.RIGHT_MARGIN, 0)
+        grid.setContentsMargins(0, 0, 0, 0)
         grid.setHorizontalSpacing(0)
         grid.setVerticalSpacing(style.ROW_GAP)
-        grid.addWidget(self.legend, 0, 0, 1, 2)
+        grid.addWidget(self.legend, 0, 0, 1, 3)
         grid.addWidget(self.fields, 1, 0, 2, 1)
         grid.addWidget(self.ruler, 1, 1)
         grid.addWidget(self.range_bar, 2, 1)
-        for row, (header, plot) in enumerate(zip(self.headers, self.plots, strict=True), start=3):
-            grid.addWidget(header, row, 0)
-            grid.addWidget(plot, row, 1)
-            grid.setRowStretch(row, 1)
-            plot.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
+        grid.addWidget(self._rows, 3, 0, 1, 3)
+        grid.setRowStretch(3, 1)
         grid.setColumnStretch(1, 1)
+        grid.setColumnMinimumWidth(2, style.RIGHT_MARGIN)
         for page in (empty, content):
             self._pages.addWidget(page)
         layout = QVBoxLayout(self)
@@ -119,17 +115,20 @@ class CurvesPanel(QWidget):
     def _connect(self) -> None:
         for header, plot in zip(self.headers, self.plots, strict=True):
             plot.focus_changed.connect(lambda p=plot: self._focus_moved(p))
-            plot.scale_changed.connect(lambda h=header, p=plot: h.show_scale(p.current_scale))
+            plot.menu_asked.connect(lambda at, place, p=plot: self._ask_curve_menu(p, at, place))
             header.picked.connect(lambda add, p=plot: self._pick(p, add))
-            header.close_up_asked.connect(lambda p=plot: self._toggle_close_up(p))
-        self.plots[0].scale_changed.connect(self._show_columns)
+            header.close_up_asked.connect(lambda p=plot: self._axes.toggle_close_up(p))
+            header.menu_asked.connect(lambda place, p=plot: self._ask_name_menu(p, place))
+        for strip in (self.ruler, self.range_bar):
+            strip.menu_asked.connect(self.time_menu_asked)
+        self.plots[0].view.sigResized.connect(self._show_columns)
         self.timeline.view_changed.connect(self._show_view)
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
         self.timeline.falloff_changed.connect(self._show_state)
-        self.tooling.changed.connect(self._show_state)
-        self._band.moved.connect(self.reshaped)
-        self._band.ended.connect(self.reshape_ended)
+        self.tools.changed.connect(self._show_state)
+        self._edges.moved.connect(self.reshaped)
+        self._edges.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
 
     # --- what the window uses --------------------------------------------------------------
@@ -137,7 +136,7 @@ class CurvesPanel(QWidget):
     @property
     def is_dragging(self) -> bool:
         """Whether an edit, or an edge of the selection, is being dragged."""
-        return self._mouse.is_dragging or self._band.is_dragging or self.range_bar.is_selecting
+        return self._mouse.is_dragging or self._edges.is_dragging or self.range_bar.is_selecting
 
     @property
     def chosen_controls(self) -> tuple[str, ...]:
@@ -150,7 +149,8 @@ class CurvesPanel(QWidget):
         return self._mouse.focused
 
     def focus_curve(self, index: int) -> None:
-        """Give the keyboard to one of the eight curves."""
+        """Give the keyboard to one of the curves."""
+        self._rows.ensureWidgetVisible(self.plots[index])
         self.plots[index].setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def nudge(self, millimetres: float) -> None:
@@ -161,7 +161,7 @@ class CurvesPanel(QWidget):
     @property
     def is_reshaping(self) -> bool:
         """Whether an edge of the selection is being put elsewhere."""
-        return self._band.is_changing
+        return self._edges.is_changing
 
     def add_row(self, head: QWidget, strip: QWidget) -> None:
         """Put another strip on the time axis, under the curves."""
@@ -178,28 +178,44 @@ class CurvesPanel(QWidget):
         """Show another take, or none."""
         self._mouse.cancel()
         self.session = self._mouse.session = session
-        self._sight = Sight(session) if session is not None else None
+        self._curves = VisibleCurves(session) if session is not None else None
+        self._axes.curves = self._curves
         clip = session.take.clip if session is not None else None
-        self._gaps = ()
+        gaps: list[Interval] = []
         if clip is not None:
-            times = clip.times
-            self._gaps = tuple(
-                (float(times[gap.frame]), float(times[gap.frame + 1])) for gap in clip.gaps
-            )
-        self.ruler.show_clip(clip)
+            gaps = [
+                (float(clip.times[gap.frame]), float(clip.times[gap.frame + 1]))
+                for gap in clip.gaps
+            ]
+        self.ruler.show_clip(clip, gaps)
         self._pages.setCurrentIndex(0 if session is None else 1)
         for plot in self.plots:
-            plot.span_chosen = plot.close_up = False
+            plot.show_gaps(gaps)
+            plot.values_chosen = plot.close_up = False
+        self._show_missing_controls()
         self._width = 0.0
         self._show_view()
 
+    def _show_missing_controls(self) -> None:
+        """Curves that this character cannot have take no mouse, and say why."""
+        rig = self.session.rig if self.session is not None else None
+        missing = rig.missing_controls if rig is not None else ()
+        for plot, header in zip(self.plots, self.headers, strict=True):
+            lacks = plot.control.id in missing
+            plot.setEnabled(not lacks)
+            header.show_missing(rig.missing_note if rig is not None and lacks else "")
+
     def refresh(self) -> None:
-        """The session's arrays changed: draw them, and make room for a curve that grew."""
-        if self._sight is not None:
-            self._sight.refresh()
+        """The session's arrays changed: draw them; axes fit once no gesture is in progress."""
+        if self._curves is not None:
+            self._curves.refresh()
         self._show_lines()
-        self._make_room()
+        self._fit_axes()
         self._show_state()
+
+    def fit_values(self, index: int | None = None) -> None:
+        """Let the value axis of one curve, or of all, fit what is in view."""
+        self._axes.release(self.plots if index is None else (self.plots[index],))
 
     def let_go(self) -> None:
         """The mouse is lost to another window: what was dragged until then is kept."""
@@ -215,95 +231,78 @@ class CurvesPanel(QWidget):
 
     def _pick(self, plot: CurvePlot, add: bool) -> None:
         """A click on a name gives the focus; with Ctrl curves are chosen, or no longer."""
-        plot.setFocus(Qt.FocusReason.MouseFocusReason)
-        self._mouse.focused = plot.control.id
+        self._take_focus(plot)
         self._mouse.chosen = self._mouse.chosen ^ {plot.control.id} if add else frozenset()
         for header in self.headers:
             header.show_chosen(header.control.id in self._mouse.chosen)
         self._show_state()
+
+    def _ask_curve_menu(self, plot: CurvePlot, seconds: float, place: QPoint) -> None:
+        """The menu acts here: on this curve, at this moment, unless that is selected."""
+        self._take_focus(plot)
+        selection = self._edges.span
+        if selection is None or not selection.start <= seconds <= selection.end:
+            self.timeline.go_to_time(seconds)
+        self.curve_menu_asked.emit(place)
+
+    def _ask_name_menu(self, plot: CurvePlot, place: QPoint) -> None:
+        self._take_focus(plot)
+        self.name_menu_asked.emit(place)
+
+    def _take_focus(self, plot: CurvePlot) -> None:
+        plot.setFocus(Qt.FocusReason.MouseFocusReason)
+        self._mouse.focused = plot.control.id
 
     def _show_view(self) -> None:
         """Value axes follow a zoom; a pan only makes them room, so that it does not shake."""
         first, last = self.timeline.view
         zoomed = abs((last - first) - self._width) > 1e-6
         self._width = last - first
-        for plot in self.plots:
-            plot.show_view(self.timeline.view)
         self._look()
-        if zoomed:
-            for index in range(len(self.plots)):
-                self._fit(index)
-        self._make_room()
-        self.ruler.update()
+        if self.is_dragging or not zoomed:
+            self._axes.make_room()
+        else:
+            self._axes.fit()
         self._show_state()
 
     def _show_columns(self) -> None:
-        """More or fewer pixels show more or fewer points."""
+        """More or fewer dots show more or fewer points."""
         if self.plots[0].columns != self._columns:
             self._look()
 
     def _look(self) -> None:
         self._columns = self.plots[0].columns
-        if self._sight is not None:
-            self._sight.look(self.timeline.view, self._columns)
+        if self._curves is not None:
+            self._curves.look(self.timeline.view, self._columns)
         self._show_lines()
 
     def _show_lines(self) -> None:
+        curves = self._curves
         for i, plot in enumerate(self.plots):
-            plot.show_lines(self._sight.lines(i) if self._sight is not None else None)
+            plot.show_lines(curves.lines(i) if curves is not None else Lines())
 
-    def _fit(self, index: int) -> None:
-        """Fit a value axis to what is in view, unless the user chose it."""
-        plot, sight = self.plots[index], self._sight
-        if sight is None or plot.span_chosen or self.is_dragging:
-            return
-        height = float(sight.high[index] - sight.low[index])
-        least = SMALLEST_SPAN if plot.close_up else LEAST_SHARE * height
-        plot.show_span(fitted_span(*sight.extent(index), least))
-
-    def _toggle_close_up(self, plot: CurvePlot) -> None:
-        """Fit a value axis as closely as it makes sense, or no longer."""
-        plot.close_up = not (plot.close_up or plot.span_chosen)
-        plot.span_chosen = False
-        self._fit(self.plots.index(plot))
-
-    def _make_room(self) -> None:
-        """Extend value axes that a visible curve has left, unless the user chose them."""
-        if self._sight is None:
+    def _fit_axes(self) -> None:
+        """While something floats or is still computed, axes only make room."""
+        session = self.session
+        if session is None:
             return
         if self.is_dragging:
-            self._follow_hand()
-            return
-        resting, self._resting = self._resting, ()
-        for index, plot in enumerate(self.plots):
-            if plot.span_chosen:
-                continue
-            low, high = self._sight.extent(index)
-            if resting and resting[index][0] <= low and high <= resting[index][1]:
-                plot.show_span(resting[index])  # the drag was dropped
-            plot.show_span(grown_span(plot.span, low, high))
+            self._follow_hand(session)
+        elif session.is_previewing or not session.live.is_complete:
+            self._axes.make_room()
+        else:
+            self._axes.fit()
 
-    def _follow_hand(self) -> None:
-        """Keep in sight what a drag moves up or down; while it is inside, axes stay as they are.
-
-        Tools that paint stand where the pointer is: under them an axis never changes.
-        """
-        session, drag = self.session, self._mouse.drag
-        if session is None or not isinstance(drag, CurveDrag | ScaleDrag):
-            return
-        self._resting = self._resting or tuple(plot.span for plot in self.plots)
-        frame = session.take.clip.frame_at(drag.time)
-        values = (array[frame].tolist() for array in (session.asked, session.achieved))
-        for plot, span, asked, face in zip(self.plots, self._resting, *values, strict=True):
-            if plot.span_chosen:
-                continue
-            span = held_span(span, asked)
-            if plot is not self._mouse.plot:  # no hand is there that must not lose its curve
-                span = held_span(span, face)
-            plot.show_span(span)
+    def _follow_hand(self, session: EditSession) -> None:
+        """Tools that paint stand where the pointer is: under them an axis never changes."""
+        drag = self._mouse.drag
+        if isinstance(drag, CurveDrag | ScaleDrag):
+            frame = session.take.clip.frame_at(drag.time)
+            asked, face = session.asked[frame].tolist(), session.achieved[frame].tolist()
+            self._axes.follow(zip(asked, face, strict=True), self._mouse.plot)
 
     def _show_state(self) -> None:
-        """Playhead, bands, handle, values and hint."""
+        """Playhead, spans, handle, values and hint."""
         session, mouse, timeline = self.session, self._mouse, self.timeline
         if session is None:
             return
@@ -311,9 +310,9 @@ class CurvesPanel(QWidget):
         frame = min(timeline.frame, len(session.tracked) - 1)
         arrays = session.tracked, session.asked, session.achieved
         values = zip(*(array[frame].tolist() for array in arrays), strict=True)
-        dragging, brush, band = mouse.is_dragging, mouse.brush, self._band.band
-        plain = Marks(band, self._gaps, brush if dragging else None, style.WEAK)
-        lit = Marks(band, self._gaps, brush, style.STRONG if dragging else style.HOVER)
+        dragging, span, selection = mouse.is_dragging, mouse.span, self._edges.span
+        plain = Marks(selection, span if dragging else None, style.WEAK)
+        lit = Marks(selection, span, style.STRONG if dragging else style.HOVER)
         edited = mouse.drag.controls if mouse.drag is not None and mouse.drag.moving else ()
         rows = zip(self.headers, self.plots, values, strict=True)
         for i, (header, plot, (tracked, asked, face)) in enumerate(rows):
@@ -324,9 +323,8 @@ class CurvesPanel(QWidget):
             header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
             header.show_active(here or plot.shows_focus)
         fades = timeline.falloff, timeline.falloff_out
-        brush = brush or brush_at(timeline.time, timeline.selection, *fades)
-        marks = Marks(band, self._gaps, brush, style.STRONG)
-        self.ruler.show_marks(marks, timeline.time)
+        span = span or span_at(timeline.time, timeline.selection, *fades)
+        self.ruler.show_marks(Marks(selection, span, style.STRONG), timeline.time)
         self.legend.show_hint(self._hint())
 
     def _handle(self, session: EditSession, control: int) -> Handle | None:
@@ -349,7 +347,7 @@ class CurvesPanel(QWidget):
             return f"Falloff {seconds:.2f} s (wheel) · Shift fine · Ctrl snap · Esc cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
-        return _IDLE_HINTS[self.tooling.tool]
+        return _IDLE_HINTS[self.tools.tool]
 
 
 def _note(tracked: float, asked: float, face: float) -> str:

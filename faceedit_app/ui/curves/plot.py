@@ -1,53 +1,67 @@
-"""One curve's plot: draws its three lines and marks, and passes the mouse on."""
+"""The plot of one control: a pyqtgraph plot with the curve's three lines and what marks it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import (
-    QFocusEvent,
-    QKeyEvent,
-    QMouseEvent,
-    QPainter,
-    QPaintEvent,
-    QResizeEvent,
-    QWheelEvent,
+import pyqtgraph as pg
+from PySide6.QtCore import QPoint, QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent
+from PySide6.QtWidgets import QSizePolicy
+
+from faceedit_app.core.controls import Control
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.axes import GridLines, ValueAxis
+from faceedit_app.ui.curves.gestures import Pointer, Span
+from faceedit_app.ui.curves.lines import CurveLines
+from faceedit_app.ui.curves.marks import (
+    Gaps,
+    Numbers,
+    Playhead,
+    dot,
+    edit_region,
+    selection_region,
 )
-from PySide6.QtWidgets import QWidget
+from faceedit_app.ui.curves.scale import Interval, Scale
+from faceedit_app.ui.curves.time_view import Mouse, TimeView
+from faceedit_app.ui.curves.visible_curves import Lines
+from faceedit_app.ui.state.timeline import Timeline
 
-from faceedit_app.core.regions import Control
-from faceedit_app.ui.curves import paint, style
-from faceedit_app.ui.curves.axes import Scale, Span, value_ticks
-from faceedit_app.ui.curves.backdrop import Backdrop
-from faceedit_app.ui.curves.line import WideLine
-from faceedit_app.ui.curves.polyline import EMPTY
-from faceedit_app.ui.curves.sight import Lines
-
-_LINE = 5  # pixels at most from the middle of a line, the playhead or its dot to their edges
+_GAP_ALPHA = 90
 
 
-class Mouse(Protocol):
-    """Who is told what the mouse does on a plot. Positions are pixels of the plot."""
+class CurveMouse(Protocol):
+    """What the mouse does on any of the plots; see `time_view.Mouse`."""
 
-    def press(self, plot: CurvePlot, event: QMouseEvent) -> None:
-        """A button went down."""
+    @property
+    def is_held(self) -> bool:
+        """Whether a gesture is in progress."""
 
-    def move(self, plot: CurvePlot, event: QMouseEvent) -> None:
-        """The pointer moved, with or without a button."""
+    def press(self, plot: CurvePlot, pointer: Pointer) -> None:
+        """The left button went down."""
 
-    def release(self, plot: CurvePlot, event: QMouseEvent) -> None:
-        """A button went up."""
+    def drag_to(self, plot: CurvePlot, pointer: Pointer) -> None:
+        """The pointer moved since then."""
 
-    def wheel(self, plot: CurvePlot, event: QWheelEvent) -> None:
-        """The wheel turned."""
+    def release(self, plot: CurvePlot, pointer: Pointer) -> None:
+        """The left button went up."""
+
+    def let_go(self) -> None:
+        """It went up where nobody saw it."""
+
+    def hover(self, plot: CurvePlot, pointer: Pointer) -> None:
+        """The pointer moved without a button."""
 
     def leave(self, plot: CurvePlot) -> None:
         """The pointer went elsewhere."""
 
+    def turn(self, plot: CurvePlot, pointer: Pointer, notches: float) -> None:
+        """The wheel was turned during a gesture."""
+
     def cancel(self) -> None:
-        """Esc."""
+        """Esc, or the right button during a gesture."""
 
 
 @dataclass(frozen=True)
@@ -60,193 +74,210 @@ class Handle:
     text: tuple[str, ...] = ()
 
 
-class CurvePlot(QWidget):
-    """The plot of one control: its lines, with marks behind and before them.
+@dataclass(frozen=True)
+class Marks:
+    """What stands on the time axis besides curves and playhead.
 
-    Signals:
-        scale_changed(): its size, visible time or value axis changed.
-        focus_changed(): the keyboard's focus came or went.
+    Attributes:
+        selection: the selected range with its falloffs, if any.
+        edit: where an edit would act or acts, if it is to be shown.
+        alpha: how strongly that is drawn, 0..255.
     """
 
-    scale_changed = Signal()
-    focus_changed = Signal()
+    selection: Span | None = None
+    edit: Span | None = None
+    alpha: int = style.HOVER
 
-    def __init__(self, control: Control, mouse: Mouse) -> None:
-        super().__init__()
-        self.control, self._mouse = control, mouse
-        self.view: Span = (0.0, 1.0)
-        self.span: Span = (0.0, 1.0)
-        self.span_chosen = False  # by the user: nothing else then changes it
-        self.close_up = False  # whether its span fits even the smallest movements
+
+class CurvePlot(pg.PlotWidget, Mouse):
+    """The plot of one control.
+
+    Signals:
+        focus_changed(): the keyboard's focus came or went.
+        menu_asked(seconds, place): a right click, and where it was on the screen.
+    """
+
+    focus_changed = Signal()
+    menu_asked = Signal(float, QPoint)
+
+    def __init__(self, control: Control, timeline: Timeline, mouse: CurveMouse) -> None:
+        self.control, self._mouse, self._timeline = control, mouse, timeline
+        self.view = TimeView(timeline, self)
+        axis = ValueAxis()
+        super().__init__(
+            background=style.PLOT, viewBox=self.view, axisItems={"left": axis}, enableMenu=False
+        )
+        self.values_chosen = False  # by the user: nothing else then changes them
+        self.close_up = False  # whether they fit even the smallest movements
         self.shows_focus = False
-        self.lines: Lines | None = None
-        self._marks, self._playhead = paint.Marks(), 0.0
-        self._handle: Handle | None = None
-        self._dot: float | None = None
-        self._tracked = WideLine(style.tracked_pen())
-        self._face = WideLine(style.face_pen(control.region))
-        self._asked = WideLine(style.asked_pen())
-        self._bands, self._backdrop = Backdrop(self), Backdrop(self)
+        self._marks, self._active = Marks(), False
+        self._at = (0.0, 0.0)  # the playhead, and the face's value there
+        self._lay_out(axis)
+        self._fill(axis)
         self.setObjectName(f"plot_{control.id}")
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setCursor(Qt.CursorShape.SizeVerCursor)
         self.setMinimumHeight(style.ROW_HEIGHT)
-        self.setMouseTracking(True)
-        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setAcceptDrops(False)  # files are the window's
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
+        self.view.setCursor(Qt.CursorShape.SizeVerCursor)
+        self.view.values_chosen.connect(self._choose_values)
+        self.view.menu_asked.connect(self._ask_menu)
+
+    def _lay_out(self, axis: ValueAxis) -> None:
+        self.plotItem.hideAxis("bottom")
+        for unseen in ("top", "right", "bottom"):
+            self.plotItem.getAxis(unseen).unlinkFromView()  # they would be numbered all the same
+        self.plotItem.hideButtons()
+        self.plotItem.layout.setContentsMargins(0, 0, 0, 0)
+        axis.setStyle(tickFont=style.scaled_font(self, 0.82))
+
+    def _fill(self, axis: ValueAxis) -> None:
+        """Put in what is seen, from the back to the front."""
+        color = self.control.color
+        self._selection, self._edit = selection_region(), edit_region()
+        self._gaps, self._lines = Gaps(_GAP_ALPHA), CurveLines(color)
+        self._playhead = Playhead()
+        self._dot = dot(2.5, color, color)
+        self._handle_dot = dot(5.0, style.PLOT, style.ASKED)
+        self._numbers = Numbers(style.scaled_font(self, 0.9))
+        self.handle: Handle | None = None
+        self._handle_dot.hide()
+        for item in (
+            self._selection,
+            self._edit,
+            self._gaps,
+            GridLines(axis),
+            self._lines,
+            self._playhead,
+            self._dot,
+            self._handle_dot,
+            self._numbers,
+        ):
+            self.view.addItem(item, ignoreBounds=True)
 
     # --- what it shows ---------------------------------------------------------------------
 
     @property
     def current_scale(self) -> Scale:
-        """How its pixels map to seconds and millimetres."""
-        return Scale(self.width(), self.height(), self.view, self.span)
+        """How the pixels of its view map to seconds and millimetres."""
+        return self.view.scale_now
 
-    def show_view(self, view: Span) -> None:
-        """Make a range of seconds visible."""
-        self.view = view
-        self._apply_scale()
+    @property
+    def values(self) -> Interval:
+        """Lowest and highest visible millimetre."""
+        low, high = self.view.viewRange()[1]
+        return low, high
 
-    def show_span(self, span: Span) -> None:
+    def show_values(self, values: Interval) -> None:
         """Make a range of millimetres visible."""
-        if span != self.span:
-            self.span = span
-            self._apply_scale()
+        if values != self.values:
+            self.view.setYRange(*values, padding=0)
 
-    def show_lines(self, lines: Lines | None) -> None:
-        """Draw these curves."""
-        self.lines = lines
-        shown = (EMPTY,) * 3 if lines is None else (lines.tracked, lines.face, lines.asked)
-        curves = self._tracked, self._face, self._asked
-        changed = [curve.show_line(line) for curve, line in zip(curves, shown, strict=True)]
-        spans = [span for span in changed if span is not None]
-        if spans:
-            self._update_between(min(span[0] for span in spans), max(span[1] for span in spans))
+    @property
+    def lines(self) -> Lines:
+        """The curve's three lines."""
+        return self._lines.lines
 
-    def _update_between(self, first: float, last: float) -> None:
-        """Paint what lies between two seconds anew."""
-        scale, height = self.current_scale, self.height()
-        left = max(round(scale.x_of(first)) - _LINE, 0)
-        right = min(round(scale.x_of(last)) + _LINE, self.width())
-        if left < right:
-            self.update(left, 0, right - left, height)
+    def show_lines(self, lines: Lines) -> None:
+        """Draw these."""
+        self._lines.show_lines(lines)
+
+    def show_gaps(self, gaps: Sequence[Interval]) -> None:
+        """Mark what the recording lost."""
+        self._gaps.show_gaps(gaps)
 
     @property
     def columns(self) -> int:
-        """Of the screen's pixels, across."""
-        return round(self.width() * self.devicePixelRatioF())
+        """Of the screen's dots, across."""
+        dots: int = round(self.view.width() * self.devicePixelRatioF())
+        return dots
 
-    def show_marks(
-        self, marks: paint.Marks, playhead: float, handle: Handle | None, dot: float | None
-    ) -> None:
-        """Draw bands, playhead (seconds) and handle; `dot` is the face's value at the playhead."""
-        others = (marks, handle) != (self._marks, self._handle)
-        moved = (playhead, dot) != (self._playhead, self._dot)
-        before, self._marks, self._handle = self._playhead, marks, handle
-        self._playhead, self._dot = playhead, dot
-        if others:
-            self.update()
-        elif moved:  # all that changes in playback
-            self._update_between(before, before)
-            self._update_between(playhead, playhead)
+    def show_marks(self, marks: Marks, playhead: float, handle: Handle | None, dot: float) -> None:
+        """Draw spans, playhead (seconds) and handle; `dot` is the face's value at the playhead."""
+        if marks != self._marks:
+            self._marks = marks
+            self._selection.show_span(marks.selection, style.SELECTED)
+            self._edit.show_span(marks.edit, marks.alpha)
+        if (playhead, dot) != self._at:
+            self._at = playhead, dot
+            self._playhead.setValue(playhead)
+            self._dot.setPos(playhead, dot)
+        if handle != self.handle:
+            self._show_handle(handle)
 
-    def _apply_scale(self) -> None:
-        self.update()
-        self.scale_changed.emit()
+    def _show_handle(self, handle: Handle | None) -> None:
+        self.handle = handle
+        self._handle_dot.setVisible(handle is not None)
+        if handle is not None:
+            color = self.control.color
+            self._handle_dot.setBrush(style.color(color if handle.held else style.PLOT))
+            at = QPointF(handle.time, handle.value)
+            self._handle_dot.setPos(at)
+            self._numbers.show_beside(at, self.current_scale, handle.text)
+        else:
+            self._numbers.hide()
+        self._show_active()
 
-    # --- painting --------------------------------------------------------------------------
+    def _show_active(self) -> None:
+        active = self.shows_focus or self.handle is not None
+        if active != self._active:
+            self._active = active
+            self.setBackground(style.PLOT_ACTIVE if active else style.PLOT)
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        """Paint backdrop, lines and marks."""
-        scale = self.current_scale
-        # Bands stay as they are where a drag takes the value axis along; grid and take do not.
-        still = self._marks, self.view, self._is_active
-        with QPainter(self) as painter:
-
-            def draw_backdrop(inside: QPainter, _rect: QRectF) -> None:
-                self._bands.paint(inside, still, self._draw_bands)
-                self._draw_grid(inside)
-                inside.setTransform(scale.transform)
-                self._tracked.paint(inside)
-
-            looks = still, self.span, self.lines and self.lines.tracked
-            self._backdrop.paint(painter, looks, draw_backdrop)
-            painter.setTransform(scale.transform)
-            for curve in (self._face, self._asked):
-                curve.paint(painter)
-            painter.resetTransform()
-            self._draw_marks(painter, scale)
-
-    @property
-    def _is_active(self) -> bool:
-        return self.shows_focus or self._handle is not None
-
-    def _draw_bands(self, painter: QPainter, rect: QRectF) -> None:
-        scale = self.current_scale
-        painter.fillRect(rect, style.color(style.PLOT_ACTIVE if self._is_active else style.PLOT))
-        if self._marks.selection is not None:
-            paint.draw_selection(painter, scale, self._marks.selection)
-        if self._marks.brush is not None:
-            paint.draw_brush(painter, scale, self._marks.brush, self._marks.alpha)
-        paint.draw_gaps(painter, scale, self._marks.gaps, alpha=90)
-
-    def _draw_grid(self, painter: QPainter) -> None:
-        scale = self.current_scale
-        painter.setPen(style.hairline(style.GRID))
-        for tick in value_ticks(scale.span, scale.height, style.VALUE_SPACING):
-            y = round(scale.y_of(tick.at))
-            painter.drawLine(QPointF(0, y), QPointF(scale.width, y))
-
-    def _draw_marks(self, painter: QPainter, scale: Scale) -> None:
-        color = style.REGION_COLORS[self.control.region]
-        if self.lines is None:
-            return
-        if self.shows_focus:
-            painter.setPen(style.hairline(style.FOCUS))
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawRect(QRectF(0, 0, scale.width - 1, scale.height - 1))
-        paint.draw_playhead(painter, scale, self._playhead)
-        if self._dot is not None:
-            at = QPointF(scale.x_of(self._playhead), scale.y_of(self._dot))
-            paint.draw_dot(painter, at, 2.5, color, color)
-        if (handle := self._handle) is not None:
-            at = QPointF(scale.x_of(handle.time), scale.y_of(handle.value))
-            paint.draw_dot(painter, at, 5.0, color if handle.held else style.PLOT, style.ASKED)
-            if handle.text:
-                font = style.scaled_font(self, 0.9)
-                paint.draw_tag(painter, scale, at, handle.text, font)
+    def _choose_values(self) -> None:
+        self.values_chosen = True
 
     # --- events: translated, nothing else --------------------------------------------------
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """A button went down."""
-        self._mouse.press(self, event)
-        event.accept()
+    @property
+    def takes_wheel(self) -> bool:
+        """During a gesture."""
+        return self._mouse.is_held
 
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """The second press of two is a press like any other."""
-        self.mousePressEvent(event)
+    def pressed(self, pointer: Pointer) -> None:
+        """The left button went down."""
+        self._mouse.press(self, pointer)
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """The pointer moved."""
-        self._mouse.move(self, event)
-        event.accept()
+    def dragged(self, pointer: Pointer) -> None:
+        """The pointer moved since then."""
+        self._mouse.drag_to(self, pointer)
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """A button went up."""
-        self._mouse.release(self, event)
-        event.accept()
+    def released(self, pointer: Pointer) -> None:
+        """The left button went up."""
+        self._mouse.release(self, pointer)
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """The wheel turned."""
-        self._mouse.wheel(self, event)
-        event.accept()
+    def let_go(self) -> None:
+        """The left button went up where nobody saw it."""
+        self._mouse.let_go()
 
-    def leaveEvent(self, event: QEvent) -> None:
+    def hovered(self, pointer: Pointer) -> None:
+        """The pointer moved without a button."""
+        self._mouse.hover(self, pointer)
+
+    def left(self) -> None:
         """The pointer went elsewhere."""
         self._mouse.leave(self)
+
+    def turned(self, pointer: Pointer, notches: float) -> None:
+        """The wheel was turned during a gesture."""
+        self._mouse.turn(self, pointer, notches)
+
+    def cancel(self) -> None:
+        """The right button went down during a gesture."""
+        self._mouse.cancel()
+
+    def _ask_menu(self, x: float, _y: float, place: QPoint) -> None:
+        self.menu_asked.emit(self.current_scale.time_at(x), place)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """The menu key asks for the menu at the playhead; a right click is the view's."""
         event.accept()
+        if event.reason() == QContextMenuEvent.Reason.Keyboard:
+            seconds = self._timeline.time
+            x = self.view.mapToScene(QPointF(self.current_scale.x_of(seconds), 0.0)).x()
+            place = self.viewport().mapToGlobal(QPoint(round(x), self.height() // 2))
+            self.menu_asked.emit(seconds, place)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Esc drops the drag in progress; all other keys are the window's."""
@@ -258,23 +289,20 @@ class CurvePlot(QWidget):
         """Who came by keyboard sees where; a click's place needs no mark."""
         reason = Qt.FocusReason
         keyboard = reason.TabFocusReason, reason.BacktabFocusReason, reason.ShortcutFocusReason
-        self.shows_focus = event.reason() in keyboard
-        self.focus_changed.emit()
-        self.update()
+        self._show_focus(event.reason() in keyboard)
         event.accept()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """The keyboard went elsewhere."""
-        self.shows_focus = False
-        self.focus_changed.emit()
-        self.update()
+        self._show_focus(False)
         event.accept()
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Another size needs other ticks and other points."""
-        super().resizeEvent(event)
-        self.scale_changed.emit()
+    def _show_focus(self, shown: bool) -> None:
+        self.shows_focus = shown
+        self.view.setBorder(style.FOCUS if shown else None)
+        self._show_active()
+        self.focus_changed.emit()
 
     def sizeHint(self) -> QSize:
         """Room for a curve; plots then share what there is."""
-        return QSize(400, 2 * style.ROW_HEIGHT)
+        return QSize(400, 3 * style.ROW_HEIGHT)

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt
-from PySide6.QtGui import (
-    QContextMenuEvent,
-    QMouseEvent,
-    QPainter,
-    QPaintEvent,
-    QPen,
-    QPolygonF,
-    QWheelEvent,
-)
-from PySide6.QtWidgets import QWidget
+import pyqtgraph as pg
+from PySide6.QtCore import QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QPainter, QPen, QPolygonF
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.axes import Scale, Span
-from faceedit_app.ui.curves.band import BandMouse
-from faceedit_app.ui.curves.edges import Edge
-from faceedit_app.ui.curves.gestures import Brush, RulerDrag, stepped_falloff
+from faceedit_app.ui.curves.edges import Edge, edge_times
+from faceedit_app.ui.curves.gestures import Pointer, RulerDrag, Span, clamped, stepped_falloff
+from faceedit_app.ui.curves.marks import SpanRegion
+from faceedit_app.ui.curves.scale import Interval, Scale
+from faceedit_app.ui.curves.selection_mouse import SelectionMouse
+from faceedit_app.ui.curves.time_view import Mouse, TimeView
 from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 17
@@ -28,84 +23,150 @@ _TIP = (
     "Shift: fine. Ctrl: snap to frames. Esc: as it was. Double click: select nothing."
 )
 _HINT = "drag here to select time"
+_HANDLE = 7.0  # pixels at most from an edge to the side of its handle
+_HOLD = (Edge.START, Edge.END)
 
 
-class RangeBar(QWidget):
-    """Selects a range by dragging, and shows its hold and falloffs as a shape."""
+class SelectionHandles(SpanRegion):
+    """The selection as a shape: as high as an edit is strong there, with four handles."""
 
-    def __init__(self, timeline: Timeline, band: BandMouse, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self._timeline, self._band = timeline, band
+    def __init__(self) -> None:
+        super().__init__(style.SELECTION)
+        self._lit: Edge | None = None
+
+    def light(self, edge: Edge | None) -> None:
+        """Mark what is held, or would be."""
+        if edge is not self._lit:
+            self._lit = edge
+            self.update()
+
+    def boundingRect(self) -> QRectF:
+        """With room for the handles."""
+        rect: QRectF = super().boundingRect()
+        room = _HANDLE * self.getViewBox().viewPixelSize()[0]
+        return rect.adjusted(-room, 0.0, room, 0.0)
+
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Draw it in pixels."""
+        place = painter.transform()
+        painter.resetTransform()
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
+        at = {edge: place.map(QPointF(t, 0.0)).x() for edge, t in edge_times(self.span).items()}
+        low, high = HEIGHT - 2.0, 3.0
+        corners = [
+            QPointF(at[Edge.FADE_IN], low),
+            QPointF(at[Edge.START], high),
+            QPointF(at[Edge.END], high),
+            QPointF(at[Edge.FADE_OUT], low),
+        ]
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(style.color(style.SELECTION, 130 if self._lit is Edge.BODY else 90))
+        painter.drawPolygon(QPolygonF(corners))
+        for edge in (Edge.FADE_IN, Edge.FADE_OUT, *_HOLD):
+            _paint_handle(painter, at[edge], edge in _HOLD, edge is self._lit)
+
+
+def _paint_handle(painter: QPainter, x: float, is_hold: bool, lit: bool) -> None:
+    """The hold's edges are bars, the falloffs' are diamonds at the foot."""
+    painter.setPen(QPen(style.color(style.BACKGROUND), 1.0))
+    painter.setBrush(style.color(style.TEXT if lit else style.SELECTION))
+    if is_hold:
+        painter.drawRoundedRect(QRectF(x - 3, 1.5, 6, HEIGHT - 3), 2, 2)
+        return
+    middle, size = HEIGHT - 6.0, 5.5 if lit else 4.5
+    around = [(-size, 0.0), (0.0, -size), (size, 0.0), (0.0, size)]
+    painter.drawPolygon(QPolygonF([QPointF(x + dx, middle + dy) for dx, dy in around]))
+
+
+class RangeBar(pg.GraphicsView, Mouse):
+    """Selects a range by dragging, and shows its hold and falloffs as a shape.
+
+    Signals:
+        menu_asked(place): a right click, and where it was on the screen.
+    """
+
+    menu_asked = Signal(QPoint)
+
+    def __init__(self, timeline: Timeline, edges: SelectionMouse) -> None:
+        super().__init__(background=style.PLOT)
+        self._timeline, self._edges = timeline, edges
         self._selecting: RulerDrag | None = None
-        self._before: Span | None = None  # what was selected until then
+        self._before: Interval | None = None  # what was selected until then
         self._hovered: Edge | None = None
+        self.view = TimeView(timeline, self, has_values=False)
+        self.setCentralItem(self.view)
+        self._handles = SelectionHandles()
+        self.view.addItem(self._handles, ignoreBounds=True)
+        self._hint = pg.TextItem(_HINT, style.MUTED, anchor=(0.5, 0.5))
+        self._hint.setFont(style.scaled_font(self, 0.82))
+        self._hint.setParentItem(self.view)
+        self.view.sigResized.connect(lambda: self._hint.setPos(self.view.rect().center()))
+        self.view.menu_asked.connect(lambda _x, _y, place: self.menu_asked.emit(place))
         self.setFixedHeight(HEIGHT)
-        self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setAcceptDrops(False)
         self.setObjectName("range_bar")
         self.setAccessibleName("Time selection")
         self.setAccessibleDescription(_TIP)
         self.setToolTip(_TIP)
-        timeline.selection_changed.connect(self.update)
-        timeline.falloff_changed.connect(self.update)
-        timeline.view_changed.connect(self.update)
-        band.taken.connect(self.update)
-        band.ended.connect(self.update)
+        timeline.selection_changed.connect(self._show)
+        timeline.falloff_changed.connect(self._show)
+        edges.taken.connect(self._show)
+        edges.ended.connect(self._show)
+        self._show()
 
     @property
-    def scale(self) -> Scale:
+    def current_scale(self) -> Scale:
         """How its pixels map to seconds."""
-        return Scale(self.width(), self.height(), self._timeline.view, (0.0, 1.0))
+        return self.view.scale_now
 
     @property
     def is_selecting(self) -> bool:
         """Whether a selection is being dragged out."""
         return self._selecting is not None
 
+    def _show(self) -> None:
+        span: Span | None = self._edges.span
+        self._hint.setVisible(span is None)
+        self._handles.show_span(span, style.SELECTED)
+        self._handles.light(self._edges.held or self._hovered)
+
     # --- mouse -----------------------------------------------------------------------------
 
+    @property
+    def takes_wheel(self) -> bool:
+        """The wheel sets the falloffs."""
+        return True
+
     def _part_at(self, x: float) -> Edge | None:
-        edge = self._band.edge_under(self.scale, x)
-        band = self._band.band
-        if edge is None and band is not None and band.start < self.scale.time_at(x) < band.end:
+        scale, span = self.current_scale, self._edges.span
+        edge = self._edges.edge_under(scale, x)
+        if edge is None and span is not None and span.start < scale.time_at(x) < span.end:
             return Edge.BODY
         return edge
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
+    def pressed(self, pointer: Pointer) -> None:
         """Grab what is there, else begin a new selection."""
-        if event.button() != Qt.MouseButton.LeftButton:
-            self.cancel()
-            return
-        seconds = self.scale.time_at(event.position().x())
-        part = self._part_at(event.position().x())
+        seconds = self.current_scale.time_at(pointer.x)
+        part = self._part_at(pointer.x)
         if part is not None:
-            self._band.grab(part, seconds)
+            self._edges.grab(part, seconds)
         else:
             self._before = self._timeline.selection
             self._selecting = RulerDrag(self._timeline.snap(seconds), selecting=True)
-        self.update()
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go on with it, or show what a press would grab."""
-        if not event.buttons():
-            self.let_go()
-        x = min(max(event.position().x(), 0.0), float(self.width()))
+    def dragged(self, pointer: Pointer) -> None:
+        """Go on with it."""
+        scale = self.current_scale
         if self._selecting is not None:
-            seconds = self._timeline.snap(self.scale.time_at(x))
-            self._timeline.select(self._selecting.selection(seconds))
-        elif self._band.is_dragging:
-            self._band.move(self.scale, event)
-        else:
-            self._hovered = self._part_at(x)
-            self.setCursor(
-                Qt.CursorShape.IBeamCursor
-                if self._hovered is None
-                else Qt.CursorShape.OpenHandCursor
-                if self._hovered is Edge.BODY
-                else Qt.CursorShape.SizeHorCursor
-            )
-        self.update()
+            seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
+            self._timeline.select(self._selecting.selection(self._timeline.snap(seconds)))
+        elif self._edges.is_dragging:
+            self._edges.move(scale, pointer)
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+    def released(self, _pointer: Pointer) -> None:
         """The end of it."""
         self.let_go()
 
@@ -116,84 +177,38 @@ class RangeBar(QWidget):
             if selection is not None and selection[0] == selection[1]:
                 self._timeline.select(None)
         self._selecting = None
-        self._band.release()
-        self.update()
+        self._edges.release()
 
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+    def double_clicked(self, _pointer: Pointer) -> None:
         """Select nothing."""
-        if event.button() == Qt.MouseButton.LeftButton:
-            self._timeline.select(None)
+        self._timeline.select(None)
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
+    def hovered(self, pointer: Pointer) -> None:
+        """Show what a press would grab."""
+        self._hovered = self._part_at(pointer.x)
+        self.view.setCursor(
+            Qt.CursorShape.IBeamCursor
+            if self._hovered is None
+            else Qt.CursorShape.OpenHandCursor
+            if self._hovered is Edge.BODY
+            else Qt.CursorShape.SizeHorCursor
+        )
+        self._show()
+
+    def left(self) -> None:
+        """Nothing is about to be grabbed."""
+        self._hovered = None
+        self._show()
+
+    def turned(self, _pointer: Pointer, notches: float) -> None:
         """The falloffs."""
-        notches = (event.angleDelta().y() or event.angleDelta().x()) / 120.0
         line = self._timeline
         fades = (stepped_falloff(f, notches) for f in (line.falloff, line.falloff_out))
         line.set_falloffs(*fades)
-        event.accept()
-
-    def leaveEvent(self, event: QEvent) -> None:
-        """Nothing is about to be grabbed."""
-        self._hovered = None
-        self.update()
-
-    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """The right button drops a drag."""
-        event.accept()
 
     def cancel(self) -> None:
         """Drop the drag in progress."""
         if self._selecting is not None:
             self._selecting = None
             self._timeline.select(self._before)
-        self._band.cancel()
-        self.update()
-
-    # --- painting --------------------------------------------------------------------------
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        """The shape of the selection, and its handles."""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
-        painter.fillRect(self.rect(), style.color(style.PLOT))
-        band, scale = self._band.band, self.scale
-        if band is None:
-            painter.setFont(style.scaled_font(self, 0.82))
-            painter.setPen(style.color(style.FAINT))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, _HINT)
-            return
-        self._paint_shape(painter, scale, band)
-        held = self._band.held or self._hovered
-        first, last = band.reach
-        for edge, seconds, tall in (
-            (Edge.FADE_IN, first, False),
-            (Edge.FADE_OUT, last, False),
-            (Edge.START, band.start, True),
-            (Edge.END, band.end, True),
-        ):
-            self._paint_handle(painter, scale.x_of(seconds), tall, edge is held)
-
-    def _paint_shape(self, painter: QPainter, scale: Scale, band: Brush) -> None:
-        low, high = self.height() - 2.0, 3.0
-        corners = [
-            QPointF(scale.x_of(band.reach[0]), low),
-            QPointF(scale.x_of(band.start), high),
-            QPointF(scale.x_of(band.end), high),
-            QPointF(scale.x_of(band.reach[1]), low),
-        ]
-        lit = self._hovered is Edge.BODY or self._band.held is Edge.BODY
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(style.color(style.SELECTION, 130 if lit else 90))
-        painter.drawPolygon(QPolygonF(corners))
-
-    def _paint_handle(self, painter: QPainter, x: float, tall: bool, lit: bool) -> None:
-        """The hold's edges are bars, the falloffs' are diamonds at the foot."""
-        painter.setPen(QPen(style.color(style.BACKGROUND), 1.0))
-        painter.setBrush(style.color(style.TEXT if lit else style.SELECTION))
-        if tall:
-            painter.drawRoundedRect(QRectF(x - 3, 1.5, 6, self.height() - 3), 2, 2)
-            return
-        middle = self.height() - 6.0
-        size = 5.5 if lit else 4.5
-        around = [(-size, 0.0), (0.0, -size), (size, 0.0), (0.0, size)]
-        painter.drawPolygon(QPolygonF([QPointF(x + dx, middle + dy) for dx, dy in around]))
+        self._edges.cancel()

@@ -6,8 +6,8 @@ from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QSizePolicy, QWidget
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.band import BandMouse
-from faceedit_app.ui.curves.gestures import Brush
+from faceedit_app.ui.curves.gestures import Span
+from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.state.timeline import FALLOFF_RANGE, Timeline
 
 _LONGEST = 1e6
@@ -22,9 +22,11 @@ class RangeFields(QWidget):
 
     left = Signal()
 
-    def __init__(self, timeline: Timeline, band: BandMouse, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, timeline: Timeline, edges: SelectionMouse, parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
-        self._timeline, self._band = timeline, band
+        self._timeline, self._edges = timeline, edges
         self.start = self._field("Selection start", "Second at which the selection starts")
         self.end = self._field("Selection end", "Second at which the selection ends")
         fades = "Seconds over which an edit fades {}.\nAlso: turn the wheel while dragging."
@@ -96,12 +98,12 @@ class RangeFields(QWidget):
             end = max(end, start)
         else:
             start = min(start, end)
-        self._band.place(Brush(start, end, line.falloff, line.falloff_out))
+        self._edges.place(Span(start, end, line.falloff, line.falloff_out))
         self.sync()
 
     def _fade(self) -> None:
         fades = self.fade_in.value(), self.fade_out.value()
         if (chosen := self._timeline.selection) is not None:
-            self._band.place(Brush(*chosen, *fades))
+            self._edges.place(Span(*chosen, *fades))
         else:
             self._timeline.set_falloffs(*fades)

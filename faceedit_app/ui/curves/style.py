@@ -22,29 +22,30 @@ TEXT = palette.TEXT
 MUTED = palette.MUTED
 FAINT = palette.FAINT
 LABEL = "#b4b9c2"  # names of the curves
-REGION_COLORS = {"lower": palette.ACCENT, "upper": "#009e73", "eyelids": palette.ORANGE}
 TRACKED = "#9aa0aa"
 ASKED = "#f4f5f7"
 PLAYHEAD = "#ffffff"
 FOCUS = palette.ACCENT
 SELECTION = palette.ACCENT
-BAND = "#a9c4de"  # where an edit acts
+EDITED = "#a9c4de"  # where an edit acts
 GAP = "#d08a6a"  # frames that the recording lost
 TAG = "#14161a"  # behind numbers that stand on the curves
 
 FACE_WIDTH = 1.8  # pixels
-HEADER_WIDTH = 168  # label, value and the value axis' numbers, left of every plot
+HEADER_WIDTH = 168  # left of everything on the time axis
+AXIS_WIDTH = 38  # of it, for the numbers of the value axis
 RULER_HEIGHT = 34
 LEGEND_HEIGHT = 26
-ROW_HEIGHT = 46  # at least
+ROW_HEIGHT = 30  # at least: two lines of a name
 ROW_GAP = 2
 RIGHT_MARGIN = 8
 VALUE_SPACING = 19  # pixels between the numbers of the value axis
 TIME_SPACING = 74  # pixels between the numbers of the time axis
 TIMECODE_SPACING = 106
 
-# Alpha of the bands, 0..255: a drag's own plot, the other plots, and what hovering would edit.
-STRONG, WEAK, HOVER = 72, 34, 40
+# Strength of the spans, 0..255: an edit in its own plot, in the others, and what hovering would
+# edit; the selection.
+STRONG, WEAK, HOVER, SELECTED = 72, 34, 40, 34
 
 
 @lru_cache(maxsize=256)
@@ -79,9 +80,9 @@ def asked_pen() -> QPen:
     return _pen(ASKED, 1.0, (4.0, 3.0))
 
 
-def face_pen(region: str) -> QPen:
-    """What the face does: solid, in the region's colour."""
-    return _pen(REGION_COLORS[region], FACE_WIDTH)
+def face_pen(color: str) -> QPen:
+    """What the face does: solid, in the control's colour."""
+    return _pen(color, FACE_WIDTH)
 
 
 def scaled_font(widget: QWidget, factor: float, bold: bool = False) -> QFont:

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.ui.curves.axes import Scale, Span
 from faceedit_app.ui.curves.gestures import (
     CLICK_SLOP,
     FINE,
-    Brush,
+    CurveDrag,
     Held,
+    Span,
     VerticalDrag,
+    clamped,
     moved_together,
-    press_curve,
 )
+from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.state.tools import Tool
 
 DOUBLING = 90.0  # pixels upwards that double a scale
@@ -48,7 +50,7 @@ class Gesture(Protocol):
     def moved(self, x: float, y: float, fine: bool, snap: bool = False) -> Gesture:
         """The pointer went to a pixel."""
 
-    def brush(self, falloff: float, falloff_out: float | None = None) -> Brush:
+    def span(self, falloff: float, falloff_out: float | None = None) -> Span:
         """Where the edit acts."""
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
@@ -71,7 +73,7 @@ class ScaleDrag(VerticalDrag):
 
     controls: tuple[str, ...]
     time: float
-    hold: Span
+    hold: Interval
     press: tuple[float, float]
     at: tuple[float, float]
     pixels: float = 0.0
@@ -87,8 +89,8 @@ class ScaleDrag(VerticalDrag):
     @property
     def factor(self) -> float:
         """What distances from the median are multiplied by: 0 when dragged down far enough."""
-        raw = 2.0 ** (self.pixels / DOUBLING) if self.pixels > 0 else 1 + self.pixels / DOUBLING
-        factor = min(max(raw, 0.0), LARGEST_SCALE)
+        way = clamped(self.pixels / DOUBLING, (-1.0, math.log2(LARGEST_SCALE)))
+        factor = 2.0**way if way > 0 else 1.0 + way
         return round(factor, 1) if self.snapping else factor
 
     @property
@@ -100,7 +102,7 @@ class ScaleDrag(VerticalDrag):
         """The edit as it stands, or None while there is nothing to do."""
         if not self.moving or self.factor == 1.0:
             return None
-        return self.brush(falloff, falloff_out).edit(self.controls, Op.SCALE, self.factor)
+        return self.span(falloff, falloff_out).edit(self.controls, Op.SCALE, self.factor)
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,7 @@ class PaintDrag(Held):
     value: float
     controls: tuple[str, ...]
     time: float
-    hold: Span
+    hold: Interval
     scale: Scale
     selected: bool
     moving: bool = True
@@ -148,7 +150,7 @@ class PaintDrag(Held):
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
         """The edit as it stands."""
-        return self.brush(falloff, falloff_out).edit(self.controls, self.op, self.value)
+        return self.span(falloff, falloff_out).edit(self.controls, self.op, self.value)
 
 
 @dataclass(frozen=True)
@@ -159,6 +161,7 @@ class DrawDrag:
         controls: ids of the curves.
         time: seconds under the pointer.
         scale: of the plot at the press.
+        limits: lowest and highest millimetre that a face can do.
         at: seconds and millimetres of the pointer now.
         points: what was drawn, in order of time.
         moving: whether it has become an edit.
@@ -167,6 +170,7 @@ class DrawDrag:
     controls: tuple[str, ...]
     time: float
     scale: Scale
+    limits: Interval
     at: tuple[float, float]
     points: tuple[tuple[float, float], ...]
     moving: bool = False
@@ -174,7 +178,7 @@ class DrawDrag:
     def moved(self, x: float, y: float, fine: bool, snap: bool = False) -> DrawDrag:
         """The pointer went to a pixel; what lies between there and before is drawn over."""
         step = 1.0 / max(self.scale.width, 1.0) * (self.scale.view[1] - self.scale.view[0])
-        value = 0.0 if snap else max(self.scale.value_at(y), 0.0)
+        value = clamped(0.0 if snap else self.scale.value_at(y), self.limits)
         now = self.scale.time_at(min(max(x, 0.0), self.scale.width)), value
         if abs(now[0] - self.at[0]) < 0.5 * step and not self.moving:
             return self
@@ -194,24 +198,16 @@ class DrawDrag:
         """Where the pen is."""
         return f"{self.at[1]:.1f} mm"
 
-    def brush(self, falloff: float, falloff_out: float | None = None) -> Brush:
+    def span(self, falloff: float, falloff_out: float | None = None) -> Span:
         """Where the edit acts."""
-        return Brush(self.points[0][0], self.points[-1][0], falloff, falloff_out)
+        return Span(self.points[0][0], self.points[-1][0], falloff, falloff_out)
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
         """The edit as it stands, or None while there is nothing to do."""
         if not self.moving:
             return None
-        brush = self.brush(falloff, falloff_out)
-        return brush.edit(self.controls, Op.DRAW, points=self.points)
-
-
-def press_draw(
-    controls: tuple[str, ...], x: float, y: float, time: float, scale: Scale
-) -> DrawDrag:
-    """Put the pen down."""
-    at = scale.time_at(x), max(scale.value_at(y), 0.0)
-    return DrawDrag(controls, time, scale, at, (at,))
+        span = self.span(falloff, falloff_out)
+        return span.edit(self.controls, Op.DRAW, points=self.points)
 
 
 @dataclass(frozen=True)
@@ -224,8 +220,9 @@ class Press:
         at: pixels.
         time: seconds of the frame there.
         scale: of the plot.
-        brush: what would be edited.
+        span: what would be edited.
         asked, tracked: millimetres of the curve at that frame.
+        limits: lowest and highest millimetre that a face can do with this control.
     """
 
     control: str
@@ -233,15 +230,16 @@ class Press:
     at: tuple[float, float]
     time: float
     scale: Scale
-    brush: Brush
+    span: Span
     asked: float
     tracked: float
+    limits: Interval
 
 
 def begin(tool: Tool, press: Press, smooth: float) -> Gesture:
     """The tool's gesture that a press begins; `smooth` is the strength of smoothing, seconds."""
-    hold, time, scale = (press.brush.start, press.brush.end), press.time, press.scale
-    selected = press.brush.end > press.brush.start
+    hold, time, scale = (press.span.start, press.span.end), press.time, press.scale
+    selected = press.span.end > press.span.start
     # Values in mm suit a curve and its mirror, not curves of another kind.
     pair = moved_together(press.control, (), len(press.controls) > 1)
     pair = tuple(name for name in pair if name in press.controls)
@@ -249,14 +247,30 @@ def begin(tool: Tool, press: Press, smooth: float) -> Gesture:
         case Tool.SCALE:
             return ScaleDrag(press.controls, time, hold, press.at, press.at)
         case Tool.DRAW:
-            return press_draw(pair, *press.at, time, scale)
+            x, y = press.at
+            at = scale.time_at(x), clamped(scale.value_at(y), press.limits)
+            return DrawDrag(pair, time, scale, press.limits, at, (at,))
         case Tool.SMOOTH:
             return PaintDrag(Op.SMOOTH, smooth, press.controls, time, hold, scale, selected)
         case Tool.FLATTEN:
             return PaintDrag(Op.SET, press.asked, pair, time, hold, scale, selected)
         case Tool.RESTORE:
             return PaintDrag(Op.RESET, 0.0, press.controls, time, hold, scale, selected)
-        case _:
-            others = tuple(name for name in press.controls if name != press.control)
-            magnets = press.tracked - press.asked, -press.asked
-            return press_curve(press.control, *press.at, scale, time, press.brush, others, magnets)
+        case Tool.MOVE:
+            return move(press)
+
+
+def move(press: Press) -> CurveDrag:
+    """Begin to drag a curve up or down."""
+    return CurveDrag(
+        control=press.control,
+        time=press.time,
+        hold=(press.span.start, press.span.end),
+        press=press.at,
+        at=press.at,
+        mm_per_pixel=press.scale.mm_per_pixel,
+        # Where it is beyond what faces do, it may stay there or come back.
+        limits=(min(press.limits[0] - press.asked, 0.0), max(press.limits[1] - press.asked, 0.0)),
+        others=tuple(name for name in press.controls if name != press.control),
+        magnets=(press.tracked - press.asked, -press.asked),
+    )

@@ -1,0 +1,247 @@
+"""What stands on the time axis besides curves: selection, gaps, playhead, handles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import (
+    QBrush,
+    QFont,
+    QLinearGradient,
+    QPainter,
+    QPainterPath,
+    QPen,
+    QPolygonF,
+)
+from PySide6.QtWidgets import (
+    QGraphicsItem,
+    QGraphicsPathItem,
+    QStyleOptionGraphicsItem,
+    QWidget,
+)
+
+from faceedit_app.core.controls import LIP_OPENING
+from faceedit_app.editing.edits.edit import Op
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.gestures import Span
+from faceedit_app.ui.curves.paint import draw_tag, tag_box
+from faceedit_app.ui.curves.scale import Interval, Scale
+
+LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is in view
+_NONE = QPen(Qt.PenStyle.NoPen)
+_FAINTEST = 0.12  # of a span's strength, at the ends of its falloffs
+
+
+class SpanRegion(pg.LinearRegionItem):
+    """A span of time with four edges: its hold, and the falloffs on either side.
+
+    Its fill fades as an edit there fades. pyqtgraph's own two lines stay hidden: as items of
+    their own, four edges take as long to paint as the curves.
+
+    Args:
+        color: of the fill.
+        hold, falloff: pens of the edges.
+    """
+
+    def __init__(self, color: str, hold: QPen = _NONE, falloff: QPen = _NONE) -> None:
+        super().__init__(pen=_NONE, movable=False, swapMode=None)
+        self.span = Span(0.0, 0.0, 0.0)
+        self._color, self._hold, self._falloff = color, hold, falloff
+        self._shown: tuple[Span | None, int] = (None, 0)
+        self._rect: QRectF | None = None
+        self._fades: list[QBrush] = []
+        for line in self.lines:
+            line.hide()
+        self.hide()
+
+    def show_span(self, span: Span | None, alpha: int) -> None:
+        """Show it, or nothing; the fill's strength is 0..255."""
+        if (span, alpha) == self._shown:
+            return
+        self._shown = span, alpha
+        self.setVisible(span is not None)
+        if span is None:
+            return
+        self.span = span
+        self.viewRangeChanged()
+        self.setRegion((span.start, span.end))
+        self.setBrush(style.color(self._color, alpha))
+        ramps = (span.ends[0], span.start), (span.end, span.ends[1])
+        self._fades = [self._fade(span, *ramp, alpha) for ramp in ramps]
+        self.update()
+
+    def _fade(self, span: Span, first: float, last: float, alpha: int) -> QBrush:
+        fade = QLinearGradient(first, 0.0, last, 0.0)
+        for place, strength in _stops(span, first, last):
+            seen = alpha * (_FAINTEST + (1 - _FAINTEST) * strength)
+            fade.setColorAt(place, style.color(self._color, round(seen)))
+        return QBrush(fade)
+
+    def viewRangeChanged(self) -> None:
+        """It is as tall as the view, and never thinner than a pixel."""
+        self._rect = None
+        self.prepareGeometryChange()
+
+    def boundingRect(self) -> QRectF:
+        """From the first to the last second that an edit changes."""
+        if self._rect is None:
+            view = self.viewRect()
+            if view is None:
+                return QRectF()
+            first, last = self.span.ends
+            pixel = self.getViewBox().viewPixelSize()[0]
+            first, last = first - pixel, last + pixel
+            self._rect = QRectF(first, view.top(), last - first, view.height())
+        return self._rect
+
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Fill hold and falloffs, then draw the edges."""
+        rect, span = self.boundingRect(), self.span
+        top, height = rect.top(), rect.height()
+        least = self.getViewBox().viewPixelSize()[0]
+        (first, last), hold = span.ends, max(span.end - span.start, least)
+        painter.fillRect(QRectF(span.start, top, hold, height), self.brush)
+        for start, end, fade in ((first, span.start, 0), (span.end, last, 1)):
+            if end > start:
+                painter.fillRect(QRectF(start, top, end - start, height), self._fades[fade])
+        for pen, edges in ((self._hold, (span.start, span.end)), (self._falloff, (first, last))):
+            painter.setPen(pen)
+            painter.drawLines([QLineF(x, top, x, top + height) for x in edges])
+
+
+@lru_cache(maxsize=16)
+def _stops(span: Span, first: float, last: float) -> list[tuple[float, float]]:
+    """(position 0..1, strength 0..1) along one of a span's falloffs."""
+    # The edit's own mask, so that the picture cannot tell another story than the result.
+    ramp = np.linspace(0.0, 1.0, 7)
+    mask = span.edit((LIP_OPENING,), Op.OFFSET).mask(first + ramp * (last - first))
+    return [(float(p), float(s)) for p, s in zip(ramp, mask, strict=True)]
+
+
+def selection_region() -> SpanRegion:
+    """The selection: edges that can be seen on any curve."""
+    falloff = QPen(style.color(style.SELECTION, 90), 0, Qt.PenStyle.DashLine)
+    return SpanRegion(style.SELECTION, style.hairline(style.SELECTION, 190), falloff)
+
+
+def edit_region() -> SpanRegion:
+    """Where an edit acts, or would act."""
+    return SpanRegion(style.EDITED, falloff=style.hairline(style.EDITED, 100))
+
+
+class Gaps(pg.UIGraphicsItem):
+    """Hatches what the recording lost."""
+
+    def __init__(self, alpha: int) -> None:
+        super().__init__()
+        self._gaps: Sequence[Interval] = ()
+        self._hatch = QBrush(style.color(style.GAP, alpha), Qt.BrushStyle.BDiagPattern)
+        self._fill = style.color(style.GAP, alpha // 6)
+
+    def show_gaps(self, gaps: Sequence[Interval]) -> None:
+        """From the last second before each gap to the first after it."""
+        self._gaps = gaps
+        self.setVisible(bool(gaps))
+        self.update()
+
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Hatch in pixels: a pattern would be stretched with the seconds."""
+        view, place = self.boundingRect(), painter.transform()
+        painter.resetTransform()
+        for first, last in self._gaps:
+            if last < view.left() or first > view.right():
+                continue
+            rect = place.mapRect(QRectF(first, view.top(), last - first, view.height()))
+            if (missing := LEAST_GAP - rect.width()) > 0:
+                rect.adjust(-0.5 * missing, 0.0, 0.5 * missing, 0.0)
+            painter.fillRect(rect, self._fill)
+            painter.fillRect(rect, self._hatch)
+
+
+class Playhead(pg.InfiniteLine):
+    """The line of the frame on screen, one dot wide so that it is crisp."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 90, pen=style.hairline(style.PLAYHEAD, 215))
+
+
+class Marker(QGraphicsPathItem):
+    """A small shape that is as large at any scale.
+
+    Args:
+        shape: around where it stands, in pixels.
+        fill, edge: colours.
+    """
+
+    def __init__(self, shape: QPainterPath, fill: str, edge: str | None = None) -> None:
+        super().__init__(shape)
+        self.setBrush(style.color(fill))
+        self.setPen(_NONE if edge is None else QPen(style.color(edge), 1.5))
+        self.setFlag(self.GraphicsItemFlag.ItemIgnoresTransformations)
+
+    def paint(
+        self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Draw it smoothly."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
+        super().paint(painter, option, widget)
+
+
+def dot(radius: float, fill: str, edge: str) -> Marker:
+    """A round one."""
+    shape = QPainterPath()
+    shape.addEllipse(QPointF(), radius, radius)
+    return Marker(shape, fill, edge)
+
+
+def grip() -> Marker:
+    """What one grabs to scrub, with its point on the playhead's foot."""
+    shape = QPainterPath()
+    corners = [(0.5, 0.0), (-4.5, -5.0), (-4.5, -10.0), (5.5, -10.0), (5.5, -5.0)]
+    shape.addPolygon(QPolygonF([QPointF(x, y) for x, y in corners]))
+    shape.closeSubpath()
+    return Marker(shape, style.PLAYHEAD)
+
+
+class Numbers(QGraphicsItem):
+    """Lines of numbers beside a point, kept inside the plot.
+
+    pyqtgraph's text items lay out a document for each change, which takes longer than the curves.
+    """
+
+    def __init__(self, font: QFont) -> None:
+        super().__init__()
+        self._font = font
+        self._lines: tuple[str, ...] = ()
+        self._box = QRectF()
+        self.setFlag(self.GraphicsItemFlag.ItemIgnoresTransformations)
+        self.hide()
+
+    def show_beside(self, point: QPointF, scale: Scale, lines: tuple[str, ...]) -> None:
+        """Show them right of a point (seconds, millimetres), or left of it if there is no room."""
+        self.setVisible(bool(lines))
+        if not lines:
+            return
+        self.prepareGeometryChange()
+        place = QPointF(scale.x_of(point.x()), scale.y_of(point.y()))
+        self._lines, self._box = lines, tag_box(place, scale, lines, self._font)
+        self._box.translate(-place)
+        self.setPos(point)
+
+    def boundingRect(self) -> QRectF:
+        """Where they stand, from the point."""
+        return self._box.adjusted(-1.0, -1.0, 1.0, 1.0)
+
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Draw them on their ground."""
+        draw_tag(painter, self._box, self._lines, self._font)

@@ -1,0 +1,44 @@
+"""The rows of the curves panel: they share the height, and scroll once they would be too low."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
+
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.header import Header
+from faceedit_app.ui.curves.plot import CurvePlot
+
+
+class Rows(QScrollArea):
+    """A header and a plot for each control; any of them may be hidden.
+
+    The scroll bar, when there is one, takes the place of the margin on the right: plots stay as
+    wide as the ruler.
+    """
+
+    def __init__(self, headers: Sequence[Header], plots: Sequence[CurvePlot]) -> None:
+        super().__init__()
+        content = QWidget()
+        self._grid = QGridLayout(content)
+        self._grid.setHorizontalSpacing(0)
+        self._grid.setVerticalSpacing(style.ROW_GAP)
+        for row, (header, plot) in enumerate(zip(headers, plots, strict=True)):
+            self._grid.addWidget(header, row, 0)
+            self._grid.addWidget(plot, row, 1)
+            self._grid.setRowStretch(row, 1)
+        self._grid.setColumnStretch(1, 1)
+        self.setWidget(content)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        bar = self.verticalScrollBar()
+        bar.setStyleSheet(f"QScrollBar {{ width: {style.RIGHT_MARGIN}px; }}")
+        bar.rangeChanged.connect(self._keep_width)
+        self._keep_width(0, 0)
+
+    def _keep_width(self, _first: int, last: int) -> None:
+        self._grid.setContentsMargins(0, 0, 0 if last else style.RIGHT_MARGIN, 0)

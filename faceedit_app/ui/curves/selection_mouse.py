@@ -1,0 +1,107 @@
+"""The mouse on the selection's edges, wherever they are drawn."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Signal
+
+from faceedit_app.ui.curves.edges import Edge, EdgeDrag, edge_at, press_edge
+from faceedit_app.ui.curves.gestures import Pointer, Span, clamped
+from faceedit_app.ui.curves.scale import Scale
+from faceedit_app.ui.state.timeline import Timeline
+
+
+class SelectionMouse(QObject):
+    """Drags the selection's edges: start and end of the hold, and the falloffs around it.
+
+    Signals:
+        taken(): an edge is held from now on.
+        moved(): an edge is elsewhere.
+        ended(): it was released, or is back where it was.
+    """
+
+    taken = Signal()
+    moved = Signal()
+    ended = Signal()
+
+    def __init__(self, timeline: Timeline, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._timeline = timeline
+        self._drag: EdgeDrag | None = None
+        self._placing = False
+
+    @property
+    def span(self) -> Span | None:
+        """The selection with its falloffs."""
+        line = self._timeline
+        if line.selection is None:
+            return None
+        return Span(*line.selection, line.falloff, line.falloff_out)
+
+    @property
+    def is_dragging(self) -> bool:
+        """Whether an edge is held."""
+        return self._drag is not None
+
+    @property
+    def is_changing(self) -> bool:
+        """Whether an edge is held, or is just being put somewhere by numbers."""
+        return self.is_dragging or self._placing
+
+    def place(self, span: Span) -> None:
+        """Put all edges somewhere, as numbers say."""
+        self._placing = True
+        self._show(span)
+        self.ended.emit()
+        self._placing = False
+
+    @property
+    def held(self) -> Edge | None:
+        """The edge that is held."""
+        return self._drag.edge if self._drag is not None else None
+
+    def edge_under(self, scale: Scale, x: float) -> Edge | None:
+        """The edge that a press at a pixel would grab."""
+        span = self.span
+        return edge_at(x, scale, span) if span is not None else None
+
+    def press(self, scale: Scale, x: float) -> bool:
+        """Grab the edge at a pixel, if there is one."""
+        edge = self.edge_under(scale, x)
+        if edge is not None:
+            self.grab(edge, scale.time_at(x))
+        return edge is not None
+
+    def grab(self, edge: Edge, seconds: float) -> None:
+        """Hold an edge, or the whole selection, at a time."""
+        span = self.span
+        if span is not None:
+            limits = 0.0, self._timeline.snap(self._timeline.duration)
+            self._drag = press_edge(edge, span, seconds, limits)
+            self.taken.emit()
+
+    def move(self, scale: Scale, pointer: Pointer) -> None:
+        """Bring the edge along; it may snap to frames."""
+        if self._drag is None:
+            return
+        seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
+        frame = self._timeline.snap(seconds) if pointer.snap else None
+        self._drag = self._drag.moved(seconds, pointer.fine, frame)
+        self._show(self._drag.span)
+
+    def release(self) -> None:
+        """Keep it."""
+        if self._drag is not None:
+            self._drag = None
+            self.ended.emit()
+
+    def cancel(self) -> None:
+        """Put it back to where it was."""
+        if self._drag is not None:
+            self._show(self._drag.before)
+            self._drag = None
+            self.ended.emit()
+
+    def _show(self, span: Span) -> None:
+        self._timeline.set_falloffs(span.falloff, span.fade_out)
+        self._timeline.select((span.start, span.end))
+        self.moved.emit()

@@ -1,0 +1,210 @@
+"""The view box of everything on the time axis: pyqtgraph's, kept in step with the timeline."""
+
+from __future__ import annotations
+
+import math
+
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QPoint, Qt, Signal
+from PySide6.QtWidgets import (
+    QGraphicsSceneHoverEvent,
+    QGraphicsSceneMouseEvent,
+    QGraphicsSceneWheelEvent,
+)
+
+from faceedit_app.ui.curves.gestures import PAN_STEP, ZOOM_STEP, Pointer, WheelMeans, wheel_means
+from faceedit_app.ui.curves.scale import Scale
+from faceedit_app.ui.curves.value_range import LARGEST, SMALLEST
+from faceedit_app.ui.state.timeline import Timeline
+
+LEFT, MIDDLE, RIGHT = (
+    Qt.MouseButton.LeftButton,
+    Qt.MouseButton.MiddleButton,
+    Qt.MouseButton.RightButton,
+)
+_NOTCH = 120  # of the wheel, in Qt's units
+_TIME, _VALUES = 0, 1  # pyqtgraph's numbers of the axes
+
+
+class Mouse:
+    """What the left button, the wheel and the hovering pointer do in a `TimeView`: nothing yet."""
+
+    @property
+    def takes_wheel(self) -> bool:
+        """Whether the wheel is turned for it, not for the view."""
+        return False
+
+    def pressed(self, pointer: Pointer) -> None:
+        """The left button went down."""
+
+    def double_clicked(self, pointer: Pointer) -> None:
+        """It went down twice."""
+        self.pressed(pointer)
+
+    def dragged(self, pointer: Pointer) -> None:
+        """The pointer moved since then."""
+
+    def released(self, pointer: Pointer) -> None:
+        """The left button went up."""
+
+    def let_go(self) -> None:
+        """It went up where nobody saw it."""
+
+    def hovered(self, pointer: Pointer) -> None:
+        """The pointer moved without a button."""
+
+    def left(self) -> None:
+        """The pointer went elsewhere."""
+
+    def turned(self, pointer: Pointer, notches: float) -> None:
+        """The wheel was turned."""
+
+    def cancel(self) -> None:
+        """The right button went down during a gesture."""
+
+
+class TimeView(pg.ViewBox):
+    """Shows the seconds that the timeline shows; the left button belongs to gestures.
+
+    pyqtgraph zooms and pans: by the wheel, the right and the middle button, and by all of them on
+    the axes. Time is linked through the timeline: pyqtgraph's `setXLink` lines views up by their
+    place on the screen, and so shifts those that are hidden, or that have no value axis.
+
+    Signals:
+        values_chosen(): the user zoomed or moved the values.
+        menu_asked(x, y, place): a right click at a pixel, and where that is on the screen.
+    """
+
+    values_chosen = Signal()
+    menu_asked = Signal(float, float, QPoint)
+
+    def __init__(self, timeline: Timeline, mouse: Mouse, has_values: bool = True) -> None:
+        super().__init__(enableMenu=False, defaultPadding=0.0)
+        self._timeline, self._mouse, self._has_values = timeline, mouse, has_values
+        self._axis = _TIME
+        self._is_held = False  # by the left button
+        self.disableAutoRange()
+        self.setMouseEnabled(x=True, y=has_values)
+        self.setLimits(minYRange=SMALLEST, maxYRange=LARGEST)
+        self.state["wheelScaleFactor"] = math.log(ZOOM_STEP, 1.02) / _NOTCH
+        self.setAcceptHoverEvents(True)
+        timeline.view_changed.connect(self._follow)
+        self.sigRangeChangedManually.connect(self._lead)
+        self._follow()
+
+    @property
+    def scale_now(self) -> Scale:
+        """How its pixels map to seconds and millimetres."""
+        (first, last), (low, high) = self.viewRange()
+        return Scale(self.width(), self.height(), (first, last), (low, high))
+
+    def _follow(self) -> None:
+        self.setXRange(*self._timeline.view, padding=0)
+
+    def _lead(self, changed: list[bool]) -> None:
+        """The user moved it; the timeline has the last word on what can be seen."""
+        if changed[_TIME]:
+            self._timeline.show_range(*self.viewRange()[0])
+            self._follow()
+        if changed[_VALUES]:
+            self.values_chosen.emit()
+
+    # --- the mouse: the left button -----------------------------------------------------------
+
+    def mousePressEvent(self, event: QGraphicsSceneMouseEvent) -> None:
+        """Take the left button; what is not accepted becomes pyqtgraph's drag or click."""
+        if event.button() == LEFT:
+            self._is_held = True
+            self._mouse.pressed(_pointer(event))
+        elif not self._is_held:
+            event.ignore()
+        elif event.button() == RIGHT:
+            self._mouse.cancel()
+
+    def mouseDoubleClickEvent(self, event: QGraphicsSceneMouseEvent) -> None:
+        """The second press of two."""
+        if event.button() == LEFT:
+            self._is_held = True
+            self._mouse.double_clicked(_pointer(event))
+        else:
+            self.mousePressEvent(event)
+
+    def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
+        """Go on with what the press began."""
+        self._mouse.dragged(_pointer(event))
+
+    def mouseReleaseEvent(self, event: QGraphicsSceneMouseEvent) -> None:
+        """The end of it."""
+        if event.button() == LEFT:
+            self._is_held = False
+            self._mouse.released(_pointer(event))
+
+    def ungrabMouseEvent(self, event: QEvent) -> None:
+        """Qt noticed that the button is up although no release came."""
+        if self._is_held:
+            self._is_held = False
+            self._mouse.let_go()
+        super().ungrabMouseEvent(event)
+
+    def hoverMoveEvent(self, event: QGraphicsSceneHoverEvent) -> None:
+        """Show what a press would do."""
+        self._mouse.hovered(_pointer(event))
+
+    def hoverLeaveEvent(self, _event: QGraphicsSceneHoverEvent) -> None:
+        """Show it no longer."""
+        self._mouse.left()
+
+    # --- the mouse: pyqtgraph's part ----------------------------------------------------------
+
+    def wheelEvent(self, event: QGraphicsSceneWheelEvent, axis: int | None = None) -> None:
+        """During a gesture the falloff; else zoom and pan. `axis` is the one under the pointer."""
+        event.accept()
+        self.updateMatrix()
+        notches = event.delta() / _NOTCH
+        sideways = event.orientation() == Qt.Orientation.Horizontal
+        pointer = _pointer(event)
+        means = wheel_means(self._mouse.takes_wheel, pointer.fine or sideways, pointer.snap)
+        if means is WheelMeans.FALLOFF:
+            self._mouse.turned(pointer, notches)
+        elif axis == _VALUES or (means is WheelMeans.ZOOM_VALUES and self._has_values):
+            super().wheelEvent(event, _VALUES)
+        elif means is WheelMeans.PAN:
+            (first, last), _ = self.viewRange()
+            self.translateBy(x=-notches * PAN_STEP * (last - first))
+            self.sigRangeChangedManually.emit([True, False])
+        else:
+            super().wheelEvent(event, _TIME)
+
+    def mouseDragEvent(
+        self, event: pg.GraphicsScene.mouseEvents.MouseDragEvent, axis: int | None = None
+    ) -> None:
+        """The middle button pans the time, the right one scales: along the way it goes first."""
+        if event.isStart():
+            way = event.pos() - event.buttonDownPos()
+            upwards = event.button() == RIGHT and abs(way.y()) > abs(way.x())
+            self._axis = _VALUES if upwards and self._has_values else _TIME
+        self._axis = self._axis if axis is None else axis
+        self.setMouseEnabled(x=self._axis == _TIME, y=self._axis == _VALUES)
+        super().mouseDragEvent(event, self._axis)
+        self.setMouseEnabled(x=True, y=self._has_values)
+
+    def mouseClickEvent(self, event: pg.GraphicsScene.mouseEvents.MouseClickEvent) -> None:
+        """A right click asks for the menu."""
+        if event.button() == RIGHT:
+            event.accept()
+            place = event.screenPos().toPoint()
+            self.menu_asked.emit(event.pos().x(), event.pos().y(), place)
+
+
+def _pointer(
+    event: QGraphicsSceneMouseEvent | QGraphicsSceneHoverEvent | QGraphicsSceneWheelEvent,
+) -> Pointer:
+    """The event's place and keys."""
+    keys, key = event.modifiers(), Qt.KeyboardModifier
+    return Pointer(
+        event.pos().x(),
+        event.pos().y(),
+        fine=bool(keys & key.ShiftModifier),
+        snap=bool(keys & key.ControlModifier),
+        one_side=bool(keys & key.AltModifier),
+    )

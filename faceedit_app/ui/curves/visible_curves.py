@@ -1,0 +1,225 @@
+"""What of a take's curves is in view: the few points that a screen can show, for all plots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.extremes import Extremes, highest, lowest
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.curves.scale import Interval
+
+Values = NDArray[np.floating]
+Mask = NDArray[np.bool_]
+
+BASE = 16  # frames in the smallest bin that is kept
+# Below this many frames per pixel column all are drawn: thinning would cost more than it saves.
+DENSE = 3
+# Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
+SAME = 0.005
+_LINES, _FACE = 3, 1  # tracked, face, asked
+
+
+@dataclass(frozen=True, eq=False)
+class Polyline:
+    """Points to draw.
+
+    Attributes:
+        x, y: (N,) seconds and values.
+        joined: (N,) whether a line goes from this point to the next; None if all are joined.
+        thinned: whether each pixel column shows its extremes only.
+    """
+
+    x: Values
+    y: Values
+    joined: Mask | None = None
+    thinned: bool = False
+
+    def changed_from(self, before: Polyline) -> Interval | None:
+        """First and last second between which they are drawn otherwise; None if nowhere."""
+        if self is before:
+            return None
+        if self.x is before.x:
+            rows = np.flatnonzero(self.y != before.y)
+            if not len(rows):
+                return None
+            first, last = max(rows[0] - 1, 0), min(rows[-1] + 1, len(self.x) - 1)
+            return float(self.x[first]), float(self.x[last])
+        # With where a line begins all of its dashes move.
+        ends = [float(x[i]) for x in (self.x, before.x) for i in (0, -1) if len(x)]
+        return (min(ends), max(ends)) if ends else None
+
+
+EMPTY = Polyline(np.empty(0), np.empty(0))
+
+
+@dataclass(frozen=True)
+class Lines:
+    """A curve's three lines, as they are drawn."""
+
+    tracked: Polyline = EMPTY
+    face: Polyline = EMPTY
+    asked: Polyline = EMPTY
+
+
+class VisibleCurves:
+    """The curves of a session as they are seen, C of them.
+
+    A line that is drawn as before stays the same object: what shows it has nothing to do.
+
+    Few frames are drawn one by one; of many, what each column of pixels shows is read from
+    `Extremes` that are kept up to date with what edits change.
+
+    Attributes:
+        low, high: (C,) mm, of the take as tracked.
+    """
+
+    def __init__(self, session: EditSession) -> None:
+        self._live, self._seen = session.live, 0
+        self._times = session.take.clip.times
+        self._curves = session.tracked.shape[1]
+        self.low, self.high = session.tracked.min(axis=0), session.tracked.max(axis=0)
+        self._extremes: Extremes | None = None
+        self._known: dict[tuple[int, int], Polyline] = {}  # by line and curve
+        self.look((0.0, 0.0), 1)
+
+    def look(self, view: Interval, columns: int) -> None:
+        """Say what is in view.
+
+        Args:
+            view: first and last visible second.
+            columns: of pixels.
+        """
+        self._rows = visible_rows(self._times, *view)
+        self._size = bin_size(self._rows, columns)
+        if self._size >= BASE:
+            self._size = self._pyramid().bin_size(self._size)
+        self._known.clear()
+        self._x = self._times[self._rows] if self._size == 1 else self._middles()
+        self._read_again()
+
+    def _pyramid(self) -> Extremes:
+        if self._extremes is None:
+            columns = (_LINES + 2) * self._curves
+            self._extremes = Extremes(self._read, len(self._times), columns, base=BASE)
+        return self._extremes
+
+    def refresh(self) -> None:
+        """Read the curves again."""
+        y, near = self._y, self._near
+        self._read_again()
+        new = (self._y != y).any(axis=2)
+        new[::2] |= (self._near != near).any(axis=2)
+        for line, curve in np.argwhere(new).tolist():
+            self._known.pop((line, curve), None)
+
+    def _read_again(self) -> None:
+        self._seen, changed = self._live.changes(self._seen)
+        if self._extremes is not None:
+            for rows in changed:
+                self._extremes.update(*rows)
+        low, high = self._read_bins()
+        y = low if low is high else _alternating(low, high)
+        c = self._curves
+        self._y = np.ascontiguousarray(y[:, : _LINES * c].T).reshape(_LINES, c, -1)
+        # A frame next to one that differs is drawn too, so that runs join what lies beside them.
+        near = _widened(high[:, _LINES * c :] > SAME)
+        if low is not high:
+            near = near.repeat(2, axis=0)
+        self._near = near.T.reshape(2, c, -1)
+
+    def lines(self, curve: int) -> Lines:
+        """The three lines of one of the curves."""
+        return Lines(*(self._line(line, curve) for line in range(_LINES)))
+
+    def _line(self, line: int, curve: int) -> Polyline:
+        known = self._known.get((line, curve))
+        if known is None:
+            y, thinned = self._y[line, curve], self._size > 1
+            if line == _FACE:
+                known = Polyline(self._x, y, None, thinned)
+            else:
+                # Where lines coincide only the face is drawn: without edits, one calm line.
+                known = run_of(self._x, y, self._near[line // 2, curve], thinned)
+            self._known[line, curve] = known
+        return known
+
+    def extent(self, curve: int) -> Interval:
+        """Lowest and highest value in view, of all three lines."""
+        y = self._y[:, curve]
+        return float(y.min()), float(y.max())
+
+    def _read(self, rows: slice) -> Values:
+        """(N, 5 C): the three lines, and how far the face and the asked one are from tracked."""
+        live = self._live
+        tracked, face, asked = live.tracked[rows], live.achieved[rows], live.asked[rows]
+        apart = np.abs(face - tracked), np.abs(asked - tracked)
+        return np.concatenate([tracked, face, asked, *apart], axis=1)
+
+    @property
+    def _bins(self) -> tuple[int, int]:
+        """The first in view, and the one after the last.
+
+        Bins start at multiples of their size in the take, not at the edge of the view: peaks then
+        do not flicker while the view is panned.
+        """
+        return self._rows.start // self._size, -(-self._rows.stop // self._size)
+
+    def _middles(self) -> Values:
+        """(2 N,) seconds of each bin's two points."""
+        starts = self._size * np.arange(*self._bins)
+        last = len(self._times) - 1
+        within = np.stack([starts, np.minimum(starts + self._size // 2, last)], axis=1)
+        middles: Values = self._times[within.ravel()]
+        return middles
+
+    def _read_bins(self) -> tuple[Values, Values]:
+        """Lowest and highest values (N, 5 C) of each bin; of single frames both are the same."""
+        size, frames, (first, last) = self._size, len(self._times), self._bins
+        if size == 1:
+            values = self._read(self._rows)
+            return values, values
+        if size < BASE:
+            values = self._read(slice(first * size, min(last * size, frames)))
+            return lowest(values, size), highest(values, size)
+        return self._pyramid().bins(first, last, size)
+
+
+def visible_rows(times: Values, first: float, last: float) -> slice:
+    """The frames from `first` to `last` seconds and one beyond each edge, so lines run off."""
+    start = int(np.searchsorted(times, first)) - 1
+    stop = int(np.searchsorted(times, last, side="right")) + 1
+    return slice(max(start, 0), min(stop, len(times)))
+
+
+def bin_size(rows: slice, columns: int) -> int:
+    """Frames that share a pixel column; 1 where all of them are drawn."""
+    count = rows.stop - rows.start
+    return 1 if count <= DENSE * max(columns, 1) else -(-count // max(columns, 1))
+
+
+def run_of(x: Values, y: Values, shown: Mask, thinned: bool) -> Polyline:
+    """The points (N,) of a curve that are shown, those next to each other joined."""
+    if shown.all():
+        return Polyline(x, y, None, thinned)
+    if not shown.any():
+        return EMPTY
+    joined = np.append(shown[1:], False)[shown]
+    every = bool(joined[:-1].all())
+    return Polyline(x[shown], y[shown], None if every else joined, thinned)
+
+
+def _alternating(low: Values, high: Values) -> Values:
+    """(N, C) and (N, C) -> (2 N, C): each bin's lowest, then its highest."""
+    pairs: Values = np.stack([low, high], axis=1).reshape(-1, low.shape[1])
+    return pairs
+
+
+def _widened(mask: Mask) -> Mask:
+    """(N, C) mask with the neighbours in time of what it holds."""
+    wide = mask.copy()
+    wide[1:] |= mask[:-1]
+    wide[:-1] |= mask[1:]
+    return wide

@@ -1,0 +1,126 @@
+"""A curves panel on the screen, and a real mouse on its plots."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QWidget
+from pytestqt.qtbot import QtBot
+
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves.plot import CurvePlot
+from faceedit_app.ui.curves.range_bar import RangeBar
+from faceedit_app.ui.curves.ruler import Ruler
+from faceedit_app.ui.look.theme import apply_theme
+from faceedit_app.ui.state.timeline import Timeline
+
+NONE, SHIFT, CTRL, ALT = (
+    Qt.KeyboardModifier.NoModifier,
+    Qt.KeyboardModifier.ShiftModifier,
+    Qt.KeyboardModifier.ControlModifier,
+    Qt.KeyboardModifier.AltModifier,
+)
+LEFT, MIDDLE, RIGHT = (
+    Qt.MouseButton.LeftButton,
+    Qt.MouseButton.MiddleButton,
+    Qt.MouseButton.RightButton,
+)
+
+
+def open_panel(qtbot: QtBot, session: EditSession, width: int = 900) -> CurvesPanel:
+    """A panel on the screen that shows a session."""
+    app = QApplication.instance()
+    assert isinstance(app, QApplication)
+    apply_theme(app)
+    timeline = Timeline()
+    panel = CurvesPanel(timeline)
+    timeline.setParent(panel)
+    qtbot.addWidget(panel)
+    panel.resize(width, 700)
+    panel.show()
+    qtbot.waitExposed(panel)
+    timeline.open(session.take.clip)
+    panel.set_session(session)
+    session.previewed.connect(panel.refresh)
+    session.changed.connect(panel.refresh)
+    QApplication.processEvents()
+    return panel
+
+
+def session_of(panel: CurvesPanel) -> EditSession:
+    """The session that it shows."""
+    assert panel.session is not None
+    return panel.session
+
+
+def surface(widget: QWidget) -> QWidget:
+    """The widget that the mouse is on: of a plot, what is inside its frame."""
+    return widget.viewport() if isinstance(widget, QAbstractScrollArea) else widget
+
+
+def place(plot: CurvePlot | Ruler | RangeBar, seconds: float, y: float = 40.0) -> QPoint:
+    """Where a time is on the surface of a plot, some pixels below its top."""
+    x = plot.current_scale.x_of(seconds)
+    at: QPoint = plot.mapFromScene(plot.view.mapToScene(QPointF(x, y)))
+    return at
+
+
+def drag(
+    widget: QWidget,
+    start: QPoint,
+    stop: QPoint,
+    modifiers: Qt.KeyboardModifier = NONE,
+    release: bool = True,
+    button: Qt.MouseButton = LEFT,
+    pause: int = 0,
+) -> None:
+    """Press, move in five steps, and release."""
+    on = surface(widget)
+    QTest.mouseMove(on, start)
+    QTest.mousePress(on, button, modifiers, start)
+    for i in range(1, 6):
+        move_with(on, start + (stop - start) * i / 5, modifiers, button)
+        if pause:
+            QTest.qWait(pause)
+    if release:
+        QTest.mouseRelease(on, button, modifiers, stop)
+
+
+def let_go(widget: QWidget, at: QPoint, modifiers: Qt.KeyboardModifier = NONE) -> None:
+    """Release the left button."""
+    QTest.mouseRelease(surface(widget), LEFT, modifiers, at)
+
+
+def move_with(
+    widget: QWidget,
+    at: QPoint,
+    modifiers: Qt.KeyboardModifier = NONE,
+    held: Qt.MouseButton = LEFT,
+) -> None:
+    """Move the mouse with keys and a button held, which QTest forgets."""
+    on = surface(widget)
+    where = QPointF(on.mapToGlobal(at))
+    kind, none = QEvent.Type.MouseMove, Qt.MouseButton.NoButton
+    QApplication.sendEvent(on, QMouseEvent(kind, QPointF(at), where, none, held, modifiers))
+
+
+def turn(
+    widget: QWidget, at: QPoint, notches: float, modifiers: Qt.KeyboardModifier = NONE
+) -> None:
+    """Turn the wheel."""
+    on = surface(widget)
+    QApplication.sendEvent(
+        on,
+        QWheelEvent(
+            QPointF(at),
+            QPointF(on.mapToGlobal(at)),
+            QPoint(),
+            QPoint(0, round(120 * notches)),
+            Qt.MouseButton.NoButton,
+            modifiers,
+            Qt.ScrollPhase.NoScrollPhase,
+            False,
+        ),
+    )

@@ -1,0 +1,100 @@
+"""The numbers on the axes, as pyqtgraph draws them: round, whole, and none over another."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from PySide6.QtCore import QRectF
+from PySide6.QtGui import QPainter, QPicture
+from PySide6.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+from support.curves import open_panel
+from support.rigs import tiny_session
+
+from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves.axes import FrameAxis, TimeAxis, ValueAxis
+from faceedit_app.ui.state.clock import Unit
+
+Drawn = list[tuple[QRectF, str]]
+
+
+@pytest.fixture
+def panel(qtbot: QtBot) -> CurvesPanel:
+    return open_panel(qtbot, tiny_session(36_000))
+
+
+def drawn(axis: ValueAxis | TimeAxis | FrameAxis) -> Drawn:
+    """Where it writes what."""
+    picture = QPicture()
+    with QPainter(picture) as painter:
+        specs = axis.generateDrawSpecs(painter)
+    return [] if specs is None else [(rect, text) for rect, _, text in specs[2]]
+
+
+def assert_readable(numbers: Drawn, room: QRectF) -> None:
+    rects = [rect for rect, _ in numbers]
+    for rect in rects:
+        assert room.left() <= rect.left()
+        assert rect.right() <= room.right() + 0.5
+        assert room.top() <= rect.top()
+        assert rect.bottom() <= room.bottom() + 0.5
+    for i, one in enumerate(rects):
+        for other in rects[i + 1 :]:
+            assert not one.intersects(other)
+
+
+@pytest.mark.parametrize("width", [600, 1003, 1600])
+@pytest.mark.parametrize("unit", list(Unit))
+def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit, width: int) -> None:
+    panel.resize(width, 600)
+    line, axis = panel.timeline, panel.ruler.times
+    line.clock.choose(unit)
+    for seconds in (0.2, 0.7, 3.0, 11.0, 90.0, 720.0):
+        for start in (0.0, 0.31, 200.0):
+            line.show_range(start, start + seconds)
+            QApplication.processEvents()
+            numbers = drawn(axis)
+            assert len(numbers) >= 2
+            assert_readable(numbers, axis.rect())
+            if panel.ruler.frames.isVisible():
+                below = drawn(panel.ruler.frames)
+                assert_readable([*numbers, *below], axis.rect())
+
+
+def test_frames_are_counted_in_round_numbers(panel: CurvesPanel) -> None:
+    panel.timeline.clock.choose(Unit.FRAMES)
+    for last in (4.0, 60.0, 720.0):
+        panel.timeline.show_range(0.0, last)
+        numbers = [int(text) for _, text in drawn(panel.ruler.times)]
+        steps = {b - a for a, b in pairwise(numbers)}
+        assert len(steps) == 1
+        assert all(number % steps.copy().pop() == 0 for number in numbers)
+
+
+def test_frames_are_numbered_where_they_have_room(panel: CurvesPanel) -> None:
+    panel.timeline.show_range(0.0, 60.0)
+    assert not panel.ruler.frames.isVisible()
+    panel.timeline.show_range(1.0, 1.5)
+    assert panel.ruler.frames.isVisible()
+    numbers = [int(text) for _, text in drawn(panel.ruler.frames)]
+    assert numbers[0] >= 51
+    assert numbers[-1] <= 77
+    assert len(numbers) >= 8
+    panel.timeline.clock.choose(Unit.FRAMES)  # then they are what the ruler counts anyway
+    assert not panel.ruler.frames.isVisible()
+
+
+@pytest.mark.parametrize("height", [500, 620, 900])
+def test_values_are_whole_and_apart(panel: CurvesPanel, height: int) -> None:
+    panel.resize(900, height)
+    QApplication.processEvents()
+    plot = panel.plots[0]
+    axis = plot.plotItem.getAxis("left")
+    for low, high in ((0.0, 0.3), (-3.0, 17.0), (4.9, 5.3), (0.0, 999.0), (-0.4, 1.7)):
+        plot.show_values((low, high))
+        numbers = drawn(axis)
+        assert_readable(numbers, axis.rect())
+        assert not any(text.startswith("-0") and float(text) == 0.0 for _, text in numbers)
+        values = [float(text) for _, text in numbers]
+        assert all(low <= value <= high for value in values)
