@@ -94,7 +94,7 @@ def test_anchored_points_go_with_the_surface(geometry: Any, ball: trimesh.Trimes
     points = [1.0, 0.0, 0.0] + 2.2 * directions / np.linalg.norm(directions, axis=1)[:, None]
     anchors = surface.anchor(points)
     closest, _, _ = trimesh.proximity.closest_point(ball, points)
-    np.testing.assert_allclose(surface.position(anchors), closest, atol=0.02)
+    np.testing.assert_allclose(surface.position(anchors), closest, atol=1e-9)
     np.testing.assert_allclose(anchors.weights.sum(axis=1), 1.0)
     field = np.stack([ball.vertices * 2.0, ball.vertices + 1.0])
     read = anchors.read(field)
