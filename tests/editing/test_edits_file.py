@@ -143,13 +143,13 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "negative scale": (without(op="scale", value=-1), "at least 0"),
     "negative smooth": (without(op="smooth", value=-1), "at least 0"),
     "endless smooth": (without(op="smooth", value=1e5), "at most 10 seconds"),
-    "infinite": (without(value=float("inf")), "must lie between"),
-    "not a number": (without(start=float("nan")), "must lie between"),
-    "beyond all sums": (without(start=-1e308, falloff=1e308), "must lie between"),
+    "infinite": (without(value=float("inf")), "must be between"),
+    "not a number": (without(start=float("nan")), "must be between"),
+    "beyond all sums": (without(start=-1e308, falloff=1e308), "must be between"),
     "endless name": (without(name="x" * 1001), '"name" is longer than 1,000 characters'),
     "endless control": (without(control="[" * 900), "unknown control '[[["),
     "half a character": (without(name="\ud83d"), '"name" has a damaged character'),
-    "beyond all floats": (without(value=10**400), "must lie between"),
+    "beyond all floats": (without(value=10**400), "must be between"),
 }
 
 

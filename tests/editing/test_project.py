@@ -128,7 +128,7 @@ GOOD: dict[str, Any] = {
     "edits": [],
 }
 BAD: dict[str, tuple[Any, str]] = {
-    "list": ([], "is no FaceEdit project"),
+    "list": ([], "is not a valid FaceEdit project"),
     "no version": ({}, "version None"),
     "later version": (GOOD | {"version": 2}, "update FaceEdit"),
     "unknown field": (GOOD | {"camera": 1}, 'unknown field "camera"'),
@@ -150,14 +150,14 @@ BAD: dict[str, tuple[Any, str]] = {
     "list as mode": (GOOD | {"settings": {"mode": []}}, '"settings.mode" must be one of'),
     "wild naturalness": (
         GOOD | {"settings": {"naturalness": 7}},
-        '"settings.naturalness" must lie',
+        '"settings.naturalness" must be',
     ),
     "settings are a list": (GOOD | {"settings": []}, '"settings" is not an object'),
     "unknown setting": (GOOD | {"settings": {"x": 1}}, 'unknown field "settings.x"'),
     "view is a text": (GOOD | {"view": "x"}, '"view" is not an object'),
     "playhead is a text": (GOOD | {"view": {"playhead": "x"}}, '"view.playhead" is not a number'),
-    "playhead is none": (GOOD | {"view": {"playhead": float("nan")}}, '"view.playhead" must lie'),
-    "negative falloff": (GOOD | {"view": {"falloff": -1}}, '"view.falloff" must lie'),
+    "playhead is none": (GOOD | {"view": {"playhead": float("nan")}}, '"view.playhead" must be'),
+    "negative falloff": (GOOD | {"view": {"falloff": -1}}, '"view.falloff" must be'),
     "half a selection": (
         GOOD | {"view": {"selection": [1]}},
         '"view.selection" is not made of two',

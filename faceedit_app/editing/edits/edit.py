@@ -92,13 +92,13 @@ class Edit:
             raise ValueError("it names a control twice")
         numbers = (self.start, self.end, self.falloff, self.fade_out, self.value, self.about or 0.0)
         if not all(math.isfinite(number) and abs(number) <= LARGEST for number in numbers):
-            raise ValueError(f"its numbers must lie between -{LARGEST:.0f} and {LARGEST:.0f}")
+            raise ValueError(f"its numbers must be between -{LARGEST:.0f} and {LARGEST:.0f}")
         if self.end < self.start:
             raise ValueError("its end lies before its start")
         if self.falloff < 0 or self.fade_out < 0:
             raise ValueError("its falloff is negative")
         if not 0 <= self.strength <= STRONGEST:
-            raise ValueError(f"its strength must lie between 0 and {STRONGEST:g}")
+            raise ValueError(f"its strength must be between 0 and {STRONGEST:g}")
         if self.op in (Op.SCALE, Op.SMOOTH) and self.value < 0:
             raise ValueError(f"a {self.op} needs a value of at least 0")
         if self.op is Op.SMOOTH and self.value > LONGEST_SMOOTH:
@@ -116,7 +116,7 @@ class Edit:
         if not 1 <= len(self.points) <= MOST_POINTS:
             raise ValueError(f"a {self.op} needs 1 to {MOST_POINTS} points")
         if not (np.isfinite(self.polyline).all() and np.abs(self.polyline).max() <= LARGEST):
-            raise ValueError(f"its points must lie between -{LARGEST:.0f} and {LARGEST:.0f}")
+            raise ValueError(f"its points must be between -{LARGEST:.0f} and {LARGEST:.0f}")
         if not (np.diff(self.polyline[0]) > 0).all():
             raise ValueError("its points are not in order of time")
 
