@@ -136,9 +136,7 @@ class Fields:
         if not isinstance(value, str) or not 0 < len(value) <= LONGEST_PATH or "\0" in value:
             raise FieldError(f"{self._full(name)} is not a path")
         try:
-            os.fsencode(
-                value
-            )  # it accepts what the system does, such as names that are not Unicode
+            os.fsencode(value)  # accepts all that the system does, even names outside Unicode
         except UnicodeEncodeError:
             raise FieldError(f"{self._full(name)} is not a path") from None
         return value

@@ -23,7 +23,7 @@ def to_grid(
     """Resample a signal to grid frames `start` to `stop` - 1.
 
     Each grid value is the mean of the linearly interpolated signal over the grid frame's own time
-    (40 ms at 25 fps), so that nothing is lost between two grid frames, not even a spike of one frame
+    (40 ms at 25 fps), so that nothing is lost between grid frames, not even a spike of one frame
     at 60 fps. Before the first and after the last time the signal keeps its end value.
 
     Args:

@@ -163,14 +163,14 @@ def test_bad_edit_is_told_with_its_number(tmp_path: Path, name: str) -> None:
 
 BAD_FILES: dict[str, tuple[bytes, str]] = {
     "empty": (b"", "not JSON"),
-    "PNG": (b"\x89PNG\r\n\x1a\n\x00\xff", "no edits file"),
+    "PNG": (b"\x89PNG\r\n\x1a\n\x00\xff", "not a valid edits file"),
     "cut off": (b'{"version": 1,\n "edits": [', "line 2"),
-    "list": (b"[]", "no edits file"),
+    "list": (b"[]", "not a valid edits file"),
     "edits are an object": (b'{"version": 1, "edits": {}}', '"edits"'),
     "no version": (b'{"edits": []}', "version None"),
     "later version": (b'{"version": 2, "edits": []}', "version 2"),
-    "endless lists": (b"[" * 100_000, "no edits file"),
-    "endless number": (b'{"version": ' + b"1" * 5000 + b', "edits": []}', "no edits file"),
+    "endless lists": (b"[" * 100_000, "not a valid edits file"),
+    "endless number": (b'{"version": ' + b"1" * 5000 + b', "edits": []}', "not a valid edits file"),
 }
 
 

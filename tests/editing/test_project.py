@@ -20,6 +20,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import MediaFile
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files import fingerprint as fingerprint_module
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
 from faceedit_app.editing.files.project import (
@@ -30,7 +31,6 @@ from faceedit_app.editing.files.project import (
     read_project,
     write_project,
 )
-from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.editing.steps import EditState
 
 EDITS = (
