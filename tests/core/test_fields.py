@@ -168,7 +168,7 @@ def test_file_that_is_too_large_is_refused_before_it_is_read(
     assert read_document(path, "preset", 1).has("text")
     monkeypatch.setattr(module, "MOST_BYTES", 2**20)
     monkeypatch.setattr(Path, "read_bytes", lambda _path: pytest.fail("it was read"))
-    with pytest.raises(FileError, match="more than 1 MB"):
+    with pytest.raises(FileError, match="larger than 1 MB"):
         read_document(path, "preset", 1)
 
 

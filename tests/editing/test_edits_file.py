@@ -126,7 +126,7 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "no control": (without("control"), '"control"'),
     "number as control": (without(control=5), '"control"'),
     "both spellings": (without(controls=["mouth_width"]), '"control"'),
-    "empty controls": (without("control", controls=[]), "names no control"),
+    "empty controls": (without("control", controls=[]), "has no control"),
     "number among controls": (without("control", controls=["mouth_width", 1]), '"controls"'),
     "a control twice": (without("control", controls=["mouth_width"] * 2), "twice"),
     "unknown op": (without(op="shake"), "offset, set, scale, smooth, reset"),

@@ -160,7 +160,7 @@ BAD: dict[str, tuple[Any, str]] = {
     "negative falloff": (GOOD | {"view": {"falloff": -1}}, '"view.falloff" must be'),
     "half a selection": (
         GOOD | {"view": {"selection": [1]}},
-        '"view.selection" is not made of two',
+        '"view.selection" is not a list of pairs',
     ),
     "selection backwards": (GOOD | {"view": {"selection": [2, 1]}}, "ends before it begins"),
     "endless list in ui": (GOOD | {"view": {"ui": {"a": nested(9)}}}, '"view.ui" holds too much'),
