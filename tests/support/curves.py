@@ -16,6 +16,7 @@ from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.state.timeline import Timeline
 
+Strip = CurvePlot | Ruler | RangeBar  # what lies along the time axis
 NONE, SHIFT, CTRL, ALT = (
     Qt.KeyboardModifier.NoModifier,
     Qt.KeyboardModifier.ShiftModifier,
@@ -60,7 +61,7 @@ def surface(widget: QWidget) -> QWidget:
     return widget.viewport() if isinstance(widget, QAbstractScrollArea) else widget
 
 
-def place(plot: CurvePlot | Ruler | RangeBar, seconds: float, y: float = 40.0) -> QPoint:
+def place(plot: Strip, seconds: float, y: float = 40.0) -> QPoint:
     """Where a time is on the surface of a plot, some pixels below its top."""
     x = plot.current_scale.x_of(seconds)
     at: QPoint = plot.mapFromScene(plot.view.mapToScene(QPointF(x, y)))

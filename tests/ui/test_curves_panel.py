@@ -19,6 +19,7 @@ from support.curves import (
     NONE,
     RIGHT,
     SHIFT,
+    Strip,
     drag,
     let_go,
     move_with,
@@ -345,7 +346,8 @@ def test_the_view_never_leaves_the_take(panel: CurvesPanel) -> None:
     assert timeline.view[0] == pytest.approx(0.0, abs=1e-9)
     turn(plot, place(plot, timeline.view[0] + 0.1), -40)
     assert timeline.view == pytest.approx((0.0, timeline.duration))
-    for other in (*panel.plots, panel.ruler, panel.range_bar):
+    others: tuple[Strip, ...] = (*panel.plots, panel.ruler, panel.range_bar)
+    for other in others:
         assert other.current_scale.view == pytest.approx(timeline.view)
 
 
@@ -407,7 +409,7 @@ def test_a_double_click_on_the_header_shows_small_movements_large(panel: CurvesP
 def test_plots_and_ruler_stand_over_each_other(panel: CurvesPanel) -> None:
     panel.resize(1003, 600)
     QApplication.processEvents()
-    strips = (panel.ruler, panel.range_bar, *panel.plots)
+    strips: tuple[Strip, ...] = (panel.ruler, panel.range_bar, *panel.plots)
     lefts = {surface(strip).mapTo(panel, place(strip, 0.0, 5)).x() for strip in strips}
     rights = {surface(strip).mapTo(panel, place(strip, 4.0, 5)).x() for strip in strips}
     assert (len(lefts), len(rights)) == (1, 1)
@@ -539,7 +541,8 @@ def test_gaps_are_hatched(qtbot: QtBot) -> None:
     panel.timeline.go_to_frame(10)
     image = plot.grab().toImage()
     scale = plot.current_scale
-    middle = 0.5 * (panel.session.take.clip.times[99] + panel.session.take.clip.times[100])
+    times = session_of(panel).take.clip.times
+    middle = 0.5 * (times[99] + times[100])
     x, y = round(scale.x_of(middle)), 8
     inside = {image.pixel(x + dx, y + dy) for dx in range(12) for dy in range(12)}
     beside = {image.pixel(round(scale.x_of(0.6)) + dx, y + dy) for dx in range(6) for dy in (0, 1)}

@@ -9,11 +9,12 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QMenu
 from support.windows import Bench, session_of
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
-from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
@@ -101,7 +102,8 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     assert session.edits == ()
     dialog.slider.setValue(-80)
     dialog.accept()
-    assert [round(edit.strength, 2) for edit in session.edits] == [0.8] * len(session.edits)
+    kept: tuple[Edit, ...] = session.edits
+    assert {round(made.strength, 2) for made in kept} == {0.8}
     assert session.asked[100, column] != session.tracked[100, column]
     trigger(window, "undo", "expression")
     dialog = next(d for d in window.findChildren(ExpressionDialog) if d.isVisible())
@@ -232,6 +234,7 @@ def test_a_preset_is_saved_applied_and_deleted(
     assert session.edits[0].name
     assert 4.5 < session.edits[0].start < 5.5
     delete = menu.actions()[-1].menu()
+    assert isinstance(delete, QMenu)
     delete.actions()[0].trigger()
     menu.aboutToShow.emit()
     assert [a.text() for a in menu.actions()] == ["No presets of your own"]

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QMouseEvent
+from PySide6.QtGui import QImage, QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 from support.curves import let_go, move_with, place, surface
 from support.faces import random_engine
 from support.films import make_broadcast_wav, make_film, make_wav, number_of
 from support.takes import make_livelink_csv
-from support.windows import Bench, drag_curve, drop, trigger
+from support.windows import Bench, drag_curve, drop, session_of, trigger
 
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.editing.edits.media import MediaFile, Placement
@@ -339,6 +339,11 @@ def test_the_film_shows_the_picture_of_the_frame(bench: Bench, devices: list[Fak
     assert shown(bench, window) == 18
 
 
+def rgb(image: QImage, x: int, y: int) -> tuple[int, int, int]:
+    color = image.pixelColor(x, y)
+    return color.red(), color.green(), color.blue()
+
+
 def test_a_mirrored_film_is_shown_as_in_a_mirror_and_kept_in_the_project(
     bench: Bench, devices: list[FakeOutput]
 ) -> None:
@@ -350,7 +355,7 @@ def test_a_mirrored_film_is_shown_as_in_a_mirror_and_kept_in_the_project(
     shown(bench, window)
     screen = editor_of(window).film.screen_
     plain = screen.grab().toImage()
-    steps = window.document.session.state
+    steps = session_of(window).state
     trigger(window, "mirror_film")
     assert window.actions_["mirror_film"].isChecked()
     mirrored = screen.grab().toImage()
@@ -359,14 +364,10 @@ def test_a_mirrored_film_is_shown_as_in_a_mirror_and_kept_in_the_project(
         abs(a - b)
         for y in range(0, plain.height(), 7)
         for x in range(0, plain.width(), 3)
-        for a, b in zip(
-            mirrored.pixelColor(x, y).getRgb(),
-            plain.pixelColor(plain.width() - 1 - x, y).getRgb(),
-            strict=True,
-        )
+        for a, b in zip(rgb(mirrored, x, y), rgb(plain, plain.width() - 1 - x, y), strict=True)
     ]
     assert np.mean(differ) < 3.0
-    assert window.document.session.state == steps, "no step: it is a way to look"
+    assert session_of(window).state == steps, "no step: it is a way to look"
     bench.answers["save_project"] = bench.folder / "p.faceedit"
     trigger(window, "save")
     again = bench.window(bench.folder / "p.faceedit")
@@ -636,9 +637,9 @@ def step_back_and_forward(bench: Bench, window: MainWindow, *places: Placement) 
             trigger(window, way)
             assert window.media.placement == placed
             settle(bench, window)
-            assert window.media.placement == place
+            assert window.media.placement == placed
             for kind in ("sound", "film"):
-                there, wanted = getattr(window.media, kind), getattr(place, kind)
+                there, wanted = getattr(window.media, kind), getattr(placed, kind)
                 assert (there and there.path) == (wanted and wanted.path)
     assert not bench.errors
 
@@ -779,7 +780,8 @@ def test_after_a_crash_the_sound_is_back_where_it_was(
 ) -> None:
     window = with_media(bench, make_wav(bench.folder / "voice.wav"))
     editor_of(window).sound.offset.setValue(0.3)
-    bench.qtbot.waitUntil(lambda: window.document.session.state.media.sound.offset == 0.3)
+    moved = Placement(MediaFile(bench.folder / "voice.wav", 0.3))
+    bench.qtbot.waitUntil(lambda: session_of(window).state.media == moved)
     journal = next((bench.folder / "journals").glob("*.jsonl"))
     content = journal.read_bytes()
     window.leave()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -77,7 +79,7 @@ def test_what_the_next_picture_needs_is_done_once_nobody_waits(
         viewport.hurry()  # a picture that is being drawn is left alone
         viewport.grab()
         assert renderer.prepared == known
-        bench.qtbot.waitUntil(lambda known=known: renderer.prepared > known)
+        bench.qtbot.waitUntil(partial(lambda known: renderer.prepared > known, known))
 
 
 def test_the_picture_has_the_screens_pixels(bench: Bench, viewport: Viewport) -> None:
@@ -229,10 +231,13 @@ def test_arrows_turn_the_face_as_a_drag_would_and_the_playhead_stays(window: Mai
         (Qt.Key.Key_Down, QPoint(0, 20)),
     ):
         cameras = []
-        for turn in (lambda k=key: QTest.keyClick(face, k), lambda w=way: drag(face, w, LEFT)):
+        for by_key in (True, False):
             face.reset_camera()
             before = face.camera
-            turn()
+            if by_key:
+                QTest.keyClick(face, key)
+            else:
+                drag(face, way, LEFT)
             cameras.append((face.camera.yaw - before.yaw, face.camera.pitch - before.pitch))
         assert np.abs(cameras).max() > 0.05
         np.testing.assert_array_equal(np.sign(cameras[0]), np.sign(cameras[1]))
