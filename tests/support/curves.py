@@ -15,6 +15,7 @@ from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.state.timeline import Timeline
+from support.waiting import wait_for_timers
 
 Strip = CurvePlot | Ruler | RangeBar  # what lies along the time axis
 NONE, SHIFT, CTRL, ALT = (
@@ -75,16 +76,16 @@ def drag(
     modifiers: Qt.KeyboardModifier = NONE,
     release: bool = True,
     button: Qt.MouseButton = LEFT,
-    pause: int = 0,
+    previews: bool = False,
 ) -> None:
-    """Press, move in five steps, and release."""
+    """Press, move in five steps, and release; with `previews`, each step is shown."""
     on = surface(widget)
     QTest.mouseMove(on, start)
     QTest.mousePress(on, button, modifiers, start)
     for i in range(1, 6):
         move_with(on, start + (stop - start) * i / 5, modifiers, button)
-        if pause:
-            QTest.qWait(pause)
+        if previews:
+            wait_for_timers(widget.window())
     if release:
         QTest.mouseRelease(on, button, modifiers, stop)
 

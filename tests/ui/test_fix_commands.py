@@ -10,6 +10,7 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMenu
+from support.waiting import run_events
 from support.windows import Bench, session_of
 
 from faceedit_app.core.controls import CONTROL_INDEX
@@ -146,7 +147,7 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
     editor = editor_of(window)
 
     def places() -> list[QRect]:
-        bench.qtbot.wait(20)  # layouts come to rest
+        run_events()  # layouts come to rest
         return [part.geometry() for part in (editor.panes, editor.tool_bar, editor.transport)]
 
     trigger(window, "next_problem")
@@ -163,7 +164,7 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
 def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench: Bench) -> None:
     bar, painted = editor_of(window).problems, QRegion()
     window.timeline.go_to_time(2.0)
-    bench.qtbot.wait(20)
+    run_events()
 
     class Watch(QObject):
         def eventFilter(self, watched: QObject, event: QEvent) -> bool:
@@ -175,7 +176,7 @@ def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench:
     watch = Watch()
     bar.installEventFilter(watch)
     window.timeline.go_to_time(3.0)
-    bench.qtbot.wait(20)
+    run_events()
     width = bar.width() / window.timeline.duration
     for seconds in (2.0, 3.0):
         assert painted.contains(QPoint(round(seconds * width), 1)), seconds

@@ -80,7 +80,7 @@ def editor_of(window: MainWindow) -> Editor:
 
 def settle(bench: Bench, window: MainWindow) -> None:
     bench.qtbot.waitUntil(lambda: window.media.pending == 0, timeout=10_000)
-    bench.qtbot.wait(20)
+    wait_for_background(window.workspace.background)  # the device is open
 
 
 def with_media(bench: Bench, *paths: Path) -> MainWindow:
@@ -253,7 +253,7 @@ def test_the_waveform_is_under_the_plots_to_the_pixel(
     window = with_media(bench, make_wav(bench.folder / "voice.wav"))
     editor = editor_of(window)
     window.resize(width, 760)
-    bench.qtbot.wait(30)
+    run_events()
     window.timeline.show_range(0.31, 1.57)
     plot, wave = editor.curves.plots[0], editor.sound.waveform
     left = plot.viewport().mapTo(window, place(plot, 0.31)).x()
@@ -468,12 +468,11 @@ def test_the_playhead_and_the_film_follow_what_is_heard(
     bench: Bench, devices: list[FakeOutput]
 ) -> None:
     window = with_media(bench, make_film(bench.folder / "a.mp4", 60, 30, sound=1.0))
-    bench.qtbot.waitUntil(lambda: len(devices) == 1)
-    bench.qtbot.wait(20)
+    assert len(devices) == 1
     device = devices[0]
     trigger(window, "play")
     assert device.plays == [(0.0, 1.0, None)]
-    bench.qtbot.wait(60)
+    window.playback.tick()
     assert window.timeline.time == 0.0  # nothing has been heard yet
     for seconds in (0.4, 1.2, 1.25):
         device.seconds = seconds
@@ -487,8 +486,7 @@ def test_the_playhead_and_the_film_follow_what_is_heard(
 
 def test_mute_and_volume(bench: Bench, devices: list[FakeOutput]) -> None:
     window = with_media(bench, make_wav(bench.folder / "voice.wav"))
-    bench.qtbot.waitUntil(lambda: len(devices) == 1)
-    bench.qtbot.wait(20)
+    assert len(devices) == 1
     trigger(window, "mute")
     assert devices[0].volume == 0.0
     assert window.actions_["mute"].isChecked()
@@ -512,8 +510,7 @@ def test_without_a_device_the_take_is_played_in_silence(
     window = with_media(bench, make_wav(bench.folder / "voice.wav"))
     bench.qtbot.waitUntil(lambda: window.sound_player.problem == "No sound: no device")
     trigger(window, "play")
-    bench.qtbot.wait(200)
-    assert window.timeline.frame > 3
+    bench.qtbot.waitUntil(lambda: window.timeline.frame > 3)
     trigger(window, "play")
     assert window.actions_["mute"].toolTip() == "No sound: no device"
     assert not bench.errors
@@ -523,8 +520,7 @@ def test_a_device_that_is_unplugged_is_sought_again(
     bench: Bench, devices: list[FakeOutput]
 ) -> None:
     window = with_media(bench, make_wav(bench.folder / "voice.wav"))
-    bench.qtbot.waitUntil(lambda: len(devices) == 1)
-    bench.qtbot.wait(20)
+    assert len(devices) == 1
     devices[0].is_alive = False
     trigger(window, "play")
     assert window.playback.playing
@@ -573,8 +569,9 @@ def test_what_is_played_is_heard_when_the_playhead_is_there(
     window = with_media(bench, make_wav(bench.folder / "voice.wav", at=0.5))
     bench.qtbot.waitUntil(lambda: window.sound_player.start(0.0, 1.0, None))
     window.sound_player.stop()
-    bench.qtbot.wait(50)
     stream = FakeLibrary.streams[0]
+    seconds = len(stream.blocks) + 5  # what was begun has faded
+    bench.qtbot.waitUntil(lambda: len(stream.blocks) >= seconds)
     before = len(stream.blocks)
     seen: list[tuple[int, float]] = []  # blocks taken, and the playhead then
     window.timeline.playhead_moved.connect(

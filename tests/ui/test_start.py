@@ -14,6 +14,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QPushButton, QWidget
 from support.faces import random_engine
 from support.takes import make_livelink_csv
+from support.waiting import wait_for_background
 from support.windows import Bench, drag_curve, drop, open_path, trigger
 
 from faceedit_app import render
@@ -249,5 +250,5 @@ def test_the_take_that_was_asked_for_last_wins(
     window.commands.file.open(bench.take)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     gate.set()
-    bench.qtbot.wait(100)
+    wait_for_background(window.workspace.background)
     assert open_path(window) == bench.take

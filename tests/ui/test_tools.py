@@ -173,7 +173,7 @@ def test_back_to_tracked_erases(panel: CurvesPanel) -> None:
 def test_esc_drops_a_paint(panel: CurvesPanel) -> None:
     panel.tools.choose(Tool.SMOOTH)
     plot, session = panel.plots[0], session_of(panel)
-    drag(plot, place(plot, 1.0), place(plot, 1.6), release=False, pause=20)
+    drag(plot, place(plot, 1.0), place(plot, 1.6), release=False, previews=True)
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert session.edits == ()
     np.testing.assert_array_equal(session.asked, session.tracked)
