@@ -39,6 +39,11 @@ class ViewCommands:
 
     # --- time --------------------------------------------------------------------------------
 
+    def fit_values(self) -> None:
+        """Let each value axis fit its curve again, as far as that is in view."""
+        if self._workspace.page is not None:
+            self._workspace.page.curves.fit_values()
+
     def fit(self) -> None:
         """Show the selection if there is one that is not yet all there is to see."""
         line = self._timeline
@@ -174,6 +179,8 @@ MENU: Menu[ViewCommands] = Menu("View", (
             "Look at the eyes from near", submenu=CAMERA),
     Command("fit", "&Zoom to fit", ViewCommands.fit, ("F",),
             "Show the whole take, or the selection", "fit"),
+    Command("fit_values", "Fit &values", lambda do: do.fit_values(), ("Shift+F",),
+            "Let each value axis show what is in view"),
     Command("zoom_in", "Zoom &in", lambda do: do.zoom(ZOOM), ("+", "="),
             "Show less time around the playhead", "zoom_in"),
     Command("zoom_out", "Zoom &out", lambda do: do.zoom(1 / ZOOM), ("-",),
