@@ -17,7 +17,7 @@ run: $(READY)
 	$(BIN)/faceedit --demo
 
 test: $(READY)
-	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest
+	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n auto
 
 check: $(READY)
 	$(BIN)/ruff check .

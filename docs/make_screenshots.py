@@ -21,11 +21,11 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
+from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.page.editor import Editor
-from faceedit_app.ui.start.app import application
+from faceedit_app.ui.start.application import application
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.actions import help_rows
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 
 DOCS = Path(__file__).parent
 PICTURES = DOCS / "images"
@@ -44,14 +44,14 @@ def main() -> None:
     application()
     with tempfile.TemporaryDirectory() as folder:
         settings = QSettings(str(Path(folder) / "s.ini"), QSettings.Format.IniFormat)
-        window = MainWindow(Store(settings))
+        window = MainWindow(Preferences(settings))
         window.resize(*SIZE)
         window.show()
         picture(window, "guide_start")
         window.open_demo_now()
         walk(window)
         window.leave()
-        film = MainWindow(Store(settings))
+        film = MainWindow(Preferences(settings))
         film.resize(*FILM_SIZE)
         film.show()
         film.open_demo_now()
@@ -173,7 +173,7 @@ def go_to(window: MainWindow, editor: Editor, kind: str) -> None:
     """The first problem of a kind."""
     editor.problems.search()
     kinds = [problem.kind.value for problem in editor.problems.problems]
-    window.fixes.go_to(kinds.index(kind))
+    window.commands.fix.go_to(kinds.index(kind))
 
 
 def do(window: MainWindow, command: str) -> None:

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.ui.start import display
 
 USAGE_ERROR = 2
 DEMO_OUTPUT = Path("out") / "demo"
@@ -41,9 +42,7 @@ def _is_command(given: list[str]) -> bool:
 def _open_window(given: list[str]) -> int:
     demo = given == ["--demo"]
     take = Path(given[0]) if given and not demo else None
-    from faceedit_app.ui.start.display import has_display
-
-    if has_display():
+    if display.has_display():
         from faceedit_app.ui.start.app import run
 
         return run(take, demo)

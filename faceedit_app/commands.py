@@ -9,17 +9,24 @@ import json
 import sys
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__
+from faceedit_app import __version__, character_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 
+if TYPE_CHECKING:
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.networks.engine import Engine
+
 USAGE_ERROR = 2
 # The laboratory's commands. They are named here because the installed application leaves it out.
-LABORATORY = ("bench", "train", "evaluate", "experiment", "synthesize", "statistics")
+LABORATORY = (
+    *("bench", "train", "evaluate", "evaluate-character"),
+    *("experiment", "synthesize", "statistics"),
+)
 
 app = typer.Typer(
     help="Edit tracked facial animation by dragging eight plain curves. "
@@ -29,7 +36,17 @@ app = typer.Typer(
     no_args_is_help=False,
 )
 
+app.add_typer(character_commands.app, name="character")
+
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
+CharacterOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--character", help="Your character: GLB, VRM, FBX or OBJ with blendshapes."),
+]
+FpsOption = Annotated[
+    Optional[float],  # noqa: UP045  (typer reads the annotation at run time)
+    typer.Option("--fps", help="Frames per second, if the take does not tell them."),
+]
 ModelsOption = Annotated[
     Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
     typer.Option("--models", help="Folder of models; those that ship with FaceEdit if absent."),
@@ -61,13 +78,14 @@ def root(
 @app.command()
 def info(
     take: TakeArgument,
+    fps: FpsOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Show a take's frames, rate, duration, channels, gaps and format."""
     from faceedit_app.formats.opening import open_take
     from faceedit_app.formats.summary import summarize, summary_text
 
-    summary = summarize(open_take(take))
+    summary = summarize(open_take(take, fps))
     print(json.dumps(summary, indent=2) if as_json else summary_text(summary))
 
 
@@ -83,11 +101,16 @@ def apply(
     reach: Annotated[
         float, typer.Option(help="0 as the networks answer, 1 all the way to what was asked.")
     ] = 1.0,
+    character: CharacterOption = None,
+    fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
-    """Apply edits to a take and export it in its own format."""
+    """Apply edits to a take and export it in its own format.
+
+    With --character, lips and lids also close on that character where edits close them.
+    """
+    from faceedit_app.editing.edits.settings import Mode, Settings
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
-    from faceedit_app.editing.solving.solver import Mode, Settings
 
     if mode not in list(Mode):
         raise FaceEditError(f"--mode {mode}: must be {' or '.join(Mode)}")
@@ -95,14 +118,56 @@ def apply(
         if not 0 <= value <= 1:
             raise FaceEditError(f"--{name} {value:g}: must be from 0 to 1")
     rig = shipped_rig()
-    session = open_session(take, rig, load_engine(rig, models))
+    engine = load_engine(rig, models)
+    session = open_session(take, rig, engine, fps)
     session.configure(Settings(Mode(mode), naturalness, reach))
     session.load_edits(edits)
-    session.export(output)
+    _warn_of_unanswerable(session, engine)
+    if character:
+        character_commands.export_closed(session, character, output, engine)
+    else:
+        session.export(output)
     print(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
     )
+
+
+@app.command()
+def convert(
+    take: TakeArgument,
+    output: Annotated[Path, typer.Argument(help="The file to write.")],
+    form: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--format", help="livelink, csv or audio2face; by the ending if absent."),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second to write; as in the take if absent."),
+    ] = None,
+    take_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--take-fps", help="Frames per second of the take, if it does not tell them."),
+    ] = None,
+) -> None:
+    """Write a take in another format, or at another frame rate."""
+    from faceedit_app.formats import converting
+    from faceedit_app.formats.opening import checked_rate, open_take
+    from faceedit_app.formats.timing import RateNeeded, format_rate
+
+    chosen = converting.choose_format(output, form)
+    if fps is not None:
+        fps = checked_rate(output, fps)
+    try:
+        opened = open_take(take, take_fps)
+    except RateNeeded:
+        if fps is None or take_fps is not None:
+            raise
+        opened = open_take(take, fps)  # each of its frames becomes one
+    clip = converting.convert(output, opened, chosen, fps)
+    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
+    if opened.carried and chosen.name != opened.kind:
+        print(f"left out, being no channels: {', '.join(opened.carried)}")
 
 
 @app.command()
@@ -115,6 +180,8 @@ def render(
         Optional[Path],  # noqa: UP045
         typer.Option(help="Edits (JSON) to apply first."),
     ] = None,
+    character: CharacterOption = None,
+    fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take."""
@@ -123,15 +190,26 @@ def render(
 
     width, height = _size(size)
     rig = shipped_rig()
-    session = open_session(take, rig, load_engine(rig, models) if edits else None)
+    engine = load_engine(rig, models) if edits else None
+    session = open_session(take, rig, engine, fps)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
     if edits:
         session.load_edits(edits)
     frame = session.take.clip.frame_at(time)
-    write_png(output, snapshot(session.rig, session.rig_weights(frame), width, height))
+    shown = character_commands.rig_of(character) if character else rig
+    write_png(output, snapshot(shown, session.weights[frame], width, height))
     print(f"{output}: frame {frame} of {take}")
+
+
+def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
+    """Say which edits the take's channels cannot answer; they change nothing."""
+    from faceedit_app.editing.solving.answerable import unanswerable
+
+    for number, edit in enumerate(session.edits, start=1):
+        for lack in unanswerable(edit, session.take, session.rig, engine):
+            print(f"faceedit: warning: edit {number}: {lack}", file=sys.stderr)
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -153,7 +231,7 @@ def _add_laboratory() -> None:
     from faceedit_app.lab import commands
 
     for name in LABORATORY:
-        app.command(name)(getattr(commands, name))
+        app.command(name)(getattr(commands, name.replace("-", "_")))
 
 
 def _left_out() -> None:

@@ -21,6 +21,7 @@ import icons
 
 import faceedit_app
 from faceedit_app import __version__
+from faceedit_app.formats.registry import mime_types
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -80,8 +81,8 @@ def archive() -> None:
         return
     folder = _fresh(MADE / name)
     _install(folder)
-    for file in ("AppRun", "faceedit.desktop"):
-        shutil.copy(HERE / "linux" / file, folder)
+    shutil.copy(HERE / "linux" / "AppRun", folder)
+    (folder / "faceedit.desktop").write_text(_described("faceedit.desktop.in"), "utf-8")
     shutil.copy(MADE / "icons" / "faceedit-256.png", folder / "faceedit.png")
     (folder / ".DirIcon").symlink_to("faceedit.png")
     packages = " ".join(d.split()[0] for d in DEPENDS)
@@ -140,24 +141,41 @@ def _install(folder: Path) -> None:
     """The bundle and what a desktop knows it by, under a root folder."""
     shutil.copytree(BUNDLE, folder / "opt/faceedit", symlinks=True)
     share = folder / "usr/share"
-    _copy(HERE / "linux" / "faceedit.desktop", share / "applications/faceedit.desktop")
     _copy(HERE / "linux" / "faceedit.mime.xml", share / "mime/packages/faceedit.xml")
-    metainfo = (HERE / "linux" / "faceedit.metainfo.xml.in").read_text("utf-8")
-    target = share / "metainfo/org.faceedit.FaceEdit.metainfo.xml"
-    target.parent.mkdir(parents=True)
-    target.write_text(describe(metainfo), "utf-8")
+    for source, place in (
+        ("faceedit.desktop.in", "applications/faceedit.desktop"),
+        ("faceedit.metainfo.xml.in", "metainfo/org.faceedit.FaceEdit.metainfo.xml"),
+    ):
+        (share / place).parent.mkdir(parents=True)
+        (share / place).write_text(_described(source), "utf-8")
     for size in ICON_SIZES:
-        place = share / f"icons/hicolor/{size}x{size}/apps/faceedit.png"
-        _copy(MADE / "icons" / f"faceedit-{size}.png", place)
+        icon = share / f"icons/hicolor/{size}x{size}/apps/faceedit.png"
+        _copy(MADE / "icons" / f"faceedit-{size}.png", icon)
     _copy(MADE / "icons" / "faceedit.svg", share / "icons/hicolor/scalable/apps/faceedit.svg")
 
 
-def describe(metainfo: str) -> str:
-    """AppStream metadata with the version and date of the newest release in the changelog."""
+def describe(text: str) -> str:
+    """A desktop's metadata with what is known elsewhere.
+
+    The version and date are those of the newest release in the changelog, the media types those
+    of the formats that FaceEdit reads.
+    """
     changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
     dates = dict(re.findall(r"^## \[?([\w.]+)\]? - (\d{4}-\d\d-\d\d)$", changes, re.M))
     date = dates.get(__version__, time.strftime("%Y-%m-%d"))
-    return metainfo.replace("@VERSION@", __version__).replace("@DATE@", date)
+    types = mime_types()
+    for token, value in {
+        "@VERSION@": __version__,
+        "@DATE@": date,
+        "@MIME_TYPES@": ";".join(types),
+        "@MEDIA_TYPES@": "\n    ".join(f"<mediatype>{name}</mediatype>" for name in types),
+    }.items():
+        text = text.replace(token, value)
+    return text
+
+
+def _described(name: str) -> str:
+    return describe((HERE / "linux" / name).read_text("utf-8"))
 
 
 def _glibc() -> str:

@@ -6,21 +6,19 @@ import fnmatch
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
+
+from faceedit_app.formats.registry import offered_endings
 
 Entry = tuple[str, str, str]  # PyInstaller's: name in the bundle, file or link's target, kind
 
 # Chosen by name at run time, where PyInstaller cannot see it.
 HIDDEN = ["OpenGL.platform.egl", "OpenGL.platform.osmesa", "OpenGL.platform.glx", "OpenGL.osmesa"]
 
-LINUX = sys.platform.startswith("linux")
-
-# All but sparse matrices; linear algebra of its own, which much of the rest needs, is 30 MB.
+# All but sparse and spatial, which trimesh needs, and what these need themselves.
 UNUSED_SCIPY = [
     "cluster",
-    "constants",
     "datasets",
     "differentiate",
     "fft",
@@ -28,30 +26,27 @@ UNUSED_SCIPY = [
     "integrate",
     "interpolate",
     "io",
-    "linalg",
     "ndimage",
     "odr",
     "optimize",
     "signal",
-    "sparse.csgraph",
-    "sparse.linalg",
-    "spatial",
-    "special",
     "stats",
 ]
 
 EXCLUDED = [
     # The laboratory stays with pip: torch alone is twice the rest of the application.
     "torch",
+    "onnx",
     "faceedit_app.lab",
-    # FaceEdit and the parts of pyrender that it draws with get along without these.
+    # ONNX Runtime brings tools for making models; the application only answers with them.
+    "onnxruntime.backend",
+    "onnxruntime.datasets",
+    "onnxruntime.quantization",
+    "onnxruntime.tools",
+    "onnxruntime.transformers",
+    # FaceEdit, and what trimesh does for it, get along without these.
     *(f"scipy.{part}" for part in UNUSED_SCIPY),
-    # pyrender as a package imports these, see faceedit_app/render/contexts.py; not its parts.
-    "trimesh",
-    "networkx",
-    "imageio",
-    *(["pyglet"] if LINUX else []),  # the other systems' OpenGL context
-    # pyrender and pyqtgraph use these if they are there; FaceEdit uses none of it.
+    # pyrender, trimesh, networkx and pyqtgraph use these if they are there; FaceEdit does not.
     "matplotlib",
     "IPython",
     "setuptools",
@@ -146,8 +141,9 @@ def without_orphans(binaries: list[Entry]) -> list[Entry]:
             found = set(by_base.get(Path(wanted).name, [])) - kept
             kept |= found
             fresh += found
-    # ctypes opens these by name.
-    kept |= {name for name in files if "freetype/" in name}
+    # These are opened by name: by ctypes, and by ONNX Runtime, which warns where it is missing.
+    by_name = ("freetype/", "/libonnxruntime_providers_shared")
+    kept |= {name for name in files if any(part in name for part in by_name)}
     whole = [e for e in binaries if e[2] != "SYMLINK" and e[0] in kept]
     return whole + without_dangling([e for e in binaries if e[2] == "SYMLINK"], whole)
 
@@ -228,10 +224,10 @@ def macos_properties(version: str) -> dict[str, Any]:
                 "LSItemContentTypes": ["org.faceedit.project"],
             },
             {
-                "CFBundleTypeName": "Facial animation (CSV)",
+                "CFBundleTypeName": "Facial animation",
                 "CFBundleTypeRole": "Editor",
                 "LSHandlerRank": "Alternate",
-                "LSItemContentTypes": ["public.comma-separated-values-text"],
+                "CFBundleTypeExtensions": [ending.lstrip(".") for ending in offered_endings()],
             },
         ],
     }

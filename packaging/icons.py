@@ -8,17 +8,16 @@ Writes faceedit.svg, faceedit-SIZE.png, faceedit.ico (Windows) and faceedit.icns
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 from PIL import Image
-from PySide6.QtCore import QRectF, QSize, Qt
-from PySide6.QtGui import QGuiApplication, QImage, QPainter
-from PySide6.QtSvg import QSvgGenerator
+from PySide6.QtGui import QGuiApplication
 
-from faceedit_app.ui.look.icons import APP_GRID, paint_app_icon
+from faceedit_app.ui.look.icons import APP_ICON, icon_file, picture
 
 PNG_SIZES = (16, 24, 32, 48, 64, 128, 256, 512, 1024)
 ICO_SIZES = (16, 24, 32, 48, 64, 128, 256)
@@ -29,38 +28,17 @@ def write_icons(folder: Path) -> None:
     app = QGuiApplication.instance() or QGuiApplication(sys.argv[:1])
     assert app is not None
     folder.mkdir(parents=True, exist_ok=True)
-    _write_svg(folder / "faceedit.svg")
+    shutil.copy(icon_file(APP_ICON), folder / "faceedit.svg")
     for size in PNG_SIZES:
-        _write_png(folder / f"faceedit-{size}.png", size)
+        path = folder / f"faceedit-{size}.png"
+        if not picture(APP_ICON, "", size, 1.0).save(str(path)):
+            raise OSError(f"{path} was not written")
     pictures = [Image.open(folder / f"faceedit-{size}.png") for size in PNG_SIZES]
     largest = pictures[-1]
     # Each size is drawn by itself; pillow would scale the largest down.
     sizes = [(size, size) for size in ICO_SIZES]
     largest.save(folder / "faceedit.ico", sizes=sizes, append_images=pictures[:-1])
     largest.save(folder / "faceedit.icns", append_images=pictures[:-1])
-
-
-def _write_png(path: Path, size: int) -> None:
-    image = QImage(size, size, QImage.Format.Format_ARGB32)
-    image.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(image)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.scale(size / APP_GRID, size / APP_GRID)
-    paint_app_icon(painter)
-    painter.end()
-    if not image.save(str(path)):
-        raise OSError(f"{path} was not written")
-
-
-def _write_svg(path: Path) -> None:
-    drawing = QSvgGenerator()
-    drawing.setFileName(str(path))
-    drawing.setSize(QSize(APP_GRID, APP_GRID))
-    drawing.setViewBox(QRectF(0, 0, APP_GRID, APP_GRID))
-    drawing.setTitle("FaceEdit")
-    painter = QPainter(drawing)
-    paint_app_icon(painter)
-    painter.end()
 
 
 if __name__ == "__main__":

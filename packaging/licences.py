@@ -13,10 +13,14 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Callable, Iterable
+from email.message import Message
 from pathlib import Path
+from typing import cast
 
 _LINE = "=" * 78
-_LICENCE_FILE = re.compile(r"(^|[-_.])(licen[cs]es?|copying|notice|copyright|authors)\b", re.I)
+_LICENCE_FILE = re.compile(
+    r"(^|[-_.])(licen[cs]es?|copying|notice|copyright|authors|thirdpartynotices)\b", re.I
+)
 _COMMON = Path("/usr/share/common-licenses")
 # Licence texts that wheels name without bringing them along.
 _SPOKEN_OF = {"LGPL": "LGPL-3", "GPL": "GPL-3"}
@@ -58,6 +62,21 @@ def collect(sources: Iterable[Path]) -> str:
         for title in sorted(parts, key=str.lower)
     ]
     return head + "".join(bodies)
+
+
+def metadata_of(sources: Iterable[Path]) -> list[tuple[str, str, str]]:
+    """PyInstaller's entries for what says of each distribution in the bundle what it is.
+
+    About lists their licences (`core/licences.py`): what is left out of the bundle is not named.
+    """
+    places = {place for source in sources for place in (source.absolute(), source.resolve())}
+    names = {name for place, name in _owners().items() if place in places}
+    entries = []
+    for name in sorted(names):
+        for file in metadata.distribution(name).files or []:
+            if file.name == "METADATA" and file.parent.suffix == ".dist-info":
+                entries.append((file.as_posix(), str(file.locate()), "DATA"))
+    return entries
 
 
 def _origin(source: Path) -> tuple[str, Callable[[], str]]:
@@ -105,7 +124,7 @@ def _standard_library() -> list[Path]:
 
 def _of_distribution(name: str) -> str:
     distribution = metadata.distribution(name)
-    about = distribution.metadata
+    about = cast("Message[str, str]", distribution.metadata)  # its protocol lacks `get`
     declared = about.get("License-Expression") or about.get("License") or ""
     classifiers = [c for c in about.get_all("Classifier") or [] if c.startswith("License")]
     head = [declared.strip()] if declared and "\n" not in declared.strip() else classifiers

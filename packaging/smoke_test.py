@@ -43,7 +43,7 @@ class Failed(Exception):
 
 def environment(home: Path, display: str = "") -> dict[str, str]:
     """What a fresh user has: nothing that leads to a source tree or a virtual environment."""
-    kept = {k: v for k in ("SYSTEMROOT", "TEMP") if (v := os.environ.get(k))}
+    kept = {k: v for k in ("SYSTEMROOT", "TEMP", "OPENBLAS_CORETYPE") if (v := os.environ.get(k))}
     homes = {k: str(home / k.lower()) for k in ("XDG_CONFIG_HOME", "XDG_STATE_HOME")}
     runtime = home / "runtime"
     runtime.mkdir(parents=True, exist_ok=True, mode=0o700)

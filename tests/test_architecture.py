@@ -80,7 +80,7 @@ def test_types_hold() -> None:
 
 def _imported() -> dict[str, str]:
     """Top-level modules that the application imports, and a file that does."""
-    found = {}
+    found: dict[str, str] = {}
     for path in (ROOT / "faceedit_app").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
@@ -103,6 +103,14 @@ def test_every_library_that_is_imported_is_declared() -> None:
             continue
         names = {name.lower().replace("_", "-") for name in providers.get(module, [module])}
         assert names & declared, f"{path} imports {module} of {names}"
+
+
+def test_only_the_document_passes_on_what_the_session_announces() -> None:
+    """Whoever changes the session says nothing to the views: they would hear it twice, or not."""
+    says = re.compile(r"document\.(previewed|changed)\.emit")
+    files = [path for room in ("faceedit_app", "tests") for path in (ROOT / room).rglob("*.py")]
+    assert files
+    assert not [path for path in files if says.search(path.read_text(encoding="utf-8"))]
 
 
 def test_no_file_of_the_application_is_long() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -208,6 +209,18 @@ def test_missing_models_are_told(take: Path, complaint: Callable[..., str]) -> N
     edits = edits_file(take.parent, EDIT)
     text = complaint("apply", take, edits, "-o", out, "--models", take.parent)
     assert "lower.onnx" in text
+    assert not out.exists()
+
+
+def test_models_for_another_character_are_refused(
+    take: Path, complaint: Callable[..., str]
+) -> None:
+    rig, out = shipped_rig(), take.parent / "out.csv"
+    smaller = replace(rig, neutral=rig.neutral * 0.7, deltas=rig.deltas * 0.7, name="Small Mira")
+    folder = write_models(take.parent / "models", smaller)
+    edits = edits_file(take.parent, EDIT)
+    text = complaint("apply", take, edits, "-o", out, "--models", folder)
+    assert "lower.onnx: was made for another character, 'Small Mira'" in text
     assert not out.exists()
 
 

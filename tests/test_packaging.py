@@ -25,11 +25,11 @@ from faceedit_app.cli import main
 from faceedit_app.core import optional
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.optional import require
+from faceedit_app.formats.registry import mime_types, offered_endings
 from faceedit_app.ui.start import smoke
-from faceedit_app.ui.state import background as loading
+from faceedit_app.ui.state import loading
 
 ROOT = Path(__file__).resolve().parent.parent
-START = ROOT / "faceedit_app/ui/start/app.py"
 PACKAGING = ROOT / "packaging"
 LINUX = PACKAGING / "linux"
 Tool = Callable[[str], ModuleType]
@@ -79,26 +79,38 @@ def test_appstream_names_this_release_and_existing_things(tool: Tool) -> None:
     assert root.findtext("project_license") == PROJECT["project"]["license"]
 
 
-def test_the_desktop_entry_opens_what_the_application_can() -> None:
+def test_the_desktop_entry_opens_what_the_application_can(tool: Tool) -> None:
     entry = configparser.ConfigParser(interpolation=None)
     entry.optionxform = str  # type: ignore[assignment,method-assign]
-    entry.read(LINUX / "faceedit.desktop", encoding="utf-8")
+    text = (LINUX / "faceedit.desktop.in").read_text(encoding="utf-8")
+    entry.read_string(tool("build").describe(text))
     desktop = entry["Desktop Entry"]
     types = desktop["MimeType"].rstrip(";").split(";")
     mime = ElementTree.parse(LINUX / "faceedit.mime.xml").getroot()
     ours = {str(node.get("type")) for node in mime if node.tag.endswith("mime-type")}
     assert ours <= set(types)
-    assert "text/csv" in types
+    assert {*types} == {*ours, *mime_types()}
+    metainfo = (LINUX / "faceedit.metainfo.xml.in").read_text(encoding="utf-8")
+    root = ElementTree.fromstring(tool("build").describe(metainfo))
+    assert {node.text for node in root.iter("mediatype")} == {*types}
     assert [node.get("pattern") for node in mime.iter() if node.tag.endswith("glob")] == [
         "*.faceedit"
     ]
     assert desktop["Exec"] == "faceedit %f"
 
 
+def test_other_systems_offer_the_application_for_the_same_files(tool: Tool) -> None:
+    installer = (PACKAGING / "windows" / "faceedit.iss").read_text(encoding="utf-8")
+    assert set(re.findall(r"\\(\.\w+)\\OpenWithProgids", installer)) == {*offered_endings()}
+    kinds = tool("contents").macos_properties("1")["CFBundleDocumentTypes"]
+    offered = [ending for kind in kinds for ending in kind.get("CFBundleTypeExtensions", [])]
+    assert offered == [ending.lstrip(".") for ending in offered_endings()]
+
+
 @pytest.mark.parametrize(
     ("program", "options", "file"),
     [
-        ("desktop-file-validate", [], "faceedit.desktop"),
+        ("desktop-file-validate", [], "faceedit.desktop.in"),
         ("appstreamcli", ["validate", "--no-net"], "faceedit.metainfo.xml.in"),
     ],
 )
@@ -146,12 +158,42 @@ def test_the_bundle_leaves_out_nothing_that_the_application_imports(tool: Tool) 
             assert not _imports(path) & excluded, path
 
 
+def test_the_face_is_drawn_without_what_the_bundle_leaves_out(tool: Tool) -> None:
+    code = f"""
+import sys
+left_out = {tool("contents").EXCLUDED!r}
+class LeftOut:
+    def find_spec(self, name, path=None, target=None):
+        if any(f"{{name}}.".startswith(f"{{other}}.") for other in left_out):
+            raise ModuleNotFoundError(name, name=name)
+sys.meta_path.insert(0, LeftOut())
+import numpy as np
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.core.errors import Unavailable
+from faceedit_app.core.resources import shipped
+from faceedit_app.render.snapshot import snapshot
+rig = read_rig(shipped("assets/character.glb"))
+try:
+    print(snapshot(rig, np.zeros(len(rig.channels), np.float32), 64, 64).max() > 100)
+except Unavailable as error:
+    print(error)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, encoding="utf-8", check=False
+    )
+    assert done.returncode == 0, done.stderr
+    if "no OpenGL" in done.stdout:
+        pytest.skip(done.stdout)
+    assert done.stdout.strip() == "True"
+
+
 def test_the_bundle_holds_what_a_window_needs(tool: Tool) -> None:
     is_wanted = tool("contents").is_wanted
     plugins = "PySide6/Qt/plugins"
     for name in (
         "faceedit_app/shipped/models/lower.onnx",
         "faceedit_app/render/shaders/face.frag",
+        "faceedit_app/ui/look/icons/play.svg",
         f"{plugins}/platforms/libqxcb.so",
         f"{plugins}/platforms/libqwayland.so",
         f"{plugins}/platforms/libqoffscreen.so",
@@ -199,6 +241,17 @@ def test_every_file_in_the_bundle_needs_a_licence(tool: Tool, tmp_path: Path) ->
         licences._origin(stray)
 
 
+def test_the_bundle_says_what_is_in_it_and_only_that(tool: Tool) -> None:
+    sources = [Path(str(importlib.util.find_spec(name).origin)) for name in ("numpy", "av")]  # type: ignore[union-attr]
+    entries = tool("licences").metadata_of([*sources, ROOT / "faceedit_app/cli.py"])
+    names = [name.partition("-")[0] for name, _, _ in entries]
+    assert names == ["av", "numpy"]
+    for name, source, kind in entries:
+        assert name.endswith(".dist-info/METADATA")
+        assert "License" in Path(source).read_text(encoding="utf-8")
+        assert kind == "DATA"
+
+
 # --- the smoke test --------------------------------------------------------------------------
 
 
@@ -206,9 +259,7 @@ def test_the_smoke_test_reads_what_the_window_writes(tool: Tool) -> None:
     test = tool("smoke_test")
     for name in ("EDITED", "EDITS", "PICTURE", "REPORT"):
         assert getattr(test, name) == getattr(smoke, name)
-    assert f'"{smoke.VARIABLE}"' in (ROOT / "faceedit_app/ui/start/app.py").read_text(
-        encoding="utf-8"
-    )
+    assert f'"{smoke.VARIABLE}"' in (PACKAGING / "smoke_test.py").read_text(encoding="utf-8")
 
 
 def test_the_smoke_test_sees_no_source_tree_and_no_virtual_environment(

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 from trimesh.ray.ray_triangle import RayMeshIntersector
 
 from assets.builder.source import Floats, Ints
@@ -94,7 +93,7 @@ def project_front(mesh: trimesh.Trimesh, xy: Floats) -> Floats:
     hits, ray, _ = _rays(mesh).intersects_location(origins, directions, multiple_hits=False)
     depth = np.full(len(xy), -np.inf)
     depth[ray] = hits[:, 2]
-    return np.c_[xy, depth]
+    return np.column_stack([xy, depth])
 
 
 def cast_outermost(mesh: trimesh.Trimesh, origin: Floats, directions: Floats) -> Floats:
@@ -124,35 +123,19 @@ class Anchors:
 
 
 class Surface:
-    """A triangle mesh onto which points can be anchored.
-
-    Points beside the surface are tied to it nearly where they are closest to it, by a search
-    among the triangles with the nearest centres. `trimesh.proximity.closest_point` would be exact;
-    but then 39 vertices of the hair would follow the brows by up to 0.03 mm more or less, and the
-    character would no longer be the one that is shipped.
-    """
-
-    CANDIDATES = 12  # triangles that are looked at
+    """A triangle mesh onto which points can be anchored."""
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
         self.mesh = mesh
         self.normals = vertex_normals(mesh)
-        self._centres = cKDTree(mesh.triangles_center)
 
     def anchor(self, points: Floats) -> Anchors:
-        """Tie each of the points (P, 3) to (nearly) the closest point of the surface."""
-        near = self._centres.query(points, self.CANDIDATES)[1]  # (P, k)
-        triangles = self.mesh.triangles[near.ravel()]
-        wanted = np.repeat(points, self.CANDIDATES, axis=0)
-        weights = trimesh.triangles.points_to_barycentric(triangles, wanted).clip(0, 1)
-        weights /= weights.sum(axis=1, keepdims=True)
-        feet = trimesh.triangles.barycentric_to_points(triangles, weights)
-        best = np.linalg.norm(feet - wanted, axis=1).reshape(near.shape).argmin(axis=1)
-        row = np.arange(len(points))
-        corners = np.asarray(self.mesh.faces)[near[row, best]]
-        return Anchors(corners, weights.reshape(*near.shape, 3)[row, best])
+        """Tie each of the points (P, 3) to the closest point of the surface."""
+        closest, _, face = trimesh.proximity.closest_point(self.mesh, points)
+        weights = trimesh.triangles.points_to_barycentric(self.mesh.triangles[face], closest)
+        return Anchors(np.asarray(self.mesh.faces)[face], weights)
 
     def position(self, anchors: Anchors, lift: float = 0.0) -> Floats:
         """The anchored points (P, 3), raised by `lift` mm along the normal."""
         points = anchors.read(np.asarray(self.mesh.vertices))
-        return points + lift * trimesh.unitize(anchors.read(self.normals))
+        return np.asarray(points + lift * trimesh.unitize(anchors.read(self.normals)))

@@ -1,8 +1,6 @@
-"""The 52 ARKit blendshape names and how other spellings map to them."""
+"""The 52 ARKit blendshape names; `names.py` maps other spellings to them."""
 
 from __future__ import annotations
-
-import re
 
 ARKIT_CHANNELS: tuple[str, ...] = (
     "eyeBlinkLeft",
@@ -61,21 +59,9 @@ ARKIT_CHANNELS: tuple[str, ...] = (
 
 ARKIT_INDEX: dict[str, int] = {name: i for i, name in enumerate(ARKIT_CHANNELS)}
 
-_BY_LOWER_CASE = {name.lower(): name for name in ARKIT_CHANNELS}
-_PREFIX = re.compile(r"^.*\.")
-
-
-def canonical_channel(name: str) -> str | None:
-    """The ARKit name that `name` means, or None.
-
-    Files spell the same channel `EyeBlinkLeft`, `eyeBlinkLeft` or `blendShapes.EyeBlinkLeft`:
-    case and a dotted prefix are ignored.
-    """
-    return _BY_LOWER_CASE.get(_PREFIX.sub("", name.strip()).lower())
-
 
 def mirrored_channel(name: str) -> str:
-    """The channel of the other side of the face; a channel without a side is its own."""
+    """The same channel on the other side of the face; a channel without a side maps to itself."""
     if name.endswith("Left"):
         return name[: -len("Left")] + "Right"
     if name.endswith("Right"):

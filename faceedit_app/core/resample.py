@@ -1,4 +1,4 @@
-"""Between a clip's own times and the networks' steady grid of 25 frames per second."""
+"""Resample between a clip's own times and even ones: the networks' grid, or another frame rate."""
 
 from __future__ import annotations
 
@@ -13,27 +13,30 @@ GRID_RATE = 25.0
 
 
 def grid_length(times: Times) -> int:
-    """How many grid frames (at 0, 0.04, 0.08 s, ...) cover a clip's `times` (T,)."""
+    """The number of grid frames (at 0, 0.04, 0.08 s, ...) that cover a clip's `times` (T,)."""
     return int(np.ceil(times[-1] * GRID_RATE - 1e-6)) + 1
 
 
-def to_grid(times: Times, values: NDArray[Any], start: int, stop: int) -> Doubles:
-    """Bring a signal to grid frames `start..stop-1`.
+def to_grid(
+    times: Times, values: NDArray[Any], start: int, stop: int, rate: float = GRID_RATE
+) -> Doubles:
+    """Resample a signal to grid frames `start` to `stop` - 1.
 
-    Each grid value is the mean of the linearly interpolated signal over the grid frame's own
-    40 ms, so that nothing, not even a spike of one frame at 60 fps, falls between two grid
-    frames. Before the first and after the last time the signal keeps its end value.
+    Each grid value is the mean of the linearly interpolated signal over the grid frame's own time
+    (40 ms at 25 fps), so that nothing is lost between grid frames, not even a spike of one frame
+    at 60 fps. Before the first and after the last time the signal keeps its end value.
 
     Args:
         times: (T,) seconds, increasing.
         values: (T, C).
+        rate: frames of the grid per second.
 
     Returns:
         (stop - start, C) float64.
     """
     if len(times) == 1:
         return np.repeat(values.astype(np.float64), stop - start, axis=0)
-    edges = (np.arange(start, stop + 1) - 0.5) / GRID_RATE
+    edges = (np.arange(start, stop + 1) - 0.5) / rate
     steps = np.diff(times)[:, None]
     areas = 0.5 * (values[1:] + values[:-1]) * steps
     integral = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(areas, axis=0)])
@@ -45,15 +48,15 @@ def to_grid(times: Times, values: NDArray[Any], start: int, stop: int) -> Double
     at = integral[i] + into * (values[i] + 0.5 * slope * into)
     at += np.minimum(edges - times[0], 0)[:, None] * values[0]
     at += np.maximum(edges - times[-1], 0)[:, None] * values[-1]
-    grid: Doubles = np.diff(at, axis=0) * GRID_RATE
+    grid: Doubles = np.diff(at, axis=0) * rate
     return grid
 
 
 def from_grid(values: NDArray[np.floating[Any]], start: int, times: Times) -> Doubles:
-    """Read grid frames `values` (N, C), the first of which is grid frame `start`, at `times` (T,).
+    """Interpolate grid frames `values` (N, C), the first of which is `start`, at `times` (T,).
 
-    Cubic (Catmull-Rom): passes through the grid values, smooth between, and local: a value
-    shows only within two grid frames of its own.
+    Cubic (Catmull-Rom): it passes through the grid values, is smooth between them, and local: a
+    value has an effect only within two grid frames.
     """
     position = np.clip(times * GRID_RATE - start, 0, len(values) - 1)
     i = np.minimum(position.astype(np.int64), max(len(values) - 2, 0))
@@ -61,6 +64,53 @@ def from_grid(values: NDArray[np.floating[Any]], start: int, times: Times) -> Do
     last = len(values) - 1
     before, a, b, after = (values[np.clip(i + k, 0, last)] for k in (-1, 0, 1, 2))
     slope_a, slope_b = 0.5 * (b - before), 0.5 * (after - a)
+    return _hermite(u, a, b, slope_a, slope_b)
+
+
+def at_rate(times: Times, values: NDArray[Any], rate: float, own_rate: float) -> Doubles:
+    """Resample a signal to another frame rate: values at 0, 1 / rate, 2 / rate, ... seconds.
+
+    A lower rate takes the mean over each frame's own time, see `to_grid`, so that nothing is lost
+    between two frames. A higher one, or the same, interpolates without overshoot by a monotone
+    cubic (Fritsch and Butland, "A method for constructing local monotone piecewise cubic
+    interpolants", 1984).
+
+    Args:
+        times: (T,) seconds from 0, increasing.
+        values: (T, C).
+        rate: frames per second.
+        own_rate: nominal frames per second of the signal.
+
+    Returns:
+        (N, C) float64, as long as the signal to the nearest frame.
+    """
+    count = max(round((float(times[-1]) + 1 / own_rate) * rate), 1)
+    if rate < 0.999 * own_rate:
+        return to_grid(times, values, 0, count, rate)
+    if len(times) == 1:
+        return np.repeat(values.astype(np.float64), count, axis=0)
+    wanted = np.minimum(np.arange(count) / rate, times[-1])
+    i = np.clip(np.searchsorted(times, wanted, side="right") - 1, 0, len(times) - 2)
+    steps = np.diff(times)[:, None]
+    slopes = _monotone_slopes(steps, np.diff(values.astype(np.float64), axis=0) / steps)
+    u = ((wanted - times[i]) / steps[i, 0])[:, None]
+    u[np.abs(u) < 1e-6], u[np.abs(u - 1) < 1e-6] = 0.0, 1.0  # on a frame: exactly its value
+    return _hermite(u, values[i], values[i + 1], slopes[i] * steps[i], slopes[i + 1] * steps[i])
+
+
+def _monotone_slopes(steps: Doubles, rises: Doubles) -> Doubles:
+    """(T, C) slopes at T points from the steps (T - 1, 1) and the rises (T - 1, C) between them."""
+    slopes = np.zeros((len(rises) + 1, rises.shape[1]))
+    before, after = rises[:-1], rises[1:]
+    weight = (steps[:-1] + 2 * steps[1:]) / (3 * (steps[:-1] + steps[1:]))
+    turns = before * after <= 0
+    safe = np.where(turns, 1.0, weight * after + (1 - weight) * before)
+    slopes[1:-1] = np.where(turns, 0.0, before * after / safe)
+    return slopes
+
+
+def _hermite(u: Doubles, a: Doubles, b: Doubles, slope_a: Doubles, slope_b: Doubles) -> Doubles:
+    """The cubic from `a` at u = 0 to `b` at u = 1 with these slopes."""
     square, cube = u * u, u * u * u
     result: Doubles = (
         (2 * cube - 3 * square + 1) * a

@@ -1,8 +1,8 @@
-"""The weights of a clip in a CSV table, and the way back into its file.
+"""The weights of a clip in a CSV table, and how they are written back.
 
-The file is kept as its lines. Exporting splits only the lines in which a weight changed, replaces
-those cells, and joins them again, so everything else (line ends, spaces, quotes, columns that
-FaceEdit knows nothing of, lines without a tracked face) survives by construction.
+The file is kept as lines. Exporting splits only the lines in which a weight changed, replaces those
+cells, and joins them again, so everything else (line ends, spaces, quotes, other columns, lines
+without a tracked face) survives by construction.
 """
 
 from __future__ import annotations
@@ -13,12 +13,13 @@ from itertools import islice
 
 import numpy as np
 
-from faceedit_app.core.arkit import canonical_channel
 from faceedit_app.core.arrays import Floats
-from faceedit_app.formats.csv_table import CHOOSE_TAKE, Table
+from faceedit_app.core.names import canonical_channel
+from faceedit_app.formats.csv_table import Table
+from faceedit_app.formats.files import CHOOSE_TAKE
 from faceedit_app.formats.numbers import detect_format
 
-_FORMAT_SAMPLE = 200  # rows to learn the number format from
+_FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
 
 @dataclass(frozen=True)
@@ -28,49 +29,52 @@ class Columns:
     Attributes:
         channels: ARKit names in the table's order.
         indices: their columns.
-        others: indices of all other columns.
     """
 
     channels: tuple[str, ...]
     indices: tuple[int, ...]
-    others: tuple[int, ...]
+
+    def without(self, empty: Sequence[bool]) -> Columns:
+        """The columns for which `empty` (K,) is False."""
+        kept = [k for k, gone in enumerate(empty) if not gone]
+        return Columns(tuple(self.channels[k] for k in kept), tuple(self.indices[k] for k in kept))
 
 
 def find_channels(table: Table) -> Columns:
-    """Find the channels by name; the order of columns means nothing.
+    """Find the channels by name, in any order.
 
     Raises:
-        FileError: there is none, or one twice.
+        FileError: there is no channel, or one has two columns.
     """
     found: dict[str, int] = {}
-    others = []
     for k, name in enumerate(table.names):
         channel = canonical_channel(name)
         if channel is None:
-            others.append(k)
-        elif channel in found:
+            continue
+        if channel in found:
             problem = f'the channel "{channel}" has two columns ({found[channel] + 1} and {k + 1})'
             raise table.error(problem, "rename or remove one of them", table.header)
-        else:
-            found[channel] = k
+        found[channel] = k
     if not found:
         raise table.error("holds no ARKit channel such as jawOpen", CHOOSE_TAKE, table.header)
-    return Columns(tuple(found), tuple(found.values()), tuple(others))
+    return Columns(tuple(found), tuple(found.values()))
 
 
 @dataclass(frozen=True)
 class CsvSource:
-    """A table with the places of a clip's weights in it (`take.Source`).
+    """A table, and where a clip's weights are in it (`take.Source`).
 
     Attributes:
         table: the file.
-        lines: (T) indices of the lines that hold the clip's frames.
-        columns: (K) columns that hold its channels.
+        lines: (T) indices of the lines with the clip's frames.
+        columns: (K) the columns of its channels.
+        scale: the value of a full blendshape in the file.
     """
 
     table: Table
     lines: Sequence[int]
     columns: Sequence[int]
+    scale: float = 1.0
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
@@ -79,13 +83,14 @@ class CsvSource:
         touched = np.flatnonzero(changed.any(axis=1))
         out = list(self.table.lines)
         if len(touched):
-            write = detect_format(self._sample()).write
+            write = detect_format(self._sample(), self.scale).write
             for row in touched.tolist():
                 line = self.lines[row]
                 cells = self.table.cells(line)
                 for k in np.flatnonzero(changed[row]).tolist():
                     column = self.columns[k]
-                    cells[column] = _replaced(cells[column], write(float(edited[row, k])))
+                    number = write(float(edited[row, k]) * self.scale)
+                    cells[column] = _replaced(cells[column], number)
                 text = self.table.delimiter.join(cells)
                 old = self.table.lines[line]
                 out[line] = text + old[len(old.rstrip(b"\r\n")) :]
@@ -100,6 +105,6 @@ class CsvSource:
 
 
 def _replaced(cell: bytes, number: bytes) -> bytes:
-    """The cell with another number in the quotes and spaces it had."""
+    """The cell with another number, in its own quotes and spaces."""
     old = cell.strip().strip(b'"').strip()
     return cell.replace(old, number, 1)

@@ -1,70 +1,47 @@
 """A CSV file as a table that keeps its bytes: lines with their ends, cells with their quotes.
 
-What is wrong with a file is told with its line and a remedy, before anything is made of it.
+Lines are split as by Python's csv module, except that cells of several lines are refused. Errors
+name the line and a remedy.
 """
 
 from __future__ import annotations
 
+import re
 from array import array
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.arrays import Times
+from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.files import BOM, REPAIR, check_text, shown
 
-_BOM = b"\xef\xbb\xbf"
-_LARGEST_FILE = 1 << 30  # an hour at 60 fps is 160 MB
-_LONGEST_SHOWN = 40
-CHOOSE_TAKE = "choose a Live Link Face CSV or another CSV with ARKit channels"
-_REPAIR = "correct the cell or delete the line"
+_HEAD = 1 << 20  # bytes; enough for a header and a row
+_DELIMITERS = (b",", b";", b"\t")
+# What programs write in place of a missing number.
+_MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
 
 Cells = list[bytes]
 
 
-def read_bytes(path: Path) -> bytes:
-    """The content of a file.
-
-    Raises:
-        FileError: it is missing, a folder, not readable or too large.
-    """
-    try:
-        if path.is_dir():
-            raise FileError(path, "is a folder", "choose a CSV file inside it")
-        if not path.exists():
-            raise FileError(path, "does not exist", "check the name and the folder")
-        if not path.is_file():
-            raise FileError(path, "is not a regular file", CHOOSE_TAKE)
-        if path.stat().st_size > _LARGEST_FILE:
-            raise FileError(path, "is larger than 1 GB", "split the take into shorter ones")
-        return path.read_bytes()
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise FileError(
-            path, f"cannot be read ({reason})", "check the file's permissions and its name"
-        ) from error
-
-
 @dataclass(frozen=True)
 class Rows:
-    """What was read of a table's R rows, T of which have numbers.
+    """The R rows of a table, T of which have a frame.
 
     Attributes:
-        texts: (R) per row the cells of the text columns, as texts.
-        tracked: (R,) whether the row has numbers.
-        numbers: (T, N) float64.
-        lines: (T) per row with numbers the index of its line.
-        number_of_line: (R) 1-based line number per row, for messages.
+        texts: (R) per row the texts of the text columns; "" if the row is too short.
+        lost: (R,) whether the row has no frame, because the face was lost.
+        numbers: (T, N) float64, finite.
+        lines: (T) the index of the line of each frame.
     """
 
     texts: list[tuple[str, ...]]
-    tracked: NDArray[np.bool_]
-    numbers: Times
+    lost: Bools
+    numbers: Doubles
     lines: list[int]
-    number_of_line: list[int]
 
 
 @dataclass(frozen=True)
@@ -72,11 +49,12 @@ class Table:
     """A CSV file in memory.
 
     Attributes:
-        path: where it was read from, for messages.
-        lines: all lines with their line ends; joined they are the file.
+        path: the file, for messages.
+        lines: all lines with their line ends; joined, they are the file.
         header: index of the header line.
         names: column names without quotes and spaces around them.
-        delimiter: what separates cells.
+        delimiter: separates cells.
+        mark: the first cell of every row, if any; lines without it are not rows.
     """
 
     path: Path
@@ -84,88 +62,94 @@ class Table:
     header: int
     names: tuple[str, ...]
     delimiter: bytes
+    mark: bytes | None = None
 
     def error(self, problem: str, remedy: str, line: int | None = None) -> FileError:
-        """A complaint about this file, at a line by its index."""
+        """An error about this file, at the line with this index."""
         return FileError(self.path, problem, remedy, None if line is None else line + 1)
 
     def cells(self, line: int) -> Cells:
-        """The cells of a line as they stand in the file; joined by the delimiter they are it."""
-        return _split(self.lines[line].rstrip(b"\r\n"), self.delimiter)
-
-    def first_row(self) -> Cells:
-        """The cells of the first row.
+        """The cells of a line with quotes and spaces; joined by the delimiter, they are the line.
 
         Raises:
-            FileError: there is none.
+            FileError: a cell continues on the next line.
         """
+        cells = split_line(self.lines[line].rstrip(b"\r\n"), self.delimiter)
+        if cells is None:
+            raise self.error("a quoted cell does not end on its line", REPAIR, line)
+        return cells
+
+    def rows(self) -> Iterator[tuple[int, Cells]]:
+        """The line index and the cells of each row; blank lines are skipped."""
         for line in range(self.header + 1, len(self.lines)):
             cells = self.cells(line)
-            if not _is_blank(cells):
-                return cells
-        raise self.error("has a header but no frames", "export the take again", self.header)
+            is_row = cells[0] == self.mark if self.mark else any(map(bytes.strip, cells))
+            if is_row:
+                yield line, cells
 
     def read(
         self,
         text_columns: Sequence[int],
         number_columns: Sequence[int],
-        is_untracked: Callable[[Cells], bool] = lambda cells: False,
+        count: int | None = None,
     ) -> Rows:
-        """Read some columns of all rows; lines without content are no rows.
+        """Read some columns of all rows.
+
+        A row without numbers, or with a count of 0, has lost the face: it stays in the file but
+        is not a frame.
 
         Args:
             text_columns: columns to read as texts.
-            number_columns: columns to read as numbers.
-            is_untracked: whether a row that lacks numbers is complete as it is.
+            number_columns: columns to read as numbers; columns without any are all NaN.
+            count: the column with the number of values in each row, if any.
 
         Raises:
-            FileError: a row too short or too long, or a cell that is no finite number.
+            FileError: there is no row, a row is too short or too long, a cell is not a number,
+                or only some of a row's numbers are missing.
         """
         texts: list[tuple[str, ...]] = []
-        tracked: list[bool] = []
         lines: list[int] = []
-        all_lines: list[int] = []
+        zero: list[bool] = []
         flat = array("d")
-        for line, cells in self._rows():
-            full = len(cells) == len(self.names) or self._fits(line, cells, is_untracked)
-            if full:
-                try:
-                    if b"_" in self.lines[line]:  # Python reads 1_0 as 10: look closer
-                        raise ValueError
-                    flat.extend([float(cells[k]) for k in number_columns])
-                except ValueError:
-                    full = not is_untracked(cells)
-                    if full:
-                        flat.extend([self._number(line, k, cells[k]) for k in number_columns])
-            if full:
-                lines.append(line)
-            texts.append(tuple(plain_text(cells[k]) for k in text_columns))
-            tracked.append(full)
-            all_lines.append(line + 1)
+        nothing, width = array("d", [np.nan]) * len(number_columns), len(self.names)
+        for line, cells in self.rows():
+            if len(cells) == width or self._fits(line, cells, number_columns, count):
+                flat.extend(self._numbers(line, cells, number_columns))
+            else:
+                flat.extend(nothing)
+                cells += [b""] * (width - len(cells))
+            zero.append(count is not None and _is_zero(cells[count]))
+            texts.append(tuple([plain_text(cells[k]) for k in text_columns]))
+            lines.append(line)
         if not texts:
-            self.first_row()
+            raise self.error("has a header but no frames", "export the take again", self.header)
         numbers = np.frombuffer(flat, np.float64).reshape(len(lines), len(number_columns))
-        self._check_finite(numbers, number_columns, lines)
-        return Rows(texts, np.array(tracked, bool), numbers, lines, all_lines)
+        lost = _lost(numbers, np.array(zero))
+        self._check(numbers, lost, number_columns, lines)
+        frames = np.flatnonzero(~lost)
+        return Rows(texts, lost, numbers[frames], [lines[i] for i in frames])
 
-    def _rows(self) -> Iterator[tuple[int, Cells]]:
-        for line in range(self.header + 1, len(self.lines)):
-            cells = self.cells(line)
-            if not _is_blank(cells):
-                yield line, cells
+    def _numbers(self, line: int, cells: Cells, columns: Sequence[int]) -> list[float]:
+        if b"_" not in self.lines[line]:  # Python reads 1_0 as 10: check more closely
+            try:
+                return [float(cells[k]) for k in columns]
+            except ValueError:
+                pass
+        return [self._number(line, k, cells[k]) for k in columns]
 
-    def _fits(self, line: int, cells: Cells, is_untracked: Callable[[Cells], bool]) -> bool:
-        """Whether a row of unusual length has numbers; complains unless it is a known kind."""
+    def _fits(self, line: int, cells: Cells, columns: Sequence[int], count: int | None) -> bool:
+        """Whether a row of unusual length has numbers; raises unless its kind is known."""
         wanted = len(self.names)
         if len(cells) > wanted:
-            if _is_blank(cells[wanted:]):
+            if not any(cell.strip() for cell in cells[wanted:]):
                 return True
             raise self.error(
                 f"has {len(cells)} cells where the header has {wanted} columns",
                 "remove the surplus cells or delete the line",
                 line,
             )
-        if is_untracked(cells):
+        empty = all(_is_missing(cells[k]) for k in columns if k < len(cells))
+        if empty and (count is None or (count < len(cells) and _is_zero(cells[count]))):
             return False
         last = all(not self.lines[i].strip() for i in range(line + 1, len(self.lines)))
         what = "the last row is cut off" if last else "the row is too short"
@@ -177,49 +161,94 @@ class Table:
 
     def _number(self, line: int, column: int, cell: bytes) -> float:
         text = plain_text(cell)
+        if text.lower() in _MISSING:
+            return np.nan
         try:
             if "_" in text:
                 raise ValueError(text)
             return float(text)
         except ValueError:
-            what = f'holds "{shown(text)}", not a number' if text else "is empty"
-            remedy = "write decimals with a point" if "," in text else _REPAIR
-            raise self.error(f'column "{shown(self.names[column])}" {what}', remedy, line) from None
+            what = f'column "{shown(self.names[column])}" holds "{shown(text)}", not a number'
+            remedy = "write decimals with a point" if "," in text else REPAIR
+            raise self.error(what, remedy, line) from None
 
-    def _check_finite(self, numbers: Times, columns: Sequence[int], lines: list[int]) -> None:
+    def _check(
+        self, numbers: Doubles, lost: Bools, columns: Sequence[int], lines: list[int]
+    ) -> None:
+        """Raise for the first number (R, N) that is infinite, or missing in a row with a face."""
         largest = float(np.finfo(np.float32).max)
-        wrong = np.argwhere(~(np.abs(numbers) <= largest))  # also true for NaN
+        empty = np.all(np.isnan(numbers), axis=0)
+        missing = np.isnan(numbers) & ~empty & ~lost[:, None]
+        wrong = np.argwhere(missing | (np.abs(numbers) > largest))
         if len(wrong):
             row, k = int(wrong[0, 0]), columns[int(wrong[0, 1])]
             text = shown(plain_text(self.cells(lines[row])[k]))
-            problem = f'column "{shown(self.names[k])}" holds "{text}", not a finite number'
-            raise self.error(problem, _REPAIR, lines[row])
+            what = f'holds "{text}", not a finite number' if text else "is empty"
+            more = f" (there are {len(wrong) - 1} more like it)" if len(wrong) > 1 else ""
+            problem = f'column "{shown(self.names[k])}" {what}{more}'
+            raise self.error(problem, REPAIR, lines[row])
 
 
-def read_table(path: Path | str) -> Table:
-    """Read a CSV file: UTF-8 or ASCII, any line ends, separated by commas, semicolons or tabs.
+def read_table(path: Path, content: bytes) -> Table:
+    """Read a CSV file: UTF-8 or ASCII, any line ends, commas, semicolons or tabs.
 
     Raises:
-        FileError: it cannot be read, or is empty or no text.
+        FileError: it is empty or not text.
     """
-    path = Path(path)
-    content = read_bytes(path)
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise FileError(path, "is UTF-16 text", "save it as UTF-8")
-    nul = content.find(b"\0")
-    if content[:4] == b"\x89PNG" or 0 <= nul < 1024:
-        raise FileError(path, "is not a CSV file but binary data", CHOOSE_TAKE)
+    check_text(path, content)
     lines = tuple(content.splitlines(keepends=True))
-    if nul >= 0:
-        line = content.count(b"\n", 0, nul) + 1
-        raise FileError(path, "is damaged (zero bytes)", "copy it from the device again", line)
-    header = next((i for i, line in enumerate(lines) if line.removeprefix(_BOM).strip()), None)
-    if header is None:
-        raise FileError(path, "is empty", CHOOSE_TAKE)
-    text = lines[header].removeprefix(_BOM)
-    delimiter = max((b",", b";", b"\t"), key=text.count)
-    names = tuple(plain_text(cell) for cell in _split(text.rstrip(b"\r\n"), delimiter))
-    return Table(path, lines, header, names, delimiter)
+    header = next(i for i, line in enumerate(lines) if line.removeprefix(BOM).strip())
+    text = lines[header].removeprefix(BOM).rstrip(b"\r\n")
+    delimiter, cells = split_header(text)
+    if cells is None:
+        raise FileError(path, "a quoted cell does not end on its line", REPAIR, header + 1)
+    return Table(path, lines, header, tuple(plain_text(cell) for cell in cells), delimiter)
+
+
+def first_rows(content: bytes) -> tuple[tuple[str, ...], Cells]:
+    """The column names and the first row's cells, if the content is read as CSV."""
+    lines = (line for line in content[:_HEAD].removeprefix(BOM).splitlines() if line.strip())
+    header, row = next(lines, b""), next(lines, b"")
+    delimiter, cells = split_header(header)
+    if b"\0" in header or cells is None:
+        return (), []
+    return tuple(plain_text(cell) for cell in cells), split_line(row, delimiter) or []
+
+
+def split_header(text: bytes) -> tuple[bytes, Cells | None]:
+    """The delimiter and the cells of a header."""
+    split = {delimiter: split_line(text, delimiter) for delimiter in _DELIMITERS}
+    delimiter = max(split, key=lambda one: len(split[one] or ()))
+    return delimiter, split[delimiter]
+
+
+def split_line(text: bytes, delimiter: bytes) -> Cells | None:
+    """The cells of a line with their quotes, as Python's csv module finds them.
+
+    A cell that begins with a quote ends at the next single quote; two quotes stand for one.
+    Elsewhere quotes have no meaning.
+
+    Returns:
+        The cells, or None if the last one continues on the next line.
+    """
+    if b'"' not in text:
+        return text.split(delimiter)
+    cells, start = [], 0
+    pattern = _cell(delimiter)
+    while True:
+        match = pattern.match(text, start)
+        if match is None:
+            return None
+        cells.append(match[0])
+        if match.end() == len(text):
+            return cells
+        start = match.end() + 1
+
+
+@cache
+def _cell(delimiter: bytes) -> re.Pattern[bytes]:
+    d = re.escape(delimiter)
+    return re.compile(b'(?:"(?:[^"]|"")*"(?!")[^%b]*|(?!")[^%b]*)(?=%b|\\Z)' % (d, d, d), re.DOTALL)
 
 
 def plain_text(cell: bytes) -> str:
@@ -227,27 +256,18 @@ def plain_text(cell: bytes) -> str:
     return cell.decode("utf-8", "replace").strip().strip('"').strip()
 
 
-def shown(text: str) -> str:
-    """A text from a file as it can stand in a message: short and on one line."""
-    text = "".join(c if c.isprintable() else "?" for c in text[:_LONGEST_SHOWN])
-    return text if len(text) < _LONGEST_SHOWN else text[:-1] + "…"
+def _lost(numbers: Doubles, zero: Bools) -> Bools:
+    """(R,) which rows have no frame: without numbers (R, N), or with a count of 0."""
+    if zero.all() and np.nan_to_num(numbers).any():  # this tool never fills in the count
+        zero = np.zeros_like(zero)
+    lost: Bools = np.all(np.isnan(numbers), axis=1) | zero
+    return lost
 
 
-def _split(text: bytes, delimiter: bytes) -> Cells:
-    cells = text.split(delimiter)
-    if b'"' not in text:
-        return cells
-    # A delimiter inside quotes separates nothing: join what was split there.
-    groups: list[list[bytes]] = []
-    inside = False
-    for cell in cells:
-        if inside:
-            groups[-1].append(cell)
-        else:
-            groups.append([cell])
-        inside ^= cell.count(b'"') % 2 == 1
-    return [delimiter.join(group) for group in groups]
+def _is_missing(cell: bytes) -> bool:
+    return plain_text(cell).lower() in _MISSING
 
 
-def _is_blank(cells: Cells) -> bool:
-    return not any(cell.strip() for cell in cells)
+def _is_zero(cell: bytes) -> bool:
+    """Whether a count is 0, which some tools write as `0.0`."""
+    return cell.strip(b' "') in (b"0", b"0.0")

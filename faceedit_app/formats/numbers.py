@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 
 # Coarser than this, an edited curve would move in visible steps.
 _LEAST_PADDED, _LEAST_TRIMMED = 4, 6
-_MOST_TRIMMED = 9  # float32 has no more to say
+_MOST_TRIMMED = 9  # the digits that float32 needs
 _NUMBER = re.compile(rb"[+-]?\d*(?:\.(\d*))?([eE][+-]?\d+)?")
 
 
@@ -40,8 +41,14 @@ class NumberFormat:
         return text.encode()
 
 
-def detect_format(texts: Iterable[bytes]) -> NumberFormat:
-    """The format of a sample of a file's numbers."""
+def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
+    """Detect the number format from a sample of a file's numbers.
+
+    Args:
+        texts: the sample.
+        scale: the value of a full blendshape.
+    """
+    fewer = round(math.log10(scale))
     decimals: Counter[int] = Counter()
     exponents: Counter[str] = Counter()
     total = 0
@@ -53,13 +60,13 @@ def detect_format(texts: Iterable[bytes]) -> NumberFormat:
         decimals[len(match[1] or b"")] += 1
         exponents[chr(match[2][0]) if match[2] else ""] += 1
     most = max(decimals, default=0)
-    # A few `1e-05` among plain numbers are how Python and JavaScript write small ones.
+    # Python and JavaScript write small numbers such as `1e-05` among plain ones.
     exponent = max(exponents, key=lambda key: exponents[key], default="")
     if exponent:
         return NumberFormat(max(most, _LEAST_TRIMMED), True, exponent)
-    # Some writers spell exact zeros and ones shorter than the rest (`0`, `0.0`).
+    # Some programs write exact zeros and ones shorter than the rest (`0`, `0.0`).
     padded = most > 1 and decimals[most] + decimals[0] + decimals[1] == total
     padded = padded and decimals[most] > 1 and 10 * decimals[most] > total
     if padded:
-        return NumberFormat(max(most, _LEAST_PADDED), True)
-    return NumberFormat(min(max(most, _LEAST_TRIMMED), _MOST_TRIMMED), False)
+        return NumberFormat(max(most, _LEAST_PADDED - fewer), True)
+    return NumberFormat(min(max(most, _LEAST_TRIMMED - fewer), _MOST_TRIMMED - fewer), False)

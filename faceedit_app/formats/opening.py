@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,21 +10,42 @@ import numpy as np
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
-from faceedit_app.formats import livelink, plain_csv
-from faceedit_app.formats.csv_source import find_channels
-from faceedit_app.formats.csv_table import Table, plain_text, read_table
+from faceedit_app.formats.files import read_bytes
+from faceedit_app.formats.registry import recognise
 from faceedit_app.formats.take import Take
+from faceedit_app.formats.timing import exact_rate
+
+_LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
 
 
-def open_take(path: Path | str) -> Take:
-    """Open a recorded performance; the format is told by the content, not by the name.
+def open_take(path: Path | str, fps: float | None = None) -> Take:
+    """Open a take; the format is recognised by the content, not by the name.
+
+    Args:
+        path: the file.
+        fps: frames per second; needed if the file does not give them, else it replaces its own.
 
     Raises:
-        FileError: it is no take, or a damaged one.
+        RateNeeded: the file does not give its frame rate, and `fps` is None.
+        FileError: it is not a take, or is damaged.
     """
-    table = read_table(path)
-    find_channels(table)  # first, so that a foreign CSV is told that and not about its times
-    return livelink.livelink_take(table) if _has_timecode(table) else plain_csv.plain_take(table)
+    path = Path(path)
+    if fps is not None:
+        fps = checked_rate(path, fps)
+    content = read_bytes(path)
+    form = recognise(path, content)
+    return replace(form.read(path, content, fps), kind=form.name)
+
+
+def checked_rate(path: Path, fps: float) -> float:
+    """The exact rate for a frame rate that the user gave: 29.97 stands for 30000 / 1001.
+
+    Raises:
+        FileError: it cannot be a frame rate.
+    """
+    if not _LOWEST_RATE <= fps <= _HIGHEST_RATE:
+        raise FileError(path, f"cannot have {fps:g} frames per second", "give 1 to 1000")
+    return exact_rate(fps)
 
 
 def write_take(path: Path | str, take: Take, weights: Floats) -> None:
@@ -45,16 +67,3 @@ def write_take(path: Path | str, take: Take, weights: Floats) -> None:
             "undo the last edit and export again",
         )
     write_atomically(path, take.source.encode(take.clip.weights, weights.astype(np.float32)))
-
-
-def _has_timecode(table: Table) -> bool:
-    """Audio2Face calls its seconds `timeCode`, so the name alone does not tell."""
-    lower = [name.lower() for name in table.names]
-    if livelink.TIMECODE not in lower:
-        return False
-    cells, column = table.first_row(), lower.index(livelink.TIMECODE)
-    try:
-        float(plain_text(cells[column]) if column < len(cells) else "")
-    except ValueError:
-        return True
-    return False

@@ -1,17 +1,34 @@
-"""A take: the file of a recorded performance, its clip, and the way back to a file."""
+"""A take: its file, its clip, and how it is written again."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from faceedit_app.core.arrays import Floats
+import numpy as np
+
+from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FileError
+from faceedit_app.formats.timing import (
+    NoTimes,
+    RateNeeded,
+    Timing,
+    find_gaps,
+    format_rate,
+    format_time,
+    gap_notes,
+    lost_notes,
+)
+from faceedit_app.formats.weights import first_impossible, impossible, scale_notes, scale_of
+
+_LONGEST = 24 * 3600.0  # seconds
 
 
 class Source(Protocol):
-    """What a format keeps of a file so that it can write it again, changed only where edited."""
+    """What a format keeps of a file, to write it again with only the edited weights changed."""
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file with the weights of `edited` (T, K) in place of `tracked` (T, K).
@@ -23,15 +40,17 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class Take:
-    """A performance that the user has opened.
+    """An open take.
 
     Attributes:
-        path: where it was read from.
-        format: the name of the format, for the user.
+        path: the file.
+        format: the name of the format, shown to the user.
         clip: the tracked weights.
-        carried: names of the file's other columns, which are kept as they are.
-        notes: one-line remarks on oddities that were found and how they were handled.
-        source: what the format needs to write the file again.
+        carried: names of the file's other columns, which stay unchanged.
+        notes: one-line notes about what is unusual in the file and how it was read.
+        source: writes the file again.
+        fps: the frame rate that the user gave, if any.
+        kind: `registry.Format.name` of its format.
     """
 
     path: Path
@@ -40,3 +59,98 @@ class Take:
     carried: tuple[str, ...]
     notes: tuple[str, ...]
     source: Source
+    fps: float | None = None
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What a reader found in a file, before its scale and rate are known.
+
+    Attributes:
+        path: the file.
+        format: the name of the format, for the user.
+        channels: the K ARKit names.
+        values: (T, K) float64, finite, on the file's scale.
+        timing: the times of the frames, or why they are unknown.
+        lost: (R,) which rows of the file have no frame.
+        timecodes: as `Clip.timecodes`.
+        carried: as `Take.carried`.
+        notes: the format's own notes.
+    """
+
+    path: Path
+    format: str
+    channels: tuple[str, ...]
+    values: Doubles
+    timing: Timing | NoTimes
+    lost: Bools
+    timecodes: tuple[str, ...] | None = None
+    carried: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def finish_take(
+    recording: Recording,
+    fps: float | None,
+    source: Callable[[float], Source],
+    line_of: Callable[[int, int], int | None] = lambda frame, channel: None,
+) -> Take:
+    """Make the take of a recording.
+
+    Args:
+        fps: the frame rate, if the user gave one.
+        source: makes the source, given the value of a full blendshape in the file.
+        line_of: the line in the file (from 1) of a weight, by frame and channel.
+
+    Raises:
+        RateNeeded: the times are unusable, and `fps` is None.
+        FileError: there is no frame, or a weight is impossible.
+    """
+    path, values = recording.path, recording.values
+    if not len(values):
+        raise FileError(path, "has no row with a tracked face", "record the take again")
+    scale = scale_of(values)
+    wrong = first_impossible(values, scale)
+    if wrong is not None:
+        frame, k = wrong
+        problem = f"{recording.channels[k]} {impossible(float(values[wrong]), scale)}"
+        raise FileError(path, problem, "correct it or delete the row", line_of(frame, k))
+    timing = _timing(recording, fps)
+    gaps = find_gaps(timing.times, timing.rate)
+    clip = Clip(
+        weights=(values / scale).astype(np.float32),
+        channels=recording.channels,
+        times=timing.times,
+        rate=timing.rate,
+        gaps=gaps,
+        timecodes=recording.timecodes,
+    )
+    notes = (
+        *recording.notes,
+        *timing.notes,
+        *gap_notes(gaps),
+        *lost_notes(recording.lost),
+        *scale_notes(scale),
+    )
+    carried = recording.carried
+    return Take(path, recording.format, clip, carried, notes, source(scale), fps)
+
+
+def _timing(recording: Recording, fps: float | None) -> Timing:
+    found = recording.timing
+    if isinstance(found, NoTimes):
+        if fps is None:
+            raise RateNeeded(recording.path, found.problem, found.rate, len(recording.values))
+        return found.timing_at(fps, np.flatnonzero(~recording.lost))
+    if fps is not None and fps != found.rate:
+        note = f"the frame rate was set to {format_rate(fps)}, by its times it is"
+        notes = (*found.notes, f"{note} {format_rate(found.rate)}")
+        found = Timing(found.times * (found.rate / fps), fps, notes)
+    if found.times[-1] > _LONGEST:
+        raise FileError(
+            recording.path,
+            f"lasts {format_time(found.times[-1])} by its times",
+            "split it into shorter takes, or give its frame rate, such as --fps 60",
+        )
+    return found

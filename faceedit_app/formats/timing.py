@@ -1,28 +1,280 @@
-"""From the moments of a file's rows to a frame rate and the gaps between frames."""
+"""From the times of a file's rows to a frame rate, even times and gaps."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
 import numpy as np
 
-from faceedit_app.core.arrays import Times
+from faceedit_app.core.arrays import Bools, Indices, Times
 from faceedit_app.core.clip import Gap
+from faceedit_app.core.errors import FileError
 
 DEFAULT_RATE = 60.0
+COMMON_RATES = (24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 90.0, 120.0)
+SLOWEST, FASTEST = 1.2, 1000.0  # frames per second; other rates are impossible
 _RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
 _BROADCAST_RATES = tuple(rate * 1000 / 1001 for rate in (24, 30, 48, 60, 120))
-# 29.97 and 30 are 0.1 % apart: a slower rate is believed only where it is clearly the nearer.
+# 29.97 and 30 are 0.1 % apart: the lower rate is chosen only if it is clearly nearer.
 _BROADCAST_TOLERANCE = 0.0003
-# Cameras drift from what they promise; Live Link Face at "60" was measured to run at 59.9.
+_ROUNDED = 0.0045  # the rounding error of a broadcast rate with two decimals
+# Cameras drift from their nominal rate; Live Link Face at "60" was measured at 59.9.
 _DRIFT = 0.005
-_GAP = 1.5  # steps, in frames, from which on a frame must be missing
+_GAP = 1.5  # steps of at least this many frames have a frame missing
+_BREAK = 3  # after a step of this many frames the phase may be another
+_FEW = 4  # steps of at most this many frames measure the rate
+_LONGEST_GAP = 3600.0  # seconds; rows farther apart are two recordings in one file
+_COARSE = 0.1  # share of a frame; rows that move farther get a note
+_INERTIA = 0.2  # how far the phase follows each coarse time
+_UNUSABLE = 0.05  # share of rows out of order from which on all times are unusable
+
+
+class RateNeeded(FileError):
+    """A take whose frame rate the user must give.
+
+    Args:
+        path: the file.
+        problem: why its times are unusable.
+        rate: the likely frame rate.
+        frames: the number of frames; at `rate` the take lasts `frames / rate` seconds.
+    """
+
+    def __init__(self, path: Path | str, problem: str, rate: float, frames: int):
+        self.rate, self.frames = rate, frames
+        number = format_rate(rate).removesuffix(" fps")
+        super().__init__(path, problem, f"give its frame rate, such as --fps {number}")
+
+
+class NoTimes(ValueError):
+    """Times that are impossible or missing.
+
+    Args:
+        problem: what is wrong with them, as a phrase about the file.
+        rate: the likely frame rate.
+        numbers: (T,) frame numbers, increasing, if the file has them.
+    """
+
+    def __init__(self, problem: str, rate: float = DEFAULT_RATE, numbers: Times | None = None):
+        super().__init__(problem)
+        self.problem, self.rate, self.numbers = problem, rate, numbers
+
+    def timing_at(self, rate: float, rows: Indices) -> Timing:
+        """The times of the frames at a rate that the user gave.
+
+        Args:
+            rows: (T,) the rows of the frames in the file.
+        """
+        numbers = rows.astype(np.float64) if self.numbers is None else self.numbers
+        steps, notes = join_recordings(np.diff(numbers), 1.0, 1 / rate)
+        return Timing(np.concatenate([[0.0], np.cumsum(steps)]) / rate, rate, notes)
+
+
+class BadRow(ValueError):
+    """A row that does not come after the one before it.
+
+    Args:
+        row: its index.
+    """
+
+    def __init__(self, row: int):
+        super().__init__(row)
+        self.row = row
+
+
+@dataclass(frozen=True)
+class Timing:
+    """The times of rows.
+
+    Attributes:
+        times: (T,) seconds from the first row, strictly increasing.
+        rate: nominal rows per second.
+        notes: what was derived or corrected.
+    """
+
+    times: Times
+    rate: float
+    notes: tuple[str, ...] = ()
+
+
+def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
+    """The timing of rows with times.
+
+    Times rounded to the steps of a clock become even if rounding alone explains their unevenness.
+    Rows more than an hour apart are treated as two recordings.
+
+    Args:
+        seconds: (T,) T >= 1.
+        resolution: of the times, in seconds; None = find out.
+
+    Raises:
+        NoTimes: they are impossible.
+        BadRow: one row, or a few, is out of order.
+    """
+    if len(seconds) == 1:
+        return single_row()
+    noise = 8 * float(np.spacing(np.abs(seconds).max()))
+    if resolution is None:
+        resolution = _resolution(seconds, noise)
+    seconds, notes = _joined(seconds)
+    steps = np.diff(seconds)
+    if not np.any(steps > 0):
+        raise NoTimes("has the same time in every row")
+    repeats = _check_order(steps)
+    frames, period, uncertainty = _count_frames(seconds, steps, resolution, repeats)
+    if not SLOWEST <= 1 / period <= FASTEST:
+        raise NoTimes(f"has times that step by {period:g} s")
+    rate = nominal_rate(1 / period, uncertainty)
+    slack = 1.01 * resolution + noise
+    even = None
+    if rate is not None:
+        even = _even(seconds, frames, 1 / rate, slack)
+    if even is None:
+        even = _even(seconds, frames, period, slack)
+    if even is None and repeats:
+        raise NoTimes("has times that do not run forward")
+    if rate is None:
+        rate = 1 / period
+        notes = (*notes, unusual_rate(rate))
+    if even is not None and np.abs(seconds - even).max() > _COARSE * period:
+        note = f"times are rounded to {resolution:g} s: rows are evenly spaced at"
+        notes = (*notes, f"{note} {format_rate(rate)}")
+    times = seconds if even is None else even
+    return Timing(times - times[0], rate, notes)
+
+
+def single_row() -> Timing:
+    """A take of one frame."""
+    note = f"a single frame: {format_rate(DEFAULT_RATE)} is assumed"
+    return Timing(np.zeros(1), DEFAULT_RATE, (note,))
+
+
+def unusual_rate(rate: float) -> str:
+    """The note about a rate that is not a camera's nominal rate."""
+    return f"{format_rate(rate)} is not a usual frame rate"
+
+
+def join_recordings(steps: Times, usual: float, unit: float) -> tuple[Times, tuple[str, ...]]:
+    """Replace steps (N,) of more than an hour by `usual`, with a note about them.
+
+    Args:
+        unit: the seconds in a step of 1.
+    """
+    apart = np.abs(steps) * unit > _LONGEST_GAP
+    if not apart.any():
+        return steps, ()
+    where = counted(int(apart.sum()), "time")
+    note = f"the times jump by more than an hour {where}: the rows follow one another there"
+    return np.where(apart, usual, steps), (note,)
+
+
+def _joined(seconds: Times) -> tuple[Times, tuple[str, ...]]:
+    steps = np.diff(seconds)
+    usual = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
+    if usual * SLOWEST > 1:  # all are far apart
+        return seconds - seconds[0], ()
+    steps, notes = join_recordings(steps, usual, 1.0)
+    if not notes:
+        return seconds - seconds[0], ()
+    return np.concatenate([[0.0], np.cumsum(steps)]), notes
+
+
+def _check_order(steps: Times) -> bool:
+    """Whether times repeat, because the clock is slower than the rows."""
+    wrong = steps <= 0
+    if not wrong.any():
+        return False
+    if wrong.sum() == 1 or wrong.mean() < _UNUSABLE:
+        raise BadRow(int(np.argmax(wrong)) + 1)
+    if np.any(steps < 0):
+        raise NoTimes("has times that do not run forward")
+    return True
+
+
+def _count_frames(
+    seconds: Times, steps: Times, resolution: float, repeats: bool
+) -> tuple[Times, float, float]:
+    """The frames in each step (T - 1,), the seconds per frame, and their relative error.
+
+    The period is a mean over runs of rows, in which all but two rounding errors cancel.
+    """
+    period = typical_step(steps)
+    if repeats:
+        # The clock is slower than the rows: count the rows between its first and last change.
+        frames = np.where(steps <= _FEW * period, 1.0, np.round(steps / period))
+        ticks = np.flatnonzero(steps > 0)
+        whole = slice(ticks[0] + 1, ticks[-1] + 1) if len(ticks) > 1 else slice(None)
+        few = frames[whole] == 1
+        period = float(steps[whole][few].mean())
+        return frames, period, 1.0 / max(int(few.sum()), 1)
+    for _ in range(4):
+        if resolution > _COARSE * period:
+            frames = _follow(seconds, period)
+        else:
+            frames = np.maximum(np.round(steps / period), 1.0)
+        few = frames <= _FEW
+        period = float(steps[few].sum() / frames[few].sum())
+    return frames, period, resolution / float(seconds[-1] - seconds[0])
+
+
+def _follow(seconds: Times, period: float) -> Times:
+    """The frames from row to row (T - 1,), by following the phase of coarse times.
+
+    A step that was rounded up and one that was rounded down are two frames, not three.
+    """
+    frames = np.empty(len(seconds) - 1)
+    beat = float(seconds[0])
+    for row, time in enumerate(seconds[1:].tolist()):
+        count = max(round((time - beat) / period), 1)
+        beat += count * period
+        beat += _INERTIA * (time - beat)
+        frames[row] = count
+    return frames
+
+
+def _even(seconds: Times, frames: Times, period: float, slack: float) -> Times | None:
+    """The even times that were rounded to `seconds`, or None if there are none.
+
+    Rows between two breaks share one phase; across a break the phase may change.
+
+    Args:
+        frames: (T - 1,) from row to row.
+        slack: the largest difference of two roundings of the same time, in seconds.
+    """
+    numbers = np.concatenate([[0.0], np.cumsum(frames)])
+    even = numbers * period
+    late = seconds - even
+    for part in _unbroken(frames):
+        if np.ptp(late[part]) > slack:
+            return None
+        even[part] += (late[part].max() + late[part].min()) / 2
+    return even if np.all(np.diff(even) > 0) else None
+
+
+def _unbroken(frames: Times) -> Iterator[slice]:
+    ends = np.flatnonzero(frames >= _BREAK) + 1
+    edges = [0, *ends.tolist(), len(frames) + 1]
+    return (slice(a, b) for a, b in pairwise(edges))
+
+
+def _resolution(seconds: Times, noise: float) -> float:
+    """The resolution of times, in seconds."""
+    for decimals in range(9):
+        scaled = seconds * 10.0**decimals
+        slack = min(max(1e-4, noise * 10.0**decimals), 0.05)
+        if np.allclose(scaled, np.round(scaled), rtol=0, atol=slack):
+            return float(10.0**-decimals)
+    return 0.0
 
 
 def nominal_rate(measured: float, uncertainty: float) -> float | None:
-    """The standard rate that a measured one stands for, or None.
+    """The standard rate that fits a measured one, or None.
 
     Args:
         measured: frames per second.
-        uncertainty: relative error of the measurement, from how finely the file tells time.
+        uncertainty: the relative error of the measurement.
     """
     if uncertainty <= _BROADCAST_TOLERANCE:
         for rate in _BROADCAST_RATES:
@@ -34,8 +286,13 @@ def nominal_rate(measured: float, uncertainty: float) -> float | None:
     return None
 
 
+def exact_rate(rate: float) -> float:
+    """The broadcast rate that a rounded one stands for (23.976, 29.97, 59.94), else the rate."""
+    return next((exact for exact in _BROADCAST_RATES if abs(rate - exact) < _ROUNDED), rate)
+
+
 def typical_step(steps: Times) -> float:
-    """The mean of the steps that are about one frame, so that neither gaps nor jitter count.
+    """The mean of the steps of about one frame, without gaps and jitter.
 
     Args:
         steps: (N,) from row to row in any unit, at least one of them above 0.
@@ -58,11 +315,20 @@ def find_gaps(times: Times, rate: float) -> tuple[Gap, ...]:
 
 
 def gap_notes(gaps: tuple[Gap, ...]) -> tuple[str, ...]:
-    """One remark that says how many gaps there are and how long, or none."""
+    """A note with the number of gaps and missing frames; none if there are no gaps."""
     if not gaps:
         return ()
     missing = sum(gap.missing for gap in gaps)
     return (f"{counted(len(gaps), 'gap')}, {counted(missing, 'frame')} missing",)
+
+
+def lost_notes(lost: Bools) -> tuple[str, ...]:
+    """A note that counts the rows without a face (R,); none if there are none."""
+    if not lost.any():
+        return ()
+    places = int((lost & ~np.concatenate([[False], lost[:-1]])).sum())
+    what, where = counted(int(lost.sum()), "row"), counted(places, "place")
+    return (f"the face was lost in {what} at {where}: no frames there, the rows are kept",)
 
 
 def counted(number: int, noun: str) -> str:

@@ -1,4 +1,4 @@
-"""The laboratory's commands: bench, train, evaluate, experiment, synthesize, statistics."""
+"""The laboratory's commands: bench, train, evaluate and its kin, synthesize, statistics."""
 
 from __future__ import annotations
 
@@ -64,14 +64,14 @@ def train(
     Ctrl+C keeps the best so far; the same command goes on from there.
     """
     require("torch", extra="training")
-    from faceedit_app.lab.training.run import Plan, train_models
+    from faceedit_app.lab.training.run import TrainingPlan, train_models
 
     folders = [*(data or []), *(more or [])]
     if not folders:
         raise FaceEditError("train needs takes to learn from: --data DIR")
     if models is not None and not finetune:
         raise FaceEditError("--models says where --finetune starts: give both or neither")
-    plan = Plan(
+    plan = TrainingPlan(
         tuple(folders),
         output,
         tuple(exclude or ()),
@@ -126,6 +126,23 @@ def evaluate(
         print(write_report(report, figures))
     for line in summary_lines(figures):
         print(line)
+
+
+def evaluate_character(
+    heads: Annotated[
+        list[Path], typer.Argument(help="Heads whose own shapes are known: GLB, OBJ, FBX, npz.")
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Make shapes for heads that have their own, and say how alike they are."""
+    from faceedit_app.lab.evaluation.making import evaluate_making
+
+    require("rtree", extra="scans")
+    figures = [evaluate_making(path) for path in heads]
+    if as_json:
+        print(json.dumps([vars(one) for one in figures], indent=2))
+    else:
+        print("\n\n".join(one.text() for one in figures))
 
 
 def experiment(
@@ -207,7 +224,7 @@ def bench(
     ] = False,
 ) -> None:
     """Measure the window on this machine: from the mouse to the picture, playback, start."""
-    from faceedit_app.lab.bench.report import QUICK, Plan, run, text
+    from faceedit_app.lab.bench.report import QUICK, BenchPlan, run, text
 
-    found = run(QUICK if quick else Plan(), lambda what: print(f"{what}…", file=sys.stderr))
+    found = run(QUICK if quick else BenchPlan(), lambda what: print(f"{what}…", file=sys.stderr))
     print(json.dumps(found, indent=2) if as_json else text(found))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.fields import FieldError, Fields, parse, to_text
 from faceedit_app.core.regions import MODELLED_CHANNELS
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.networks.made_for import MadeFor
@@ -21,6 +22,7 @@ KEY = "faceedit"
 VERSION = 2
 REMEDY = "choose a folder of models written by faceedit train, or reinstall FaceEdit"
 _LONGEST = 2_000_000  # characters
+_LONGEST_NAME = 40
 _LARGEST_SCALE, _LARGEST_CONTEXT = 64, 1_024  # frames
 _LARGEST_NUMBER = 1e9
 
@@ -86,7 +88,7 @@ class Description:
             "precision": self.natural.precision.tolist(),
             "limit": self.natural.limit,
         }
-        return json.dumps(
+        return to_text(
             {
                 "version": VERSION,
                 "region": self.region,
@@ -111,70 +113,66 @@ class Description:
 
         Raises:
             FileError: it describes networks that this FaceEdit cannot use.
-            KeyError, TypeError, ValueError, RecursionError: it does not come from `to_json`.
+            ValueError: it does not come from `to_json`; a `FieldError` names the field.
         """
         if len(text) > _LONGEST:
             raise ValueError(f"{len(text)} characters")
-        entry = json.loads(text)
-        if entry["version"] != VERSION:
-            version = str(entry["version"])[:20]
+        entry = Fields(parse(text))
+        if (version := entry.whole("version")) != VERSION:
             raise FileError(path, f"has version {version}, not {VERSION}", "update FaceEdit")
-        if entry["rate"] != GRID_RATE:
-            rate = float(entry["rate"])
+        if (rate := entry.number("rate")) != GRID_RATE:
             raise FileError(path, f"answers {rate:g} frames a second, not {GRID_RATE:g}", REMEDY)
-        controls, channels = _names(entry["controls"]), _names(entry["channels"])
-        for name, known in ((controls, CONTROL_IDS), (channels, MODELLED_CHANNELS)):
-            if unknown := sorted(set(name) - set(known)):
-                raise FileError(path, f"names the unknown {unknown[0][:40]!r}", "update FaceEdit")
-        made_for = MadeFor.from_json(entry["made_for"])
-        if set(made_for.controls) != set(controls):
-            raise ValueError("measured other controls")
+        controls = _names(entry, "controls", CONTROL_IDS, path)
+        channels = _names(entry, "channels", MODELLED_CHANNELS, path)
+        architecture = entry.fields("architecture")
         count, inputs = len(channels), len(controls)
-        covariance = _numbers(entry["covariance"], count, count)
-        if not np.allclose(covariance, covariance.T) or np.linalg.eigvalsh(covariance)[0] < -1e-6:
-            raise ValueError("no covariance")
-        natural = entry["natural"] and Natural(
-            _numbers(entry["natural"]["mean"], 2 * count),
-            _numbers(entry["natural"]["precision"], 2 * count, 2 * count),
-            float(_numbers(entry["natural"]["limit"])),
-        )
         return cls(
-            region=_text(entry["region"]),
+            region=entry.text("region", longest=_LONGEST_NAME),
             controls=controls,
             channels=channels,
-            made_for=made_for,
-            architecture={**entry["architecture"], "name": _text(entry["architecture"]["name"])},
-            scale=_whole(entry["scale"], 1, _LARGEST_SCALE),
-            context=_whole(entry["context"], 0, _LARGEST_CONTEXT),
-            covariance=covariance,
-            low=_numbers(entry["low"], inputs),
-            high=_numbers(entry["high"], inputs),
-            notes=_text(entry["notes"]),
-            natural=natural or None,
+            made_for=MadeFor.from_json(entry.fields("made_for"), controls),
+            architecture=entry.plain("architecture")
+            | {"name": architecture.text("name", longest=_LONGEST_NAME)},
+            scale=entry.whole("scale", 1, _LARGEST_SCALE),
+            context=entry.whole("context", 0, _LARGEST_CONTEXT),
+            covariance=_covariance(entry, count),
+            low=_numbers(entry, "low", inputs),
+            high=_numbers(entry, "high", inputs),
+            notes=entry.text("notes", longest=_LONGEST),
+            natural=_natural(entry.fields_or_none("natural"), 2 * count),
         )
 
 
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"{type(value).__name__} instead of a text")
-    return value
-
-
-def _names(values: Any) -> tuple[str, ...]:
-    names = tuple(_text(value) for value in values)
+def _names(entry: Fields, name: str, known: Sequence[str], path: Path) -> tuple[str, ...]:
+    names = entry.texts(name)
     if not names or len(set(names)) != len(names):
-        raise ValueError(f"{len(names)} names, {len(set(names))} of them different")
+        raise FieldError(f'"{name}" is empty, or names something twice')
+    if unknown := sorted(set(names) - set(known)):
+        what = unknown[0][:_LONGEST_NAME]
+        raise FileError(path, f"names the unknown {name[:-1]} {what!r}", "update FaceEdit")
     return names
 
 
-def _whole(value: Any, least: int, most: int) -> int:
-    if type(value) is not int or not least <= value <= most:
-        raise ValueError("no whole number, or out of bounds")
-    return value
-
-
-def _numbers(values: Any, *shape: int) -> Doubles:
-    numbers = np.asarray(values, np.float64)
+def _numbers(entry: Fields, name: str, *shape: int) -> Doubles:
+    values = entry.items(name)
+    try:
+        numbers = np.asarray(values, np.float64)
+    except (OverflowError, TypeError, ValueError) as error:
+        raise FieldError(f'"{name}" is not made of numbers') from error
     if numbers.shape != shape or not (np.abs(numbers) < _LARGEST_NUMBER).all():
-        raise ValueError(f"numbers {numbers.shape}, not {shape}, or out of bounds")
+        raise FieldError(f'"{name}" is of another shape, or out of range')
     return numbers
+
+
+def _covariance(entry: Fields, size: int) -> Doubles:
+    covariance = _numbers(entry, "covariance", size, size)
+    if not np.allclose(covariance, covariance.T) or np.linalg.eigvalsh(covariance)[0] < -1e-6:
+        raise FieldError('"covariance" is none')
+    return covariance
+
+
+def _natural(entry: Fields | None, size: int) -> Natural | None:
+    if entry is None:
+        return None
+    mean, precision = _numbers(entry, "mean", size), _numbers(entry, "precision", size, size)
+    return Natural(mean, precision, entry.number("limit", low=0.0))

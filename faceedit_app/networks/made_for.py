@@ -12,12 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX, control_named
+from faceedit_app.core.fields import LARGEST, FieldError, Fields
 from faceedit_app.core.rig import Rig
 
 TOLERANCE = 0.01  # mm: files round, and a hundredth changes no answer that anyone could see
+LONGEST_NAME = 80
 _DECIMALS = 4
 
 
@@ -38,24 +40,22 @@ class MadeFor:
     def of(cls, rig: Rig, controls: Iterable[str]) -> MadeFor:
         """What some controls measure on a rig."""
         distances = rig.arkit_distances
-        places = {control: CONTROL_INDEX[control] for control in controls}
         vectors = np.concatenate([distances.offsets[None], distances.gradients]).astype(np.float64)
         rounded = np.round(vectors, _DECIMALS) + 0.0  # -0 is 0
-        return cls(rig.name, {control: rounded[:, place] for control, place in places.items()})
+        return cls(
+            rig.name[:LONGEST_NAME],
+            {control: rounded[:, CONTROL_INDEX[control]] for control in controls},
+        )
 
     def difference(self, rig: Rig) -> str:
-        """How a rig differs from the character, in words; "" if it does not.
-
-        Controls that the rig lacks are not compared: the same head may name fewer.
-        """
+        """How a rig differs from the character, in words; "" if it does not."""
         here = MadeFor.of(rig, self.controls).controls
-        known = {name: v for name, v in self.controls.items() if name not in rig.missing_controls}
-        if not known:
-            return "this one has none of its controls"
-        for control, vectors in known.items():
+        for control, vectors in self.controls.items():
             if np.abs(vectors - here[control]).max() <= TOLERANCE:
                 continue
             label = control_named(control).label.lower()
+            if control in rig.missing_controls:
+                return f"it has a {label}, this one does not"
             ours, theirs = (float(np.linalg.norm(v[0])) for v in (vectors, here[control]))
             if abs(ours - theirs) > TOLERANCE:
                 return f"its {label} at rest is {ours:.1f} mm, here {theirs:.1f} mm"
@@ -78,18 +78,34 @@ class MadeFor:
         return {"name": self.name, "controls": controls}
 
     @classmethod
-    def from_json(cls, entry: dict[str, Any]) -> MadeFor:
+    def from_json(cls, entry: Fields, controls: Iterable[str]) -> MadeFor:
         """Back from plain values.
 
+        Args:
+            controls: those that must have been measured.
+
         Raises:
-            KeyError, TypeError, ValueError: they are not those of `to_json`.
+            FieldError: they are not those of `to_json`.
         """
-        controls = {}
-        for control, measured in entry["controls"].items():
-            vectors = controls[control] = np.zeros((1 + len(ARKIT_CHANNELS), 3))
-            vectors[0] = measured["rest"]
-            for channel, move in measured["channels"].items():
-                vectors[1 + ARKIT_INDEX[channel]] = move
-            if not np.isfinite(vectors).all():
-                raise ValueError(f"{control}: not finite")
-        return cls(str(entry["name"]), controls)
+        measured, found = entry.fields("controls"), {}
+        for control in controls:
+            known = measured.fields(control)
+            vectors = found[control] = np.zeros((1 + len(ARKIT_CHANNELS), 3))
+            vectors[0] = _vector(known, "rest")
+            moves = known.fields("channels")
+            for i, channel in enumerate(ARKIT_CHANNELS, 1):
+                if moves.has(channel):
+                    vectors[i] = _vector(moves, channel)
+            moves.finish()
+        measured.finish()
+        return cls(entry.text("name", longest=LONGEST_NAME), found)
+
+
+def _vector(entry: Fields, name: str) -> tuple[float, float, float]:
+    match entry.items(name, most=3):
+        case [int() | float() as x, int() | float() as y, int() | float() as z] if (
+            max(abs(x), abs(y), abs(z)) <= LARGEST
+        ):
+            return x, y, z
+        case _:
+            raise FieldError(f'"{name}" is not a vector')

@@ -12,6 +12,7 @@ import onnxruntime as ort
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.fields import FieldError
 from faceedit_app.networks.description import KEY, REMEDY, Description
 from faceedit_app.networks.graph import INPUT, LARGEST, read_graph
 
@@ -36,7 +37,6 @@ class RegionAnswer:
     """
 
     def __init__(self, content: bytes, path: Path) -> None:
-        self.path = path
         try:
             graph = read_graph(content)
             self.description = about = Description.from_json(graph.texts[KEY], path)
@@ -48,6 +48,8 @@ class RegionAnswer:
             self._try_out()
         except FileError:
             raise
+        except FieldError as error:
+            raise FileError(path, f"is no FaceEdit model: {error}", REMEDY) from error
         except Exception as error:  # the runtime's own have no class in common
             raise FileError(path, "is no FaceEdit model, or is damaged", REMEDY) from error
 
@@ -58,18 +60,23 @@ class RegionAnswer:
             curves: of the description's controls; T is a multiple of its scale.
             naturalness: 0 = regressor alone, 1 = full system; all the same to networks of one part.
         """
+        answer = self._answer(curves, naturalness)
+        if not np.isfinite(answer).all():  # networks that were tampered with: never into a take
+            answer = np.nan_to_num(answer, nan=0.0, posinf=LARGEST_WEIGHT, neginf=-LARGEST_WEIGHT)
+        return answer
+
+    def _answer(self, curves: Floats, naturalness: float) -> Floats:
         wanted = [
             name
             for name, share in (("regressor", 1 - naturalness), ("system", naturalness))
             if share > 0 and name in self._outputs
         ]
         answers: list[Floats] = self._session.run(wanted or ["system"], {INPUT: curves})
-        answer, *rest = answers
-        if rest:
-            answer = answer + np.float32(naturalness) * (rest[0] - answer)
-        if not np.isfinite(answer).all():  # networks that were tampered with: never into a take
-            answer = np.nan_to_num(answer, nan=0.0, posinf=LARGEST_WEIGHT, neginf=-LARGEST_WEIGHT)
-        return answer
+        if len(answers) == 1:
+            return answers[0]
+        regressed, believable = answers
+        with np.errstate(over="ignore", invalid="ignore"):  # what that makes is looked for
+            return regressed + np.float32(naturalness) * (believable - regressed)
 
     def _try_out(self) -> None:
         """Raise where the networks cannot answer what they will be asked."""
@@ -77,7 +84,7 @@ class RegionAnswer:
         longest = about.scale * -(-(LONGEST + 2 * about.context) // about.scale)
         for frames in (about.scale, longest):
             curves = np.linspace(about.low, about.high, frames, dtype=np.float32)
-            answer = self(curves, 0.5)
+            answer = self._answer(curves, 0.5)
             if answer.shape != (frames, len(about.channels)):
                 raise ValueError(f"{frames} frames are answered by {answer.shape}")
             if not np.abs(answer).max() < LARGEST_WEIGHT:

@@ -1,6 +1,13 @@
 """Draws the face with pyrender; knows nothing of windows."""
 
-from faceedit_app.render.camera import Camera, default_camera
+from faceedit_app.render.camera import Aim, Camera, aimed_camera, default_camera
 from faceedit_app.render.renderer import FaceRenderer, open_renderer
 
-__all__ = ["Camera", "FaceRenderer", "default_camera", "open_renderer"]
+__all__ = [
+    "Aim",
+    "Camera",
+    "FaceRenderer",
+    "aimed_camera",
+    "default_camera",
+    "open_renderer",
+]

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
 from faceedit_app.core.rig import Rig
 
 FIELD_OF_VIEW = math.radians(22.0)  # vertical; a portrait lens, which flatters the nose
@@ -65,25 +67,48 @@ class Camera:
         pose[:3, 3] = np.asarray(self.target) + self.distance * backward
         return pose
 
-    def view(self) -> Doubles:
-        """World to camera, (4, 4) float64: the inverse of `pose`."""
-        pose = self.pose()
-        view = np.eye(4)
-        view[:3, :3] = pose[:3, :3].T
-        view[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-        return view
+
+def field_of_view(aspect: float) -> float:
+    """The vertical field of view, radians, of a view of `aspect` = width / height."""
+    return 2.0 * math.atan(_half_height(aspect))
 
 
-def projection(aspect: float) -> Doubles:
-    """Camera to clip space, (4, 4) float64, for a view of `aspect` = width / height."""
+class Aim(StrEnum):
+    """What the camera can be pointed at."""
+
+    FRONT = "front"
+    LEFT = "left"  # the character's left side
+    RIGHT = "right"
+    MOUTH = "mouth"
+    EYES = "eyes"
+
+
+# Controls between whose points a detail lies, and how many times as wide the view is.
+_DETAILS = {Aim.MOUTH: ((MOUTH_WIDTH,), 2.4), Aim.EYES: (LIDS, 2.2)}
+_LOW = 0.7  # height that a detail needs, of the width
+_SIDES = {Aim.LEFT: math.pi / 2, Aim.RIGHT: -math.pi / 2}
+
+
+def aimed_camera(rig: Rig, aim: Aim, aspect: float = 1.0) -> Camera:
+    """The whole head from one side, or a detail from the front, in a view of `aspect`.
+
+    The front, where the character lacks the controls that say where the detail is.
+    """
+    if aim in _SIDES:
+        return _portrait(rig, aspect, _SIDES[aim])
+    if aim not in _DETAILS:
+        return default_camera(rig, aspect)
+    names, share = _DETAILS[aim]
+    pairs = rig.control_pairs[[CONTROL_INDEX[name] for name in names]]
+    points = rig.neutral[pairs[pairs.min(axis=1) >= 0].ravel()]
+    if not len(points):
+        return default_camera(rig, aspect)
+    low, high = points.min(axis=0), points.max(axis=0)
+    width = share * float(high[0] - low[0])
     half = _half_height(aspect)
-    matrix = np.zeros((4, 4))
-    matrix[0, 0] = 1.0 / (half * aspect)
-    matrix[1, 1] = 1.0 / half
-    matrix[2, 2] = (FAR + NEAR) / (NEAR - FAR)
-    matrix[2, 3] = 2.0 * FAR * NEAR / (NEAR - FAR)
-    matrix[3, 2] = -1.0
-    return matrix
+    distance = max(width / aspect, _LOW * width) / (2.0 * half)
+    x, y, z = ((low + high) / 2.0).tolist()
+    return Camera(distance=_clamp(distance, *DISTANCE_LIMITS), target=(x, y, z))
 
 
 def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
@@ -91,6 +116,12 @@ def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
 
     The face is what the blendshapes move, so that a bust or body below it does not count.
     """
+    return _portrait(rig, aspect, 0.0)
+
+
+def _portrait(rig: Rig, aspect: float, yaw: float) -> Camera:
+    """See `default_camera`; from the front or, a quarter turn away, from a side."""
+    across, along = (0, 2) if yaw == 0.0 else (2, 0)
     moving = np.abs(rig.deltas).max(axis=(0, 2)) > _MOVING
     face = rig.neutral[moving] if moving.any() else rig.neutral
     chin = float(face[:, 1].min())
@@ -98,16 +129,15 @@ def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
     height = crown - chin
     top, bottom = crown + _HEADROOM * height, chin - _NECKROOM * height
     head = rig.neutral[rig.neutral[:, 1] >= chin]
-    left, right = float(head[:, 0].min()), float(head[:, 0].max())
+    left, right = float(head[:, across].min()), float(head[:, across].max())
     # What stands nearest to the camera looks largest: measure at the widest part, mid-depth.
-    depth = float(np.mean(head[:, 2]))
+    depth = float(np.mean(head[:, along]))
     half = _half_height(aspect)
     width_needed = (1.0 + _HEADROOM) * (right - left) / (2.0 * half * aspect)
     distance = max((top - bottom) / (2.0 * half), width_needed)
-    return Camera(
-        distance=_clamp(distance, *DISTANCE_LIMITS),
-        target=((left + right) / 2.0, (top + bottom) / 2.0, depth),
-    )
+    middle, height = (left + right) / 2.0, (top + bottom) / 2.0
+    target = (middle, height, depth) if across == 0 else (depth, height, middle)
+    return Camera(yaw, distance=_clamp(distance, *DISTANCE_LIMITS), target=target)
 
 
 def _half_height(aspect: float) -> float:

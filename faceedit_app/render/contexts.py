@@ -1,9 +1,8 @@
-"""Where OpenGL comes from: choosing a backend, opening a context, and saying why there is none."""
+"""Where OpenGL comes from: choosing a backend, and saying why there is none."""
 
 from __future__ import annotations
 
 import ctypes
-import importlib.util
 import os
 import sys
 from typing import Any
@@ -11,7 +10,9 @@ from typing import Any
 from faceedit_app.core.errors import Unavailable
 
 _VARIABLE = "PYOPENGL_PLATFORM"
-_LINUX_REMEDY = 'on Debian or Ubuntu: "apt install libegl1 libegl-mesa0 libgl1-mesa-dri"'
+_LINUX_REMEDY = (
+    'on Debian or Ubuntu: "apt install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libxrender1"'
+)
 _OTHER_REMEDY = "update the driver of the graphics card"
 
 
@@ -45,50 +46,33 @@ def choose_backend() -> str:
     return chosen
 
 
-def lean_pyrender() -> None:
-    """Let pyrender's parts be imported without the rest of it, of which we need nothing.
+def platform_class(backend: str) -> Any:
+    """The class of pyrender's `Platform` for what `choose_backend` has named.
 
-    The package itself imports trimesh, networkx, half of scipy and pyglet, more than half a second
-    of the start. Whoever asks the package for one of its names still gets it.
+    Raises:
+        Exception: whatever PyOpenGL raises where the backend is not there.
     """
-    if "pyrender" in sys.modules:
-        return
-    spec = importlib.util.find_spec("pyrender")
-    if spec is None or spec.loader is None:
-        return  # the import that follows says so
-    package, loader = importlib.util.module_from_spec(spec), spec.loader
+    # Each is imported only where it is wanted: on other systems the import alone fails.
+    if backend == "egl":
+        from faceedit_app.render.egl import SharedDisplayEgl
 
-    def complete(name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        if package.__dict__.pop("__getattr__", None) is not None:
-            loader.exec_module(package)
-        return getattr(package, name)
+        return SharedDisplayEgl
+    if backend == "osmesa":
+        from faceedit_app.render.osmesa import OSMesaWithFramebuffers
 
-    package.__dict__["__getattr__"] = complete
-    sys.modules["pyrender"] = package
+        return OSMesaWithFramebuffers
+    from pyrender.platforms.pyglet_platform import PygletPlatform
+
+    return PygletPlatform
 
 
-def open_context(backend: str, width: int, height: int) -> Any:
-    """A pyrender `Platform` with a live context, made current. Call `choose_backend` first.
+def open_platform(backend: str, width: int, height: int) -> Any:
+    """A platform with a live context, made current.
 
     Raises:
         Exception: whatever the driver or PyOpenGL raises; `open_renderer` turns it into a line.
     """
-    platform: Any
-    lean_pyrender()
-    if backend == "egl":
-        from faceedit_app.render.egl import SharedDisplayEgl
-
-        platform = SharedDisplayEgl(width, height)
-    elif backend == "osmesa":
-        from pyrender.platforms.osmesa import OSMesaPlatform
-
-        platform = OSMesaPlatform(width, height)
-    else:
-        from pyrender.platforms.pyglet_platform import PygletPlatform
-
-        platform = PygletPlatform(width, height)
+    platform = platform_class(backend)(width, height)
     platform.init_context()
     platform.make_current()
     return platform

@@ -1,10 +1,11 @@
 """An EGL context that shares its display with others in the process.
 
-Imported only after `contexts.choose_backend`, because it imports PyOpenGL.
+Imports PyOpenGL: `contexts.choose_backend` comes first.
 """
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
 from OpenGL import EGL
@@ -17,11 +18,27 @@ class SharedDisplayEgl(EGLPlatform):  # type: ignore[misc]  # pyrender has no ty
     pyrender ends with `eglTerminate`, which ends every context on the device's display.
     """
 
-    _egl_display: Any
-    _egl_context: Any
+    _display: Any = None
+    _context: Any = None
+    _address: int | None = None
+
+    def init_context(self) -> None:
+        """Create the context and make it current."""
+        super().init_context()
+        self._display, self._context = EGL.eglGetCurrentDisplay(), EGL.eglGetCurrentContext()
+        self._address = _current()
+
+    def make_current(self) -> None:
+        """Make the context current, unless it is; pyrender asks several times for a picture."""
+        if self._address is None or _current() != self._address:
+            super().make_current()
 
     def delete_context(self) -> None:
         """Free this context, once another is current; the display stays open."""
-        if self._egl_context is not None:
-            EGL.eglDestroyContext(self._egl_display, self._egl_context)
-            self._egl_context = None
+        if self._context is not None:
+            EGL.eglDestroyContext(self._display, self._context)
+            self._context = None
+
+
+def _current() -> int | None:
+    return ctypes.cast(EGL.eglGetCurrentContext(), ctypes.c_void_p).value

@@ -37,15 +37,13 @@ class FaceRenderer:
         height: int,
         background: tuple[float, float, float] = SLATE,
     ) -> None:
-        self._context: Any = None
         self._studio: Any = None
         self._image: Pixels = _image(width, height)
         backend = contexts.choose_backend()
         try:
-            self._context = contexts.open_context(backend, width, height)
             from faceedit_app.render.studio import Studio
 
-            self._studio = Studio(rig, background)
+            self._studio = Studio(rig, background, backend, width, height)
         except Exception as error:  # drivers and PyOpenGL raise all kinds
             self.close()
             raise contexts.unavailable(str(error) or type(error).__name__) from error
@@ -80,7 +78,6 @@ class FaceRenderer:
         from faceedit_app.render.studio import SAMPLES
 
         height, width = self._image.shape[:2]
-        self._context.make_current()
         self._studio.begin(vertices, camera, width, height, SAMPLES if smooth else 0, tint)
 
     def finish(self) -> Pixels:
@@ -93,7 +90,6 @@ class FaceRenderer:
         """
         if self._studio is None:
             raise Unavailable("The face cannot be drawn: its view is closed; open it again")
-        self._context.make_current()
         self._studio.finish(self._image)
         return self._image
 
@@ -103,18 +99,13 @@ class FaceRenderer:
         It has to be finished. Nothing is lost without this but a little time, then.
         """
         if self._studio is not None:
-            self._context.make_current()
             self._studio.prepare()
 
     def close(self) -> None:
         """Free the graphics memory; calling it again does nothing."""
         if self._studio is not None:
-            self._context.make_current()
             self._studio.delete()
             self._studio = None
-        if self._context is not None:
-            self._context.delete_context()
-            self._context = None
 
 
 def open_renderer(rig: Rig, width: int, height: int) -> FaceRenderer:

@@ -6,17 +6,19 @@ follow every frame would cost half the time of the frame.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
+import trimesh
 from scipy import sparse
 
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.rig import Rig
 
-# Takes vertices (V, 3) and a world-to-clip matrix (4, 4); returns depths (N, N) float32 in 0..1,
-# the first row at the bottom of clip space.
-DepthOf = Callable[[Floats, Doubles], Floats]
+# Takes vertices (V, 3), metres, the poses (4, 4) of cameras with parallel rays, which look along
+# their own -Z, and half the height that they see. Yields depths (N, N) float32 for each pose, the
+# first row at the bottom: 0 is as far from the camera as that half height, 1 three times as far.
+DepthsOf = Callable[[Floats, Sequence[Doubles], float], Iterator[Floats]]
 
 DIRECTIONS = 20
 _CENTRE = np.array([0.0, 0.68, 0.73])  # of the wide light, as seen from the face: above, in front
@@ -34,7 +36,7 @@ EXPRESSIONS: tuple[dict[str, float], ...] = (
 )
 
 
-def bake_shade(rig: Rig, normals_of: Callable[[Floats], Floats], depth_of: DepthOf) -> Floats:
+def bake_shade(rig: Rig, normals_of: Callable[[Floats], Floats], depths_of: DepthsOf) -> Floats:
     """The part of the light from above that arrives, (V,) float32 in 0..1."""
     brightest = np.zeros(len(rig.neutral), np.float32)
     for expression in EXPRESSIONS:
@@ -43,7 +45,7 @@ def bake_shade(rig: Rig, normals_of: Callable[[Floats], Floats], depth_of: Depth
             if channel in rig.channel_index:
                 weights[rig.channel_index[channel]] = value
         vertices = rig.vertices(weights)
-        arrived = _arrived(rig, vertices, normals_of(vertices), depth_of)
+        arrived = _arrived(rig, vertices, normals_of(vertices), depths_of)
         brightest = np.maximum(brightest, arrived)
     average = _neighbour_average(rig)
     for _ in range(_SMOOTHING):
@@ -61,18 +63,17 @@ def light_directions() -> Doubles:
     return np.stack((sine * np.cos(angle), sine * np.sin(angle), cosine), axis=1) @ basis
 
 
-def _arrived(rig: Rig, vertices: Floats, normals: Floats, depth_of: DepthOf) -> Floats:
+def _arrived(rig: Rig, vertices: Floats, normals: Floats, depths_of: DepthsOf) -> Floats:
     centre = (vertices.min(0) + vertices.max(0)) / 2.0
     radius = float(np.linalg.norm(vertices - centre, axis=1).max()) * 1.05
     points = vertices + _OFFSET * normals - centre
+    directions = light_directions()
+    bases = [_look_along(direction) for direction in directions]
+    poses = [_pose(basis, centre, radius) for basis in bases]
     seen = np.zeros(len(vertices))
     possible = np.full(len(vertices), 1e-6)
-    for direction in light_directions():
-        basis = _look_along(direction)
-        clip = np.eye(4)
-        clip[:3, :3] = basis * [[1.0], [1.0], [-1.0]] / radius  # nearer to the light is less
-        clip[:3, 3] = -clip[:3, :3] @ centre
-        depth = depth_of(vertices, clip)
+    depths = depths_of(vertices, poses, radius)
+    for direction, basis, depth in zip(directions, bases, depths, strict=True):
         place = points @ basis.T / radius  # -1..1
         size = len(depth)
         column, row = ((place[:, :2].T + 1.0) * (size / 2.0)).astype(int).clip(0, size - 1)
@@ -91,8 +92,17 @@ def _arrived(rig: Rig, vertices: Floats, normals: Floats, depth_of: DepthOf) -> 
 def _face_centre(rig: Rig) -> Doubles:
     """Where the controls are measured, (3,) metres."""
     vertices = rig.control_pairs[rig.has_control].ravel()
+    if not len(vertices):
+        vertices = np.arange(len(rig.neutral), dtype=np.int32)
     centre: Doubles = rig.neutral[vertices].mean(axis=0, dtype=np.float64)
     return centre
+
+
+def _pose(basis: Doubles, centre: Doubles, radius: float) -> Doubles:
+    """(4, 4) of a camera with these axes, as rows, that has `centre` two radii before it."""
+    view = np.eye(4)
+    view[:3, :3], view[:3, 3] = basis, -basis @ centre - [0.0, 0.0, 2.0 * radius]
+    return np.asarray(np.linalg.inv(view), np.float64)
 
 
 def _look_along(backward: Doubles) -> Doubles:
@@ -103,10 +113,10 @@ def _look_along(backward: Doubles) -> Doubles:
 
 
 def _neighbour_average(rig: Rig) -> sparse.csr_matrix:
+    """(V, V): takes values of vertices to the mean over each vertex and its neighbours."""
     count = len(rig.neutral)
-    a, b = np.concatenate((rig.faces[:, :2], rig.faces[:, 1:], rig.faces[:, ::2])).T
-    rows = np.concatenate((a, b, np.arange(count)))
-    columns = np.concatenate((b, a, np.arange(count)))
-    links = sparse.csr_matrix((np.ones(len(rows), np.float32), (rows, columns)), (count, count))
+    edges = trimesh.Trimesh(rig.neutral, rig.faces, process=False).edges_unique
+    links = trimesh.graph.edges_to_coo(edges, count).astype(np.float32)
+    links = (links + links.T + sparse.identity(count, np.float32)).tocsr()
     links.data[:] = 1.0
     return sparse.diags_array(1.0 / links.sum(axis=1).A1.astype(np.float32)) @ links

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Indices
 from faceedit_app.core.rig import Material, Rig
 
 
@@ -63,8 +63,8 @@ _SHARPEST = 0.08  # roughness; below it a highlight is smaller than a pixel
 
 
 def look_of(material: Material) -> Look:
-    """How `material` takes light, told by its name."""
-    name = material.name.casefold()
+    """How `material` takes light, told by what it is, or by its name."""
+    name = (material.surface or material.name).casefold()
     return next((look for word, look in LOOKS.items() if word in name), OTHER_LOOK)
 
 
@@ -95,30 +95,36 @@ def vertex_looks(rig: Rig, shade: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Group:
-    """Faces that one variant of the shader draws.
+    """Faces that one variant of the shader draws, with one texture.
 
     Attributes:
         shading: the variant.
+        texture: which of the rig's textures it has, if one.
+        cutoff: what has less alpha is not drawn; 0 draws all.
         still, moving: (F', 3) int32: those that look alike whatever the face does, and the others.
     """
 
     shading: Shading
     still: NDArray[np.int32]
     moving: NDArray[np.int32]
+    texture: int | None = None
+    cutoff: float = 0.0
 
 
 def by_shading(rig: Rig) -> list[Group]:
-    """The faces of each variant of the shader, in drawing order."""
-    runs: dict[Shading, list[NDArray[np.int32]]] = {shading: [] for shading in Shading}
-    for material in rig.materials:
-        runs[look_of(material).shading].append(rig.faces[material.start : material.stop])
+    """The faces of each variant of the shader and each texture, in drawing order."""
+    runs: dict[tuple[Shading, int | None, float], list[NDArray[np.int32]]] = {}
+    order = {shading: place for place, shading in enumerate(Shading)}
+    for material in sorted(rig.materials, key=lambda m: (order[look_of(m).shading], m.cutoff)):
+        kind = look_of(material).shading, material.texture, material.cutoff
+        runs.setdefault(kind, []).append(rig.faces[material.start : material.stop])
     alive = _alive(rig)
     groups = []
-    for shading, parts in runs.items():
-        if parts:
-            faces = np.concatenate(parts)
-            moving = alive[faces].any(axis=1)
-            groups.append(Group(shading, _in_a_row(faces[~moving]), _in_a_row(faces[moving])))
+    for (shading, texture, cutoff), parts in runs.items():
+        faces = np.concatenate(parts)
+        moving = alive[faces].any(axis=1)
+        still, others = _in_a_row(faces[~moving]), _in_a_row(faces[moving])
+        groups.append(Group(shading, still, others, texture, cutoff))
     return groups
 
 
@@ -143,23 +149,46 @@ class NormalSolver:
 
     Coordinates are kept apart: numpy works on long rows several times as fast as on triples.
 
+    trimesh's are as exact and take two and a half times as long, half a millisecond more in each
+    frame (docs/adr/0011-pyrender.md); where meshes are built, they are what is used.
+
     Args:
         faces: (F, 3) int, counter-clockwise seen from outside.
         vertex_count: V.
+        wanted: (N,) the vertices whose normals are wanted; by default all, and N is V.
+        groups: (V,) int; vertices with one number have one normal. None: each has its own.
     """
 
-    def __init__(self, faces: NDArray[np.int32], vertex_count: int) -> None:
-        corners = faces.ravel()
+    def __init__(
+        self,
+        faces: NDArray[np.int32],
+        vertex_count: int,
+        *,
+        wanted: Indices | None = None,
+        groups: NDArray[np.int32] | None = None,
+    ) -> None:
+        owned, owners_count = faces, vertex_count
+        rows = wanted
+        if groups is not None:
+            owned, owners_count = groups[faces], int(groups.max()) + 1
+            rows = (groups if wanted is None else groups[wanted]).astype(np.intp)
+        if rows is not None:
+            is_wanted = np.zeros(owners_count, bool)
+            is_wanted[rows] = True
+            used = is_wanted[owned].any(axis=1)
+            faces, owned = faces[used], owned[used]
+        corners = owned.ravel()
         owners = np.repeat(np.arange(len(faces), dtype=np.int32), 3)
         ones = np.ones(len(corners), np.float32)
-        self._gather = sparse.csr_matrix((ones, (corners, owners)), (vertex_count, len(faces)))
+        gather = sparse.csr_matrix((ones, (corners, owners)), (owners_count, len(faces)))
+        self._gather = gather if rows is None else gather[rows]
         self._corners = np.ascontiguousarray(faces.T, np.intp)
 
     def __call__(self, vertices: Floats) -> Floats:
-        """(V, 3) float32 vertices -> (V, 3) float32 unit normals; zero where no face is."""
+        """(V, 3) float32 vertices -> (N, 3) float32 unit normals; zero where no face is."""
         corners = np.take(np.ascontiguousarray(vertices.T), self._corners, axis=1)  # (3, 3, F)
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        normals = np.empty((3, len(vertices)), np.float32)
+        normals = np.empty((3, self._gather.shape[0]), np.float32)
         for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             # The cross product, whose length is twice the area.
             normals[x] = self._gather @ (u[y] * v[z] - u[z] * v[y])

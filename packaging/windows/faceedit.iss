@@ -30,5 +30,7 @@ Root: HKA; Subkey: "Software\Classes\.faceedit"; ValueType: string; ValueData: "
 Root: HKA; Subkey: "Software\Classes\FaceEdit.Project"; ValueType: string; ValueData: "FaceEdit project"; Flags: uninsdeletekey
 Root: HKA; Subkey: "Software\Classes\FaceEdit.Project\DefaultIcon"; ValueType: string; ValueData: "{app}\faceedit.exe,0"
 Root: HKA; Subkey: "Software\Classes\FaceEdit.Project\shell\open\command"; ValueType: string; ValueData: """{app}\faceedit.exe"" ""%1"""
-; CSV stays with the program that it belongs to; FaceEdit is offered under "Open with".
+; Takes stay with the programs that they belong to; FaceEdit is offered under "Open with".
 Root: HKA; Subkey: "Software\Classes\.csv\OpenWithProgids"; ValueType: string; ValueName: "FaceEdit.Project"; ValueData: ""; Flags: uninsdeletevalue
+Root: HKA; Subkey: "Software\Classes\.json\OpenWithProgids"; ValueType: string; ValueName: "FaceEdit.Project"; ValueData: ""; Flags: uninsdeletevalue
+Root: HKA; Subkey: "Software\Classes\.glb\OpenWithProgids"; ValueType: string; ValueName: "FaceEdit.Project"; ValueData: ""; Flags: uninsdeletevalue

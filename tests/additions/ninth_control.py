@@ -71,7 +71,7 @@ def test_the_character_that_ships_opens_without_it() -> None:
     rig = shipped_rig()
     assert rig.missing_controls == ("left_brow",)
     assert "“Left brow height”" in rig.missing_note
-    session = session_on(rig, Engine.load(shipped("models")))
+    session = session_on(rig, Engine.load(shipped("models"), rig))
     session.add(RAISED)
     assert session.changed_frames() == 0
     both = replace(RAISED, controls=("left_brow", "mouth_opening"))
@@ -90,15 +90,19 @@ def test_the_character_comes_back_from_its_file(tmp_path: Path) -> None:
     np.testing.assert_array_equal(rig.control_pairs, rig_with_brow().control_pairs)
 
 
+def engine_of(networks: str) -> Engine | None:
+    match networks:
+        case "shipped":
+            return Engine.load(shipped("models"), rig_with_brow())
+        case "listening":
+            return random_engine(rig=rig_with_brow())
+    return None
+
+
 @pytest.mark.parametrize("networks", ["none", "shipped", "listening"])
 @pytest.mark.parametrize("millimetres", [3.0, 1000.0])
 def test_it_moves_the_brow_and_nothing_else(networks: str, millimetres: float) -> None:
-    engine = {
-        "none": lambda: None,
-        "shipped": lambda: Engine.load(shipped("models")),
-        "listening": random_engine,
-    }[networks]()
-    session = session_on(rig_with_brow(), engine)
+    session = session_on(rig_with_brow(), engine_of(networks))
     lift = session.tracked[:, BROW].copy()
     session.add(replace(RAISED, value=millimetres))
     held = (session.take.clip.times >= 2.0) & (session.take.clip.times <= 3.0)
@@ -110,14 +114,12 @@ def test_it_moves_the_brow_and_nothing_else(networks: str, millimetres: float) -
 
 
 def test_a_model_that_listens_to_it_answers_to_it() -> None:
-    engine = random_engine()
+    engine = random_engine(rig=rig_with_brow())
     curves = np.full((40, len(CONTROL_IDS)), 20.0)
     raised = curves.copy()
     raised[:, BROW] += 3.0
     for region in (UPPER, EYELIDS, LOWER):
-        plain, moved = (
-            engine.answer_all((region.id,), c, 1.0)[region.id] for c in (curves, raised)
-        )
+        plain, moved = (engine.answer(region.id, c, 1.0) for c in (curves, raised))
         assert (plain == moved).all() == (region is not UPPER)
 
 

@@ -168,6 +168,18 @@ def test_edits_that_scale_without_end_ask_for_numbers() -> None:
     assert session.weights.max() <= 1.0
 
 
+@pytest.mark.parametrize("name", ["half \ud83d", "x" * 5000, " caf\udce9 "])
+def test_any_name_that_the_user_gives_an_edit_comes_back_from_a_file(
+    tmp_path: Path, name: str
+) -> None:
+    session = tiny_session()
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 0.0, 1.0, 0.0, 1.0))
+    session.rename(0, name)
+    assert session.edits[0].name.startswith(name.strip()[:3])
+    session.save_edits(tmp_path / "e.json")
+    assert read_edits(tmp_path / "e.json") == session.edits
+
+
 def _hostile(*patterns: str) -> list[Path]:
     return sorted(path for pattern in patterns for path in HOSTILE.glob(pattern))
 

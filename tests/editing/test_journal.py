@@ -15,10 +15,10 @@ import pytest
 
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.edits.media import Media, Placement
+from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.journal import Journal, pending_journals
-from faceedit_app.editing.solving.solver import Settings
 from faceedit_app.editing.steps import EditState
 
 DEMO = shipped("assets/demo_take.csv")
@@ -40,8 +40,10 @@ STATES = [
     EditState(()),
     EditState((A, A, A)),
     EditState((A, A), Settings(reach=0.0)),
-    EditState((A, A), media=Placement(Media(Path("/ü.wav"), 0.25), Media(Path("/b.mov"), -1.0))),
-    EditState((A, B), media=Placement(film=Media(Path("/b.mov"), -1.0))),
+    EditState(
+        (A, A), media=Placement(MediaFile(Path("/ü.wav"), 0.25), MediaFile(Path("/b.mov"), -1.0))
+    ),
+    EditState((A, B), media=Placement(film=MediaFile(Path("/b.mov"), -1.0))),
     EditState((A, B), media=Placement()),
     EditState((A, B)),
 ]

@@ -12,25 +12,25 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.edits import edits
 from support.sessions import session_by_rig
 from support.takes import make_livelink_csv, make_plain_csv
-from test_edits_file import edits
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.edits.media import Media
+from faceedit_app.editing.edits.media import MediaFile
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files import fingerprint as fingerprint_module
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
 from faceedit_app.editing.files.project import (
     Project,
-    View,
+    ViewState,
     Whereabouts,
     locate_take,
     read_project,
     write_project,
 )
-from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.editing.steps import EditState
 
 EDITS = (
@@ -38,7 +38,7 @@ EDITS = (
     Edit(("left_eyelid", "right_eyelid"), Op.SET, 4.0, 4.1, 0.1, 0.0, 0.2, 0.5, False),
     Edit(("mouth_width",), Op.DRAW, 1.0, 2.0, 0.1, points=((1.0, 3.0), (2.0, 4.0))),
 )
-VIEW = View(1.5, (0.0, 5.0), (2.0, 2.4), 0.3, {"splitter": [1, 2], "dark": True})
+VIEW = ViewState(1.5, (0.0, 5.0), (2.0, 2.4), 0.3, {"splitter": [1, 2], "dark": True})
 
 
 @pytest.fixture
@@ -57,8 +57,8 @@ def project_of(take: Path, **changes: Any) -> Project:
             fingerprint=fingerprint(take),
             state=EditState(EDITS, Settings(Mode.RESYNTHESIZE, 0.5, 0.25)),
             view=VIEW,
-            audio=Media(take.with_suffix(".mov"), -0.25),
-            film=Media(take.with_suffix(".mov"), 0.5),
+            audio=MediaFile(take.with_suffix(".mov"), -0.25),
+            film=MediaFile(take.with_suffix(".mov"), 0.5),
         ),
         **changes,
     )
@@ -128,7 +128,7 @@ GOOD: dict[str, Any] = {
     "edits": [],
 }
 BAD: dict[str, tuple[Any, str]] = {
-    "list": ([], "is no FaceEdit project"),
+    "list": ([], "is not a valid FaceEdit project"),
     "no version": ({}, "version None"),
     "later version": (GOOD | {"version": 2}, "update FaceEdit"),
     "unknown field": (GOOD | {"camera": 1}, 'unknown field "camera"'),
@@ -150,17 +150,17 @@ BAD: dict[str, tuple[Any, str]] = {
     "list as mode": (GOOD | {"settings": {"mode": []}}, '"settings.mode" must be one of'),
     "wild naturalness": (
         GOOD | {"settings": {"naturalness": 7}},
-        '"settings.naturalness" must lie',
+        '"settings.naturalness" must be',
     ),
     "settings are a list": (GOOD | {"settings": []}, '"settings" is not an object'),
     "unknown setting": (GOOD | {"settings": {"x": 1}}, 'unknown field "settings.x"'),
     "view is a text": (GOOD | {"view": "x"}, '"view" is not an object'),
     "playhead is a text": (GOOD | {"view": {"playhead": "x"}}, '"view.playhead" is not a number'),
-    "playhead is none": (GOOD | {"view": {"playhead": float("nan")}}, '"view.playhead" must lie'),
-    "negative falloff": (GOOD | {"view": {"falloff": -1}}, '"view.falloff" must lie'),
+    "playhead is none": (GOOD | {"view": {"playhead": float("nan")}}, '"view.playhead" must be'),
+    "negative falloff": (GOOD | {"view": {"falloff": -1}}, '"view.falloff" must be'),
     "half a selection": (
         GOOD | {"view": {"selection": [1]}},
-        '"view.selection" is not made of two',
+        '"view.selection" is not a list of pairs',
     ),
     "selection backwards": (GOOD | {"view": {"selection": [2, 1]}}, "ends before it begins"),
     "endless list in ui": (GOOD | {"view": {"ui": {"a": nested(9)}}}, '"view.ui" holds too much'),

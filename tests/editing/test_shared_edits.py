@@ -9,8 +9,9 @@ import pytest
 from support.places import SHARED
 from support.sessions import session_by_networks, session_by_rig, shipped_engine
 
-from faceedit_app.core.arkit import ARKIT_INDEX, canonical_channel
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.names import canonical_channel
 from faceedit_app.core.regions import MODELLED_CHANNELS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession

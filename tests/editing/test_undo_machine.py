@@ -33,13 +33,13 @@ from faceedit_app.editing.edits.edit import (
     Edit,
     Op,
 )
-from faceedit_app.editing.edits.media import Media, Placement
+from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.help.clipboard import Copied, copy_range
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import load_presets
 from faceedit_app.editing.help.problems import find_problems
 from faceedit_app.editing.opening import open_session
-from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
@@ -166,7 +166,7 @@ class Editing(RuleBasedStateMachine):
     def drag_the_sound(self, offsets: list[float], keep: bool) -> None:
         before = self.exported()
         for offset in offsets:
-            self.session.preview_media(Placement(Media(Path("/a.wav"), offset)))
+            self.session.preview_media(Placement(MediaFile(Path("/a.wav"), offset)))
         self.session.commit("Move sound") if keep else self.session.cancel()
         assert self.exported() == before
         self.finished()
@@ -180,7 +180,7 @@ class Editing(RuleBasedStateMachine):
 
     @rule(sound=st.none() | st.floats(-9, 9), film=st.none() | st.floats(-9, 9))
     def place_media(self, sound: float | None, film: float | None) -> None:
-        media = [None if at is None else Media(Path("/a.mov"), at) for at in (sound, film)]
+        media = [None if at is None else MediaFile(Path("/a.mov"), at) for at in (sound, film)]
         before = self.exported()
         self.session.place(Placement(*media))
         assert self.exported() == before

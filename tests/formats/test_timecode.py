@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.dialects import DIALECTS, clock, drop_frame, milliseconds, whole_frames
 from support.takes import timecode
 
-from faceedit_app.formats.timecode import BadTimecode, Timing, derive_timing, parse_timecodes
-from faceedit_app.formats.timing import find_gaps, format_rate, format_time
+from faceedit_app.formats.timecode import (
+    BadTimecode,
+    clock_times,
+    derive_base,
+    derive_timing,
+    is_clock,
+    parse_timecodes,
+)
+from faceedit_app.formats.timing import NoTimes, Timing, find_gaps, format_rate, format_time
 
 
 def codes(frames: list[float], base: int = 60, start: float = 3_000_000) -> list[str]:
@@ -18,6 +28,10 @@ def codes(frames: list[float], base: int = 60, start: float = 3_000_000) -> list
 
 def every(step: float, rows: int) -> list[float]:
     return [i * step for i in range(rows)]
+
+
+def timing_of(texts: list[str]) -> Timing:
+    return clock_times(texts) if is_clock(texts[0]) else derive_timing(texts)
 
 
 def gaps_of(timing: Timing) -> list[tuple[int, int]]:
@@ -48,8 +62,9 @@ def test_a_text_that_is_no_timecode_is_refused_with_its_row(text: str) -> None:
 
 @pytest.mark.parametrize("base", [24, 25, 30, 48, 50, 60, 100, 120])
 def test_the_base_shows_where_the_second_rolls_over(base: int) -> None:
-    timing = derive_timing(codes(every(1, base * 3), base))
-    assert timing.base == base
+    texts = codes(every(1, base * 3), base)
+    timing = derive_timing(texts)
+    assert derive_base(parse_timecodes(texts))[0] == base
     assert timing.rate == base
     assert timing.notes == ()
 
@@ -108,10 +123,18 @@ def test_twenty_five_fps_on_whole_frames_of_sixty_becomes_even() -> None:
     assert gaps_of(timing) == []
 
 
-def test_a_timecode_that_stands_still_gives_even_rows() -> None:
-    timing = derive_timing(["10:00:00:00"] * 5)
-    assert np.allclose(timing.times, np.arange(5) / 60)
-    assert any("stands still" in note for note in timing.notes)
+@pytest.mark.parametrize(
+    ("texts", "says"),
+    [
+        (["10:00:00:00"] * 5, "the same timecode in every row"),
+        ([f"{clock(i)}:00.000" for i in range(64)], "step by 1 s"),
+        ([f"{clock(86_400 - (i + 1) % 2)}:{i:02d}" for i in range(60)], "do not run forward"),
+    ],
+    ids=["stands still", "a second a row", "flips over midnight"],
+)
+def test_a_timecode_that_cannot_be_the_time_is_not_believed(texts: list[str], says: str) -> None:
+    with pytest.raises(NoTimes, match=says):
+        derive_timing(texts)
 
 
 def test_one_repeated_timecode_moves_no_other_row() -> None:
@@ -123,10 +146,14 @@ def test_one_repeated_timecode_moves_no_other_row() -> None:
     assert any("repeat" in note for note in timing.notes)
 
 
-def test_two_recordings_in_one_file_follow_one_another() -> None:
-    timing = derive_timing(codes(every(1, 200)) + codes(every(1, 200), start=1_000_000))
+@pytest.mark.parametrize(
+    ("start", "says"),
+    [(2_990_000, "jumps back 1 time"), (1_000_000, "by more than an hour 1 time")],
+)
+def test_two_recordings_in_one_file_follow_one_another(start: int, says: str) -> None:
+    timing = derive_timing(codes(every(1, 200)) + codes(every(1, 200), start=start))
     assert timing.times[-1] == pytest.approx(399 / 60)
-    assert any("jumps back" in note for note in timing.notes)
+    assert any(says in note for note in timing.notes)
 
 
 def test_a_single_row_is_allowed() -> None:
@@ -138,14 +165,17 @@ def test_a_single_row_is_allowed() -> None:
 
 def test_an_assumed_base_is_admitted() -> None:
     timing = derive_timing(codes(every(1, 10)))
-    assert timing.base == 60
-    assert "assumed" in timing.notes[0]
+    assert timing.rate == 60
+    assert "60 fps is assumed" in timing.notes[0]
 
 
 @settings(deadline=None, derandomize=True)
 @given(st.lists(st.integers(0, 24 * 3600 * 60 - 1), min_size=1, max_size=60))
 def test_times_always_increase_whatever_the_timecodes(frames: list[int]) -> None:
-    timing = derive_timing([timecode(frame) for frame in frames])
+    try:
+        timing = derive_timing([timecode(frame) for frame in frames])
+    except NoTimes:
+        return
     assert timing.times[0] == 0
     assert np.all(np.diff(timing.times) > 0)
     assert np.isfinite(timing.rate)
@@ -163,6 +193,110 @@ def test_any_drop_in_a_steady_recording_is_found(base: int, start: int, lost: se
     timing = derive_timing(codes(rows, base, start))
     assert timing.rate == base
     assert sum(missing for _, missing in gaps_of(timing)) == len(lost)
+
+
+# --- dialects ------------------------------------------------------------------------------------
+
+RATES = [24, 25, 30, 48, 50, 60]
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_every_dialect_gives_the_film_its_rate(dialect: str, rate: int) -> None:
+    timing = timing_of([DIALECTS[dialect](n, rate) for n in range(5 * rate)])
+    assert timing.rate == rate
+    assert timing.times[-1] == pytest.approx(5 - 1 / rate, abs=1e-6)
+    assert np.allclose(np.diff(timing.times), 1 / rate, rtol=0, atol=2e-5)
+
+
+@pytest.mark.parametrize("rate", [24000 / 1001, 30000 / 1001, 60000 / 1001])
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_every_dialect_tells_a_broadcast_rate_without_false_gaps(dialect: str, rate: float) -> None:
+    timing = timing_of([DIALECTS[dialect](n, rate) for n in range(4000)])
+    assert timing.rate == pytest.approx(rate, rel=1e-6)
+    assert gaps_of(timing) == []
+
+
+@settings(deadline=None, derandomize=True, max_examples=150)
+@given(
+    dialect=st.sampled_from([*DIALECTS]),
+    rate=st.sampled_from(RATES),
+    share=st.floats(0, 0.12),
+    seed=st.integers(0, 99),
+)
+def test_lost_frames_are_gaps_in_every_dialect(
+    dialect: str, rate: int, share: float, seed: int
+) -> None:
+    frames = 8 * rate
+    lost = np.random.default_rng(seed).permutation(np.arange(1, frames - 1))[: int(share * frames)]
+    kept = sorted({*range(frames)} - {*lost.tolist()})
+    timing = timing_of([DIALECTS[dialect](n, rate) for n in kept])
+    assert timing.rate == rate
+    assert sum(missing for _, missing in gaps_of(timing)) == len(lost)
+    assert timing.times[-1] == pytest.approx((frames - 1) / rate, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("dialect", "says"),
+    [
+        ("running number", "number the frames of the film"),
+        ("milliseconds", "milliseconds in place of frames"),
+        ("milliseconds of the second", "milliseconds of the second"),
+    ],
+)
+def test_an_unusual_dialect_is_remarked_on(dialect: str, says: str) -> None:
+    notes = timing_of([DIALECTS[dialect](n, 30) for n in range(90)]).notes
+    assert len(notes) == 1
+    assert says in notes[0]
+
+
+def test_a_running_number_may_begin_anywhere_if_it_wraps() -> None:
+    texts = [f"{timecode(1_234_567 + n, 30)[:11]}.{(n + 1) % 1000:03d}" for n in range(1500)]
+    timing = derive_timing(texts)
+    assert timing.rate == 30
+    assert np.allclose(np.diff(timing.times), 1 / 30)
+
+
+def test_thousandths_that_grow_by_one_a_row_are_no_running_number() -> None:
+    timing = derive_timing(codes(every(1.001, 1500), start=0))
+    assert timing.rate == pytest.approx(59.94006)
+    assert gaps_of(timing) == []
+
+
+def test_a_frame_that_was_rounded_up_to_the_base_is_the_next_second_s_first() -> None:
+    texts = [f"{clock(n / 30)}:{n % 30 * 2:02d}.000" for n in range(64)]
+    texts[30], texts[60] = "00:00:00:60.000", "00:00:01:60.000"
+    timing = derive_timing(texts)
+    assert timing.rate == 30
+    assert gaps_of(timing) == []
+
+
+def test_drop_frame_numbers_with_a_colon_are_not_gaps() -> None:
+    timing = derive_timing([drop_frame(n, ":") for n in range(4000)])
+    assert timing.rate == pytest.approx(29.97003)
+    assert gaps_of(timing) == []
+    assert any("it is drop-frame" in note for note in timing.notes)
+
+
+def test_a_semicolon_alone_makes_no_drop_frame() -> None:
+    timing = derive_timing([f"{clock(n // 30)};{n % 30:02d}" for n in range(4000)])
+    assert timing.rate == 30
+    assert gaps_of(timing) == []
+
+
+def test_whole_seconds_tell_the_rate_by_counting() -> None:
+    timing = clock_times([clock((n + 11) / 30) for n in range(200)])
+    assert timing.rate == 30
+    assert np.allclose(np.diff(timing.times), 1 / 30)
+    assert any("rounded to 1 s" in note for note in timing.notes)
+
+
+@pytest.mark.parametrize("spell", [whole_frames, milliseconds])
+def test_a_take_across_midnight_goes_on(spell: Callable[[int, float], str]) -> None:
+    texts = [spell(24 * 3600 * 30 - 60 + n, 30) for n in range(120)]
+    timing = derive_timing(texts)
+    assert timing.rate == 30
+    assert gaps_of(timing) == []
 
 
 def test_times_and_rates_read_as_people_write_them() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import shutil
@@ -138,9 +139,10 @@ def test_long_takes_repeat_the_demo() -> None:
 
 
 def test_references_that_are_absent_are_none(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
-    monkeypatch.setattr(references.importlib.util, "find_spec", lambda _name: None)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _name: None)
     monkeypatch.setattr(shutil, "which", lambda _name: None)
-    assert references.holden(1) is None
+    assert references.in_torch("unet", 1) is None
+    assert references.cpu_limit(shipped("models"), 1) is None
     assert references.gl_limit(rig, 1) is None
     assert references.blender(rig, 1) is None
 
@@ -230,6 +232,13 @@ def test_the_limit_of_the_processor_is_counted_from_the_networks() -> None:
     limit = references.cpu_limit(shipped("models"), 2)
     assert limit is not None
     assert limit.best > 0
+
+
+@pytest.mark.parametrize("architecture", ["unet", "holden"])
+def test_torch_is_measured_on_networks_of_a_kind(architecture: str) -> None:
+    found = references.in_torch(architecture, 2)
+    assert found is not None
+    assert found.best > 0
 
 
 def test_the_machine_is_named() -> None:

@@ -20,7 +20,7 @@ from support.networks import as_model, random_content, random_description, rando
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import EYELIDS
 from faceedit_app.networks.description import KEY
-from faceedit_app.networks.graph import LARGEST, read_graph
+from faceedit_app.networks.graph import LARGEST, OPERATORS, read_graph
 from faceedit_app.networks.region import RegionAnswer, read_region
 
 INPUTS, OUTPUTS = len(EYELIDS.controls), len(EYELIDS.channels)
@@ -40,7 +40,7 @@ def complaint(path: Path) -> str:
 
 def refused(content: bytes) -> str:
     """Why a file is refused before the runtime sees it."""
-    with pytest.raises(FileError, match="is no FaceEdit model, or is damaged") as caught:
+    with pytest.raises(FileError, match="is no FaceEdit model") as caught:
         RegionAnswer(content, Path("x.onnx"))
     assert isinstance(caught.value.__cause__, ValueError), caught.value.__cause__
     return str(caught.value.__cause__)
@@ -297,11 +297,11 @@ def test_graph_whose_sizes_do_not_fit_is_refused() -> None:
         RegionAnswer(content_of(changed), Path("x.onnx"))
 
 
-@pytest.mark.parametrize("bias", [1e30, 3e38])
-def test_networks_that_answer_no_weights_are_refused(bias: float) -> None:
+@pytest.mark.parametrize("gain", [1e9, 3e38])  # the second is infinity minus infinity in the end
+def test_networks_that_answer_no_weights_are_refused(gain: float) -> None:
     changed = graph()
-    tensor = next(t for t in changed.initializer if t.name == "changed.b")
-    tensor.CopyFrom(numpy_helper.from_array(np.full(OUTPUTS, bias, np.float32), tensor.name))
+    tensor = next(t for t in changed.initializer if t.name == "gain")
+    tensor.CopyFrom(numpy_helper.from_array(np.array(gain, np.float32), tensor.name))
     assert "no weights" in refused(content_of(changed))
 
 
@@ -339,6 +339,22 @@ SAYS: dict[str, dict[str, Any]] = {
         "natural": {"mean": [0.0], "precision": [[1.0]], "limit": 1.0}
     },
     "no region": {"region": None},
+    "a region without end": {"region": "x" * 5_000},
+    "a text as version": {"version": "9" * 5_000},
+    "a character that is moved by words": {
+        "made_for": {
+            "name": "x",
+            "controls": {c: {"rest": ["a", 0, 0], "channels": {}} for c in EYELIDS.controls},
+        }
+    },
+    "a character with other channels": {
+        "made_for": {
+            "name": "x",
+            "controls": {
+                c: {"rest": [0, 0, 0], "channels": {"noseUp": [0, 0, 0]}} for c in EYELIDS.controls
+            },
+        }
+    },
     "nothing as version": {"version": None},
 }
 
@@ -360,7 +376,7 @@ def test_description_that_is_none_is_refused(tmp_path: Path, text: str) -> None:
     assert "no FaceEdit model" in complaint(tmp_path / "x")
 
 
-@pytest.mark.parametrize("entry", list(json.loads(TEXT)))
+@pytest.mark.parametrize("entry", [name for name in json.loads(TEXT) if name != "natural"])
 def test_description_without_an_entry_is_refused(tmp_path: Path, entry: str) -> None:
     known = json.loads(TEXT)
     del known[entry]
@@ -372,10 +388,9 @@ def test_description_without_an_entry_is_refused(tmp_path: Path, entry: str) -> 
     ("entry", "words"),
     [
         ({"version": 3}, ["version 3", "update FaceEdit"]),
-        ({"version": "9" * 5_000}, ["version 999", "update FaceEdit"]),
         ({"controls": ["left_eyelid", "nose"]}, ["'nose'", "update FaceEdit"]),
         ({"channels": [*EYELIDS.channels[:-1], "noseUp"]}, ["'noseUp'", "update FaceEdit"]),
-        ({"controls": ["left_eyelid", "n" * 5_000]}, ["nnn", "update FaceEdit"]),
+        ({"controls": ["left_eyelid", "n" * 500]}, ["nnn", "update FaceEdit"]),
         ({"rate": 30.0}, ["30 frames a second", "faceedit train"]),
     ],
 )
@@ -393,3 +408,42 @@ def test_description_stands_in_the_file_as_plain_text() -> None:
     (entry,) = model.metadata_props
     assert entry.key == KEY
     assert json.loads(entry.value)["region"] == EYELIDS.id
+
+
+# --- files that chance has damaged -------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_damaged_file_is_refused_or_answers(seed: int) -> None:
+    random, whole = np.random.default_rng(seed), content_of(graph())
+    for _ in range(40):
+        content = bytearray(whole)
+        for place in random.integers(len(content), size=random.integers(1, 6)):
+            content[place] = random.integers(256)
+        cut = random.integers(len(content)) if random.random() < 0.2 else len(content)
+        try:
+            answer = RegionAnswer(bytes(content[:cut]), Path("x.onnx"))
+        except FileError as error:
+            assert len(str(error).splitlines()) == 1  # noqa: PT017
+            continue
+        curves = np.full((answer.description.scale, len(answer.columns)), 9.0, np.float32)
+        assert np.isfinite(answer(curves, 0.5)).all()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_graph_of_other_operators_is_refused_or_answers(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    for _ in range(40):
+        changed = graph()
+        names = [name for node in changed.node for name in node.output]
+        for _ in range(random.integers(1, 4)):
+            node = changed.node[random.integers(len(changed.node))]
+            if random.random() < 0.5:
+                node.op_type = str(random.choice(sorted(OPERATORS)))
+            else:
+                node.input[random.integers(len(node.input))] = str(random.choice(names))
+        try:
+            answer = RegionAnswer(content_of(changed), Path("x.onnx"))
+        except FileError:
+            continue
+        assert np.isfinite(answer(np.full((8, INPUTS), 9.0, np.float32), 0.5)).all()

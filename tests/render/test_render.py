@@ -5,47 +5,34 @@ from __future__ import annotations
 import dataclasses
 import gc
 import math
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from support.faces import shipped_rig
+from support.rigs import ball
 
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Material, Rig
-from faceedit_app.render import Camera, FaceRenderer, contexts, default_camera, open_renderer
-from faceedit_app.render.camera import DISTANCE_LIMITS, PITCH_LIMIT, projection
+from faceedit_app.render import (
+    Aim,
+    Camera,
+    FaceRenderer,
+    aimed_camera,
+    contexts,
+    default_camera,
+    open_renderer,
+)
+from faceedit_app.render.camera import DISTANCE_LIMITS, PITCH_LIMIT, field_of_view
 from faceedit_app.render.snapshot import snapshot, write_png
 from faceedit_app.render.surface import NormalSolver, Shading, by_shading, look_of, vertex_looks
 
 SIZE = 96
-
-
-def ball(rows: int = 24, columns: int = 32) -> Rig:
-    """A ball of 8 cm with a mouth: `jawOpen` lowers its front below the middle."""
-    latitude = np.linspace(0.0, np.pi, rows)
-    longitude = np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False)
-    lat, lon = (g.ravel() for g in np.meshgrid(latitude, longitude, indexing="ij"))
-    points = np.stack((np.sin(lat) * np.sin(lon), np.cos(lat), np.sin(lat) * np.cos(lon)), axis=1)
-    faces = []
-    for r in range(rows - 1):
-        for c in range(columns):
-            a, b = r * columns + c, r * columns + (c + 1) % columns
-            faces += [(a, a + columns, b), (b, a + columns, b + columns)]
-    vertices = (0.08 * points).astype(np.float32)
-    jaw = np.zeros_like(vertices)
-    front = (points[:, 2] > 0.5) & (np.abs(points[:, 1] + 0.35) < 0.3)
-    jaw[front] = 0.0, -0.02, -0.015
-    return Rig(
-        neutral=vertices,
-        faces=np.array(faces, np.int32),
-        channels=("jawOpen",),
-        deltas=jaw[None],
-        colors=np.tile(np.float32([0.5, 0.3, 0.2, 1.0]), (len(vertices), 1)),
-        materials=(Material("skin", 0, len(faces)),),
-        control_pairs=np.tile(np.int32([0, 1]), (8, 1)),
-    )
 
 
 @pytest.fixture(scope="module")
@@ -87,9 +74,10 @@ def test_pan_moves_in_the_view_plane() -> None:
     np.testing.assert_allclose(moved, [0.0, 0.01, -0.02], atol=1e-9)
 
 
-def test_view_is_the_inverse_of_the_pose() -> None:
+def test_the_pose_is_a_rotation_that_looks_at_the_target() -> None:
     camera = Camera(0.3, -0.2, 0.6, (0.01, 0.02, 0.03))
-    np.testing.assert_allclose(camera.view() @ camera.pose(), np.eye(4), atol=1e-12)
+    ahead = camera.pose() @ [0.0, 0.0, -camera.distance, 1.0]
+    np.testing.assert_allclose(ahead, [*camera.target, 1.0], atol=1e-12)
     rotation = camera.pose()[:3, :3]
     np.testing.assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-12)
     assert np.linalg.det(rotation) == pytest.approx(1.0)
@@ -98,14 +86,16 @@ def test_view_is_the_inverse_of_the_pose() -> None:
 @pytest.mark.parametrize("aspect", [0.4, 0.8, 1.0, 1.8])
 def test_default_camera_sees_the_whole_head(rig: Rig, aspect: float) -> None:
     camera = default_camera(rig, aspect)
-    points = np.hstack((rig.neutral, np.ones((len(rig.neutral), 1))))
-    clip = points @ (projection(aspect) @ camera.view()).T
+    points = np.hstack((rig.neutral, np.ones((len(rig.neutral), 1), np.float32)))
+    x, y, z, _ = np.linalg.inv(camera.pose()) @ points.T
     face = rig.neutral[:, 1] >= rig.neutral[np.abs(rig.deltas).max((0, 2)) > 0, 1].min()
-    assert np.abs(clip[face, :2] / clip[face, 3:]).max() < 1.0
+    half = np.tan(field_of_view(aspect) / 2.0)
+    assert np.abs(y / -z / half)[face].max() < 1.0
+    assert np.abs(x / -z / (half * aspect))[face].max() < 1.0
 
 
 def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:
-    vertices = rig.vertices(np.float32([0.7]))
+    vertices = rig.vertices(np.array([0.7], np.float32))
     slow = np.zeros((len(vertices), 3))
     for a, b, c in rig.faces:
         slow[[a, b, c]] += np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
@@ -114,8 +104,16 @@ def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:
     np.testing.assert_allclose(fast, slow, atol=1e-4)
 
 
+def test_normals_of_some_vertices_are_those_of_all(rig: Rig) -> None:
+    vertices = rig.vertices(np.array([0.7], np.float32))
+    everywhere = NormalSolver(rig.faces, len(vertices))(vertices)
+    wanted = np.array([40, 7, 300, 7])
+    some = NormalSolver(rig.faces, len(vertices), wanted=wanted)(vertices)
+    np.testing.assert_array_equal(some, everywhere[wanted])
+
+
 def test_vertices_without_faces_have_no_normal() -> None:
-    normals = NormalSolver(np.int32([[0, 1, 2]]), 4)(np.float32(np.eye(4, 3)))
+    normals = NormalSolver(np.array([[0, 1, 2]], np.int32), 4)(np.eye(4, 3, dtype=np.float32))
     assert np.isfinite(normals).all()
     assert not normals[3].any()
 
@@ -166,9 +164,9 @@ def test_top_row_comes_first_and_left_stays_left(renderer: FaceRenderer, rig: Ri
     straight = renderer.draw(rig.neutral, camera).copy()
     shape = _inside(straight)
     assert (shape == shape[:, ::-1]).mean() > 0.97  # a symmetric ball looks symmetric
-    raised = _inside(renderer.draw(rig.neutral + np.float32([0, 0.03, 0]), camera))
+    raised = _inside(renderer.draw(rig.neutral + np.array([0, 0.03, 0], np.float32), camera))
     assert _middle(raised)[0] < _middle(shape)[0]
-    moved = _inside(renderer.draw(rig.neutral + np.float32([0.03, 0, 0]), camera))
+    moved = _inside(renderer.draw(rig.neutral + np.array([0.03, 0, 0], np.float32), camera))
     assert _middle(moved)[1] > _middle(shape)[1]  # the character's left is on the right
 
 
@@ -177,7 +175,7 @@ def test_opening_the_jaw_changes_the_mouth_and_little_else(
 ) -> None:
     camera = default_camera(rig)
     closed = renderer.draw(rig.neutral, camera).astype(int)
-    opened = renderer.draw(rig.vertices(np.float32([1.0])), camera).astype(int)
+    opened = renderer.draw(rig.vertices(np.array([1.0], np.float32)), camera).astype(int)
     changed = np.abs(opened - closed).max(axis=2) > 8
     rows = np.flatnonzero(changed.any(axis=1))
     assert changed.sum() > 50
@@ -232,7 +230,7 @@ def test_a_forgotten_renderer_does_no_harm(renderer: FaceRenderer, rig: Rig) -> 
 
 def test_without_opengl_the_user_reads_one_line(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
-    monkeypatch.setattr(contexts.sys, "platform", "linux")
+    monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr(contexts, "egl_devices", lambda: 0)
     monkeypatch.setattr(contexts, "_load", lambda *names: None)
     with pytest.raises(Unavailable, match=r"no OpenGL was found.*libegl1") as caught:
@@ -245,7 +243,7 @@ def test_a_failing_driver_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, r
         raise RuntimeError("eglInitialize\nfailed")
 
     monkeypatch.setenv("PYOPENGL_PLATFORM", "egl")
-    monkeypatch.setattr(contexts, "open_context", fail)
+    monkeypatch.setattr(contexts, "open_platform", fail)
     with pytest.raises(Unavailable, match="eglInitialize failed; ") as caught:
         open_renderer(rig, 32, 32)
     assert isinstance(caught.value, FaceEditError)
@@ -254,7 +252,7 @@ def test_a_failing_driver_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, r
 
 def test_osmesa_stands_in_for_egl(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
-    monkeypatch.setattr(contexts.sys, "platform", "linux")
+    monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr(contexts, "egl_devices", lambda: 0)
     monkeypatch.setattr(contexts, "_load", lambda *names: object())
     assert contexts.choose_backend() == "osmesa"
@@ -282,7 +280,7 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
     prepared: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from faceedit_app.characters.glb import read_rig
-    from faceedit_app.render import studio
+    from faceedit_app.render.painter import Painter
 
     character = read_rig(shipped("assets/character.glb"))
     # Where everything may move, everything is drawn.
@@ -295,8 +293,13 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
         kept, anew = (open_renderer(rig, 150, 200) for rig in (character, restless))
     except Unavailable as error:
         pytest.skip(str(error))
-    indices, draw = [0], studio.GL.glDrawElements
-    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (indices.append(a[1]), draw(*a)))
+    indices, draw = [0], Painter._bind_and_draw_primitive
+
+    def draw_counted(painter: Painter, primitive: Any, *how: Any) -> None:
+        indices.append(0 if primitive.indices is None else primitive.indices.size)
+        draw(painter, primitive, *how)
+
+    monkeypatch.setattr(Painter, "_bind_and_draw_primitive", draw_counted)
     random = np.random.default_rng(5)
     here = default_camera(character)
     there = here.orbit(0.4, 0.2).zoom(0.7)
@@ -322,18 +325,30 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
     anew.close()
 
 
+def test_a_character_that_never_moves_is_drawn(renderer: FaceRenderer, rig: Rig) -> None:
+    statue = dataclasses.replace(rig, deltas=np.zeros_like(rig.deltas))
+    camera = default_camera(rig)
+    opened = open_renderer(statue, SIZE, SIZE)
+    whole = opened.draw(rig.neutral, camera, smooth=False).copy()
+    assert (_inside(whole) == _inside(renderer.draw(rig.neutral, camera, smooth=False))).all()
+    np.testing.assert_array_equal(opened.draw(rig.neutral, camera, smooth=False), whole)
+    opened.close()
+
+
 def test_while_the_camera_turns_nothing_is_prepared(
     rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from faceedit_app.render import studio
+    from faceedit_app.render.painter import Painter
+    from faceedit_app.render.targets import Target
 
     try:
         turned = open_renderer(rig, SIZE, SIZE)
     except Unavailable as error:
         pytest.skip(str(error))
-    calls, draw, blit = [], studio.GL.glDrawElements, studio.GL.glBlitFramebuffer
-    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (calls.append(a), draw(*a)))
-    monkeypatch.setattr(studio.GL, "glBlitFramebuffer", lambda *a: (calls.append(a), blit(*a)))
+    calls: list[object] = []
+    render, copy = Painter.render, Target.copy_to
+    monkeypatch.setattr(Painter, "render", lambda *a: (calls.append(a), render(*a)))
+    monkeypatch.setattr(Target, "copy_to", lambda *a, **k: (calls.append(a), copy(*a, **k)))
     camera = default_camera(rig)
 
     def prepared(smooth: bool) -> int:
@@ -376,4 +391,46 @@ def _inside(image: np.ndarray) -> np.ndarray:
 
 
 def _middle(shape: np.ndarray) -> np.ndarray:
-    return np.argwhere(shape).mean(axis=0)
+    return np.asarray(np.argwhere(shape).mean(axis=0))
+
+
+# --- where the camera can be pointed ---------------------------------------------------------
+
+
+def seen(camera: Camera, point: np.ndarray, aspect: float) -> np.ndarray:
+    """Where a point is in the view: -1..1 to the right and up."""
+    x, y, z, _ = np.linalg.inv(camera.pose()) @ np.append(point, 1.0)
+    half = -z * math.tan(field_of_view(aspect) / 2.0)
+    return np.array([x / (half * aspect), y / half])
+
+
+@pytest.mark.parametrize("aspect", [0.5, 1.0, 1.8])
+def test_details_fill_the_view_and_lie_in_its_middle(aspect: float) -> None:
+    rig = shipped_rig()
+    for aim, names in ((Aim.MOUTH, (MOUTH_WIDTH,)), (Aim.EYES, LIDS)):
+        camera = aimed_camera(rig, aim, aspect)
+        pairs = rig.control_pairs[[CONTROL_INDEX[name] for name in names]].ravel()
+        places = np.array([seen(camera, rig.neutral[i], aspect) for i in pairs])
+        assert np.abs(places).max() < 0.9, "all of it is in view"
+        assert np.ptp(places[:, 0]) > 0.3, "and not from far away"
+        assert np.abs(places.mean(axis=0)).max() < 0.1
+        assert camera.yaw == 0
+
+
+def test_sides_are_the_characters_own() -> None:
+    rig = shipped_rig()
+    left, right = (aimed_camera(rig, aim).pose()[:3, 3] for aim in (Aim.LEFT, Aim.RIGHT))
+    assert left[0] > 0.2, "+X is the character's left"
+    assert right[0] < -0.2
+    assert aimed_camera(rig, Aim.FRONT) == default_camera(rig)
+    head = rig.neutral[rig.neutral[:, 1] > 0.0]
+    for aim in (Aim.LEFT, Aim.RIGHT):
+        across = np.array([seen(aimed_camera(rig, aim), point, 1.0)[0] for point in head[::40]])
+        assert -1.0 < across.min() < 0.0 < across.max() < 1.0
+
+
+def test_a_character_without_the_controls_of_a_detail_is_seen_from_the_front() -> None:
+    rig = shipped_rig()
+    bare = dataclasses.replace(rig, control_pairs=np.full_like(rig.control_pairs, -1))
+    for aim in (Aim.MOUTH, Aim.EYES):
+        assert aimed_camera(bare, aim) == default_camera(bare)

@@ -44,10 +44,11 @@ def random_rig(
     )
 
 
-def random_engine(seed: int = 0) -> Engine:
-    """Random networks for every region, made for the shipped face."""
-    rig = shipped_rig()
-    return Engine({r.id: random_region(r, rig, seed + i) for i, r in enumerate(REGIONS)})
+def random_engine(seed: int = 0, rig: Rig | None = None) -> Engine:
+    """Random networks for every region, made for a character; the shipped face if it is None."""
+    rig = rig or shipped_rig()
+    regions = map(rig.measures, REGIONS)
+    return Engine({r.id: random_region(r, rig, seed + i) for i, r in enumerate(regions)})
 
 
 def talking_clip(

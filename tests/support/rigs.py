@@ -82,3 +82,29 @@ def tiny_take(frames: int = 200, rate: float = 50.0, gaps: tuple[Gap, ...] = ())
 def tiny_session(frames: int = 200, gaps: tuple[Gap, ...] = ()) -> EditSession:
     """The tiny take on the tiny rig, edited without networks."""
     return open_session(tiny_take(frames, gaps=gaps), tiny_rig())
+
+
+def ball(rows: int = 24, columns: int = 32) -> Rig:
+    """A ball of 8 cm with a mouth: `jawOpen` lowers its front below the middle."""
+    latitude = np.linspace(0.0, np.pi, rows)
+    longitude = np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False)
+    lat, lon = (g.ravel() for g in np.meshgrid(latitude, longitude, indexing="ij"))
+    points = np.stack((np.sin(lat) * np.sin(lon), np.cos(lat), np.sin(lat) * np.cos(lon)), axis=1)
+    faces = []
+    for r in range(rows - 1):
+        for c in range(columns):
+            a, b = r * columns + c, r * columns + (c + 1) % columns
+            faces += [(a, a + columns, b), (b, a + columns, b + columns)]
+    vertices = (0.08 * points).astype(np.float32)
+    jaw = np.zeros_like(vertices)
+    front = (points[:, 2] > 0.5) & (np.abs(points[:, 1] + 0.35) < 0.3)
+    jaw[front] = 0.0, -0.02, -0.015
+    return Rig(
+        neutral=vertices,
+        faces=np.array(faces, np.int32),
+        channels=("jawOpen",),
+        deltas=jaw[None],
+        colors=np.tile(np.array([0.5, 0.3, 0.2, 1.0], np.float32), (len(vertices), 1)),
+        materials=(Material("skin", 0, len(faces)),),
+        control_pairs=np.tile(np.array([0, 1], np.int32), (8, 1)),
+    )

@@ -22,8 +22,8 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state import background as loading
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state import loading
+from faceedit_app.ui.state.preferences import Preferences
 from support import curves
 from support.curves import place
 from support.faces import shipped_rig
@@ -86,7 +86,7 @@ class Bench:
         self.renderers: list[FakeRenderer] = []
         self.take = make_livelink_csv(folder / "take.csv", seconds=3.0)
         monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
-        self.store().set_hints_seen()
+        self.preferences().set_hints_seen()
         monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
         for name in ("open", "export", "save_edits", "load_edits", "save_project", "unsaved"):
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
@@ -115,13 +115,13 @@ class Bench:
         """In place of `open_renderer` on a machine without OpenGL."""
         raise Unavailable("The face cannot be drawn: no OpenGL; install it")
 
-    def store(self) -> Store:
+    def preferences(self) -> Preferences:
         """Settings that no other test and no user sees."""
-        return Store(QSettings(str(self.folder / "settings.ini"), QSettings.Format.IniFormat))
+        return Preferences(QSettings(str(self.folder / "settings.ini"), QSettings.Format.IniFormat))
 
     def window(self, take: Path | None = None, start: bool = True) -> MainWindow:
         """A window on the screen; with a take, one in which it is open and all is settled."""
-        window = MainWindow(self.store())
+        window = MainWindow(self.preferences())
         self.qtbot.addWidget(window, before_close_func=_forget)
         window.resize(1280, 720)
         with self.qtbot.waitExposed(window):

@@ -51,7 +51,7 @@ class Monkey:
             action.trigger()
 
     def drag(self) -> None:
-        self.window.tooling.choose(self.random.choice(list(Tool)))
+        self.window.tools.choose(self.random.choice(list(Tool)))
         seconds = self.random.uniform(*self.window.timeline.view)
         drag_curve(
             self.window, self.random.randrange(len(CONTROLS)), seconds, self.random.randint(-25, 25)
@@ -72,7 +72,7 @@ class Monkey:
             self.editor.edits.select(self.random.randrange(count))
 
     def weaken(self) -> None:
-        slider = self.random.choice((self.editor.edits.strength, self.editor.strip.natural))
+        slider = self.random.choice((self.editor.edits.strength, self.editor.settings_bar.natural))
         if slider.isEnabled():
             slider.setSliderDown(True)
             slider.setSliderPosition(self.random.randrange(slider.maximum()))
@@ -98,7 +98,7 @@ def test_undo_all_and_redo_all(bench: Bench, monkeypatch: pytest.MonkeyPatch, se
     monkey = Monkey(window, seed)
     for _ in range(STEPS):
         monkey.act()
-    window.edits.finish()
+    window.workspace.finish()
     reached, steps = exported(window), 0
     state = session.state
     while session.can_undo:

@@ -26,7 +26,7 @@ def window(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> MainWindow:
     return bench.window(make_livelink_csv(bench.folder / "long.csv", seconds=60.0))
 
 
-def parts(window: MainWindow) -> solving.Solving:
+def parts(window: MainWindow) -> solving.BackgroundSolving:
     assert window.editor is not None
     return window.editor.solving
 

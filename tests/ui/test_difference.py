@@ -11,9 +11,9 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QToolButton
 from support.faces import shipped_rig
+from support.rigs import ball
 from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, drag_curve, open_path, trigger
-from test_render import ball
 
 from faceedit_app import render
 from faceedit_app.core.errors import Unavailable
@@ -72,8 +72,8 @@ def srgb(name: str) -> np.ndarray:
 
 
 def test_the_tint_tells_millimetres() -> None:
-    others = np.float32([[0, 0, 0], [0.1, 0.2, 0.3], [0.1, 0, 0], [0, 0, 0.05]])
-    moved = np.float32([[0, 0, 0], [0, 0.6, 0.8], [1, 0, 0], [0, 3, 4]])
+    others = np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0.1, 0, 0], [0, 0, 0.05]], np.float32)
+    moved = np.array([[0, 0, 0], [0, 0.6, 0.8], [1, 0, 0], [0, 3, 4]], np.float32)
     tint = tint_of(others + moved * np.float32(FULL / 2000), others)
     np.testing.assert_allclose(tint, [0.0, 0.5, 0.5, 1.0], atol=1e-4)
     assert tint[0] == 0.0
@@ -123,7 +123,7 @@ def renderer(rig: Rig) -> Iterator[FaceRenderer]:
 def test_only_what_moved_is_tinted_in_quick_and_fine_pictures(
     renderer: FaceRenderer, rig: Rig, smooth: bool
 ) -> None:
-    camera, opened = default_camera(rig), rig.vertices(np.float32([1.0]))
+    camera, opened = default_camera(rig), rig.vertices(np.array([1.0], np.float32))
     plain = renderer.draw(opened, camera, smooth).copy().astype(int)
     tint = tint_of(opened, rig.neutral)
     tinted = renderer.draw(opened, camera, smooth, tint).copy().astype(int)
@@ -146,24 +146,32 @@ def test_nothing_of_a_tint_stays(renderer: FaceRenderer, rig: Rig, smooth: bool)
     np.testing.assert_array_equal(renderer.draw(rig.neutral, camera, smooth), plain)
 
 
-def test_a_tint_costs_no_further_call_and_none_costs_nothing(
+def test_a_tint_draws_no_more_than_a_new_view_and_none_costs_nothing(
     renderer: FaceRenderer, rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from faceedit_app.render import studio
+    from faceedit_app.render.model import Stream
+    from faceedit_app.render.painter import Painter
 
     camera, full = default_camera(rig), np.ones(len(rig.neutral), np.float32)
-    fills, draws = [], []
-    fill, draw = studio._fill, studio.GL.glDrawElements
-    monkeypatch.setattr(studio, "_fill", lambda *a: (fills.append(a), fill(*a)))
-    monkeypatch.setattr(studio.GL, "glDrawElements", lambda *a: (draws.append(a), draw(*a)))
-    counts = []
-    for tint in (None, full, full, None, None):
-        renderer.draw(rig.neutral, camera, smooth=False, tint=tint)
-        counts.append((len(fills), len(draws)))
+    fills: list[object] = []
+    draws: list[object] = []
+    fill, draw = Stream.fill, Painter._bind_and_draw_primitive
+    monkeypatch.setattr(Stream, "fill", lambda *a: (fills.append(a), fill(*a)))
+    monkeypatch.setattr(Painter, "_bind_and_draw_primitive", lambda *a: (draws.append(a), draw(*a)))
+
+    def cost(tint: np.ndarray | None, turned: float = 0.0) -> tuple[int, int]:
         fills.clear()
         draws.clear()
-    # Once after a tint the plain colours are put back.
-    assert counts == [(2, 1), (3, 1), (3, 1), (3, 1), (2, 1)]
+        renderer.draw(rig.neutral, camera.orbit(turned, 0.0), smooth=False, tint=tint)
+        return len(fills), len(draws)
+
+    # From a new place: positions and normals; what is still, what moves and the backdrop.
+    cost(None, turned=0.1)
+    assert cost(None) == (2, 3)
+    cost(None)  # what is still is kept from now on
+    # Colours of what is still and of what moves; once after a tint the plain ones are put back.
+    counts = [cost(tint) for tint in (None, full, full, None, None)]
+    assert counts == [(2, 1), (4, 3), (4, 3), (4, 3), (2, 1)]
 
 
 # --- in the window -------------------------------------------------------------------------------
@@ -286,19 +294,19 @@ def test_asking_for_it_brings_the_edited_face(window: MainWindow) -> None:
 
 def test_it_is_remembered(bench: Bench, window: MainWindow) -> None:
     trigger(window, "show_difference")
-    assert bench.store().difference()
+    assert bench.preferences().difference()
     again = bench.editing()
     assert again.actions_["show_difference"].isChecked()
     assert face_of(again).shows_difference
     trigger(again, "show_difference")
-    assert not bench.store().difference()
+    assert not bench.preferences().difference()
 
 
 def test_nothing_of_the_last_take_stays(bench: Bench, window: MainWindow) -> None:
     trigger(window, "show_difference")
     other = make_livelink_csv(bench.folder / "other.csv", seconds=2.0)
     bench.answers["unsaved"] = dialogs.Unsaved.DISCARD
-    window.files.open_if_saved(other)
+    window.commands.file.open_if_saved(other)
     bench.qtbot.waitUntil(lambda: open_path(window) == other)
     (tint,) = tints(bench, window)
     assert tint is not None

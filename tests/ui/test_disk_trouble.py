@@ -20,7 +20,7 @@ from faceedit_app.editing.files.journal import pending_journals
 from faceedit_app.editing.files.project import read_project
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 
 Trouble = Callable[[], None]
 
@@ -244,8 +244,8 @@ def test_settings_that_cannot_be_kept_are_told(
     in_the_way = bench.folder / "config"
     in_the_way.write_text("a file where the folder of the settings should be")
     settings = in_the_way / "FaceEdit.ini"
-    store = Store(QSettings(str(settings), QSettings.Format.IniFormat))
-    monkeypatch.setattr(bench, "store", lambda: store)
+    preferences = Preferences(QSettings(str(settings), QSettings.Format.IniFormat))
+    monkeypatch.setattr(bench, "preferences", lambda: preferences)
     window = bench.editing()
     assert window.banner.isVisible()
     (line,) = (n for n in window.banner.text.text().splitlines() if n.startswith(str(settings)))

@@ -9,15 +9,17 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QMenu
+from support.waiting import run_events
 from support.windows import Bench, session_of
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
-from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.edits.expression_dialog import MoodDialog
+from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.page.problems_bar import ProblemsHead
 from faceedit_app.ui.start.window import MainWindow
@@ -89,10 +91,10 @@ def test_a_chosen_edit_does_not_catch_fixes_made_elsewhere(window: MainWindow) -
     assert abs(session.edits[1].start - 6.0) < 0.3
 
 
-def test_the_mood_slider_is_tried_out_live(window: MainWindow) -> None:
+def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     session = session_of(window)
-    trigger(window, "mood")
-    dialog = window.findChild(MoodDialog)
+    trigger(window, "expression")
+    dialog = window.findChild(ExpressionDialog)
     assert dialog is not None
     dialog.slider.setValue(50)
     dialog._preview()
@@ -101,10 +103,11 @@ def test_the_mood_slider_is_tried_out_live(window: MainWindow) -> None:
     assert session.edits == ()
     dialog.slider.setValue(-80)
     dialog.accept()
-    assert [round(edit.strength, 2) for edit in session.edits] == [0.8] * len(session.edits)
+    kept: tuple[Edit, ...] = session.edits
+    assert {round(made.strength, 2) for made in kept} == {0.8}
     assert session.asked[100, column] != session.tracked[100, column]
-    trigger(window, "undo", "mood")
-    dialog = next(d for d in window.findChildren(MoodDialog) if d.isVisible())
+    trigger(window, "undo", "expression")
+    dialog = next(d for d in window.findChildren(ExpressionDialog) if d.isVisible())
     dialog.slider.setValue(90)
     dialog._preview()
     dialog.reject()
@@ -144,16 +147,16 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
     editor = editor_of(window)
 
     def places() -> list[QRect]:
-        bench.qtbot.wait(20)  # layouts come to rest
-        return [part.geometry() for part in (editor.panes, editor.tools, editor.transport)]
+        run_events()  # layouts come to rest
+        return [part.geometry() for part in (editor.panes, editor.tool_bar, editor.transport)]
 
     trigger(window, "next_problem")
     before = places()
     trigger(window, "fix_problem")
     assert places() == before
     bar = editor.proposal
-    assert bar.geometry().bottom() <= editor.tools.geometry().bottom()
-    assert editor.childAt(editor.tools.geometry().center()) in (bar, bar.text)
+    assert bar.geometry().bottom() <= editor.tool_bar.geometry().bottom()
+    assert editor.childAt(editor.tool_bar.geometry().center()) in (bar, bar.text)
     trigger(window, "discard_fix")
     assert not bar.isVisible()
 
@@ -161,7 +164,7 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
 def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench: Bench) -> None:
     bar, painted = editor_of(window).problems, QRegion()
     window.timeline.go_to_time(2.0)
-    bench.qtbot.wait(20)
+    run_events()
 
     class Watch(QObject):
         def eventFilter(self, watched: QObject, event: QEvent) -> bool:
@@ -173,7 +176,7 @@ def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench:
     watch = Watch()
     bar.installEventFilter(watch)
     window.timeline.go_to_time(3.0)
-    bench.qtbot.wait(20)
+    run_events()
     width = bar.width() / window.timeline.duration
     for seconds in (2.0, 3.0):
         assert painted.contains(QPoint(round(seconds * width), 1)), seconds
@@ -219,7 +222,7 @@ def test_another_gesture_drops_a_proposal(window: MainWindow) -> None:
 def test_a_preset_is_saved_applied_and_deleted(
     window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    session, menu = session_of(window), window.actions_.presets_menu
+    session, menu = session_of(window), window.actions_.submenu("presets")
     window.timeline.select((2.0, 3.0))
     trigger(window, "fix_smile")
     monkeypatch.setattr(dialogs, "ask_preset_name", lambda _w: "My smile")
@@ -232,6 +235,7 @@ def test_a_preset_is_saved_applied_and_deleted(
     assert session.edits[0].name
     assert 4.5 < session.edits[0].start < 5.5
     delete = menu.actions()[-1].menu()
+    assert isinstance(delete, QMenu)
     delete.actions()[0].trigger()
     menu.aboutToShow.emit()
     assert [a.text() for a in menu.actions()] == ["No presets of your own"]
@@ -257,7 +261,7 @@ def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
 
 def test_mirror_swaps_left_and_right(window: MainWindow) -> None:
     session = session_of(window)
-    window.tooling.link(False)
+    window.tools.link(False)
     window.timeline.select((2.0, 3.0))
     trigger(window, "mirror")
     frame = session.take.clip.frame_at(2.5)

@@ -16,7 +16,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start import crash
 from faceedit_app.ui.start.headless import run_headless
-from faceedit_app.ui.state.preferences import RECENT, Store
+from faceedit_app.ui.state.preferences import RECENT, Preferences
 
 
 def test_headless_writes_the_edited_take_and_pictures(qtbot: QtBot, tmp_path: Path) -> None:
@@ -41,7 +41,10 @@ def test_headless_says_where_it_cannot_write(qtbot: QtBot, tmp_path: Path) -> No
 
 
 def test_an_unexpected_error_is_told_and_written_down(
-    qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture
+    qtbot: QtBot,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     told: list[str] = []
     monkeypatch.setattr(crash, "log_path", lambda: tmp_path / "logs" / "faceedit.log")
@@ -62,16 +65,16 @@ def test_an_unexpected_error_is_told_and_written_down(
 
 
 def test_recent_takes_are_few_newest_first_and_existing(tmp_path: Path) -> None:
-    store = Store(QSettings(str(tmp_path / "s.ini"), QSettings.Format.IniFormat))
+    preferences = Preferences(QSettings(str(tmp_path / "s.ini"), QSettings.Format.IniFormat))
     paths = [tmp_path / f"{i}.csv" for i in range(RECENT + 3)]
     for path in paths:
         path.touch()
-        store.add_recent(path)
-    store.add_recent(paths[-2])
-    assert store.recent()[:2] == [paths[-2], paths[-1]]
-    assert len(store.recent()) == RECENT
+        preferences.add_recent(path)
+    preferences.add_recent(paths[-2])
+    assert preferences.recent()[:2] == [paths[-2], paths[-1]]
+    assert len(preferences.recent()) == RECENT
     paths[-2].unlink()
-    assert store.recent()[0] == paths[-1]
-    store.clear_recent()
-    assert store.recent() == []
-    assert store.folder("take").is_dir()
+    assert preferences.recent()[0] == paths[-1]
+    preferences.clear_recent()
+    assert preferences.recent() == []
+    assert preferences.folder("take").is_dir()

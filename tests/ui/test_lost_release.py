@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 from support.curves import surface
 from support.films import make_wav
+from support.waiting import wait_for_timers
 from support.windows import Bench, add_edit
 
 from faceedit_app.ui.page.editor import Editor
@@ -73,7 +74,7 @@ def opened(bench: Bench) -> tuple[MainWindow, Editor]:
 def test_a_drag_on_a_curve_is_kept_as_one_step(bench: Bench, lose: Lose, tool: Tool) -> None:
     window, editor = opened(bench)
     add_edit(window)
-    window.tooling.choose(tool)
+    window.tools.choose(tool)
     plot, session = editor.curves.plots[0], window.document.session
     assert session is not None
     hold(plot, QPoint(30, -30))
@@ -177,7 +178,7 @@ def test_a_slider_is_let_go_of(bench: Bench, lose: Lose) -> None:
     add_edit(window)
     session = window.document.session
     assert session is not None
-    for slider in (editor.strip.natural, editor.edits.strength):
+    for slider in (editor.settings_bar.natural, editor.edits.strength):
         editor.edits.select(0)
         slider.setSliderDown(True)
         slider.setSliderPosition(40)
@@ -198,7 +199,7 @@ def test_hovering_does_not_take_part_in_nudges_by_keys(bench: Bench) -> None:
     plot = editor.curves.plots[0]
     for x in (100, 200, 300):
         move(plot, QPoint(x, 10), NONE, Qt.KeyboardModifier.NoModifier)
-    bench.qtbot.wait(60)
+    wait_for_timers(editor.curves)  # no preview is due
     assert (session.live.asked == shown).all()
     window.actions_["raise"].trigger()
     assert [edit.value for edit in session.edits] == [1.0]

@@ -8,11 +8,10 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from PySide6.QtTest import QTest
+from support.waiting import run_events, wait_for_background
 from support.windows import Bench, session_of
 
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -20,7 +19,6 @@ from faceedit_app.editing.files import journal
 from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover, Unsaved
-from faceedit_app.ui.commands.project import ProjectCommands
 from faceedit_app.ui.start.window import MainWindow
 
 
@@ -48,7 +46,7 @@ def saved_project(bench: Bench) -> Path:
 
 def open_again(bench: Bench, path: Path) -> MainWindow:
     window = bench.window()
-    window.files.open_if_saved(path)
+    window.commands.file.open_if_saved(path)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     return window
 
@@ -63,7 +61,7 @@ def test_a_project_comes_back_as_it_was(bench: Bench) -> None:
     assert line.view == pytest.approx((0.5, 2.5), abs=0.02)
     assert not window.isWindowModified()
     assert window.windowTitle() == "scene.faceedit[*] – FaceEdit"
-    assert [path.name for path in bench.store().recent()] == ["scene.faceedit", "take.csv"]
+    assert [path.name for path in bench.preferences().recent()] == ["scene.faceedit", "take.csv"]
 
 
 def test_save_again_does_not_ask(bench: Bench) -> None:
@@ -109,11 +107,11 @@ def test_a_changed_take_is_asked_about(bench: Bench, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(dialogs, "ask_take_of_project", answer)
     window = bench.window()
-    window.files.open(path)
+    window.commands.file.open(path)
     bench.qtbot.waitUntil(lambda: len(asked) == 1)
-    bench.qtbot.wait(50)
+    wait_for_background(window.workspace.background)
     assert window.document.session is None
-    window.files.open(path)
+    window.commands.file.open(path)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     assert "\n" not in asked[0]
     assert session_of(window).edits
@@ -124,7 +122,7 @@ def test_a_damaged_project_is_one_line(bench: Bench) -> None:
     path = bench.folder / "bad.faceedit"
     path.write_text("{")
     window = bench.window()
-    window.files.open(path)
+    window.commands.file.open(path)
     bench.qtbot.waitUntil(lambda: bool(bench.errors))
     assert "bad.faceedit" in bench.errors[0]
     assert "\n" not in bench.errors[0]
@@ -143,12 +141,10 @@ def test_a_folder_that_cannot_be_written_loses_nothing(bench: Bench) -> None:
 KILLED = """
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 from PySide6.QtCore import QPoint, QPointF, QEvent, Qt, QTimer
 from PySide6.QtTest import QTest
 from faceedit_app.ui.start import app
-from faceedit_app.ui.state import background as loading
-from faceedit_app.ui.commands.project import ProjectCommands
+from faceedit_app.ui.state import loading
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.core.errors import FileError
 loading.prepare_renderer = lambda: None
@@ -213,7 +209,7 @@ def test_kill_9_in_the_middle_of_a_drag_loses_that_drag_only(
     assert len(session_of(window).edits) == 2
     assert window.isWindowModified()
     assert not np.array_equal(session_of(window).asked, session_of(window).tracked)
-    QTest.qWait(10)
+    run_events()
     bench.answers["unsaved"] = Unsaved.DISCARD
     assert window.close()
     assert journal.pending_journals() == []
@@ -232,16 +228,9 @@ def test_recovery_of_a_take_that_has_changed_since_says_so(
     bench.take.write_bytes(bench.take.read_bytes().replace(b"12:00:00", b"12:00:01"))
     monkeypatch.setattr(journal, "journal_folder", lambda: folder)
     monkeypatch.setattr(dialogs, "ask_recover", lambda *_: Recover.RECOVER)
-    warnings: list[str] = []
-    monkeypatch.setattr(
-        ProjectCommands,
-        "warned",
-        SimpleNamespace(emit=warnings.append, connect=lambda *_: None),
-    )
     window = bench.window()
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
-    bench.qtbot.waitUntil(lambda: bool(warnings))
-    assert "has changed since" in warnings[0]
+    bench.qtbot.waitUntil(lambda: "has changed since" in window.banner.text.text())
     assert len(session_of(window).edits) == 1
     bench.answers["unsaved"] = Unsaved.DISCARD
     assert window.close()

@@ -5,10 +5,12 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QAbstractButton, QLabel, QWidget
+from support.waiting import run_events
 from support.windows import Bench
 
+from faceedit_app.ui.commands.menus import MENUS
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.actions import COMMANDS
+from faceedit_app.ui.state.actions import shown_keys
 
 
 @pytest.fixture
@@ -37,9 +39,11 @@ def test_every_button_says_what_it_does(window: MainWindow) -> None:
 
 
 def test_every_command_says_what_it_does(window: MainWindow) -> None:
-    for command in COMMANDS:
+    for command in (command for menu in MENUS for command in menu.commands):
+        action = window.actions_[command.id]
+        assert action.text(), command.id
         if command.keys:
-            assert command.tip or command.text, command.id
+            assert shown_keys(command.keys[0]) in action.toolTip() or not command.tip, command.id
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (1000, 600)])
@@ -47,13 +51,13 @@ def test_nothing_is_cut_off_in_a_small_window(
     bench: Bench, window: MainWindow, size: tuple[int, int]
 ) -> None:
     window.resize(*size)
-    bench.qtbot.wait(50)
+    run_events()
     assert (window.width(), window.height()) == size
     assert window.editor is not None
     for plot in window.editor.curves.plots:
         assert plot.height() >= 24
     right = window.editor.transport.width()
-    for part in (window.editor.strip, window.editor.tools, window.editor.transport):
+    for part in (window.editor.settings_bar, window.editor.tool_bar, window.editor.transport):
         for child in part.findChildren(QWidget):
             if child.isVisible() and child.parent() is part and not isinstance(child, QLabel):
                 assert child.geometry().right() <= right, (child, child.objectName())

@@ -6,19 +6,21 @@ import os
 import subprocess
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QPushButton
+from PySide6.QtWidgets import QPushButton, QWidget
 from support.faces import random_engine
 from support.takes import make_livelink_csv
+from support.waiting import wait_for_background
 from support.windows import Bench, drag_curve, drop, open_path, trigger
 
 from faceedit_app import render
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
-from faceedit_app.ui.state import background as loading
+from faceedit_app.ui.state import loading
 
 OPENING = CONTROL_INDEX["mouth_opening"]
 
@@ -42,11 +44,11 @@ def test_the_window_is_painted_before_anything_heavy_is_imported() -> None:
     code = """
 import sys, tempfile
 from PySide6.QtCore import QSettings, QTimer
-from faceedit_app.ui.start.app import application
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.start.application import application
+from faceedit_app.ui.state.preferences import Preferences
 from faceedit_app.ui.start.window import MainWindow
 app = application()
-window = MainWindow(Store(QSettings(tempfile.mktemp(), QSettings.Format.IniFormat)))
+window = MainWindow(Preferences(QSettings(tempfile.mktemp(), QSettings.Format.IniFormat)))
 window.after_first_paint(app.quit)
 window.show()
 app.exec()
@@ -170,11 +172,11 @@ def test_open_by_drop_with_gaps(bench: Bench) -> None:
 def test_a_file_may_be_dropped_on_any_part_of_the_window(bench: Bench) -> None:
     window = bench.editing()
     assert window.editor is not None
-    viewports = (window.editor.curves.plots[0], window.editor.face.viewport)
+    viewports: tuple[QWidget, ...] = (window.editor.curves.plots[0], window.editor.face.viewport)
     for number, part in enumerate(viewports):
         other = make_livelink_csv(bench.folder / f"other{number}.csv")
         drop(part, other)
-        bench.qtbot.waitUntil(lambda path=other: open_path(window) == path)
+        bench.qtbot.waitUntil(partial(lambda path: open_path(window) == path, other))
 
 
 def test_a_bad_first_file_leaves_a_window_that_works(bench: Bench) -> None:
@@ -190,12 +192,12 @@ def test_a_bad_first_file_leaves_a_window_that_works(bench: Bench) -> None:
 
 
 def test_open_a_recent_take(bench: Bench) -> None:
-    bench.store().add_recent(bench.take)
+    bench.preferences().add_recent(bench.take)
     window = bench.window()
     recent = [b for b in window.start_page.findChildren(QPushButton) if b.text() == "take.csv"]
     bench.qtbot.mouseClick(recent[0], Qt.MouseButton.LeftButton)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
-    menu = window.actions_.recent_menu
+    menu = window.actions_.submenu("recent")
     menu.aboutToShow.emit()
     assert [a.text() for a in menu.actions()] == ["take.csv", "", "Clear"]
     menu.actions()[-1].trigger()
@@ -208,7 +210,7 @@ def test_open_the_demo(bench: Bench) -> None:
     trigger(window, "open_demo")
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     assert open_path(window) == shipped("assets/demo_take.csv")
-    assert bench.store().recent() == []
+    assert bench.preferences().recent() == []
 
 
 @pytest.mark.parametrize("kind", ["empty", "picture", "folder", "missing"])
@@ -244,9 +246,9 @@ def test_the_take_that_was_asked_for_last_wins(
 
     monkeypatch.setattr(loading, "open_session", read)
     window = bench.window()
-    window.files.open(slow)
-    window.files.open(bench.take)
+    window.commands.file.open(slow)
+    window.commands.file.open(bench.take)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     gate.set()
-    bench.qtbot.wait(100)
+    wait_for_background(window.workspace.background)
     assert open_path(window) == bench.take

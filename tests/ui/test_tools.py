@@ -61,13 +61,13 @@ def test_both_sides_are_one_edit_unless_alt_or_unlinked(panel: CurvesPanel) -> N
     assert session.edits[0].controls == ("left_eyelid", "right_eyelid")
     drag(plot, start, start + QPoint(0, 12), ALT)
     assert session.edits[1].controls == ("left_eyelid",)
-    panel.tooling.link(False)
+    panel.tools.link(False)
     drag(plot, start, start + QPoint(0, 12))
     assert session.edits[2].controls == ("left_eyelid",)
 
 
 def test_several_curves_are_chosen_by_ctrl_click(panel: CurvesPanel) -> None:
-    panel.tooling.link(False)
+    panel.tools.link(False)
     QTest.mouseClick(panel.headers[0], LEFT, CTRL)
     QTest.mouseClick(panel.headers[4], LEFT, CTRL)
     assert panel.chosen_controls == ("mouth_opening", "upper_lip")
@@ -84,7 +84,7 @@ def test_several_curves_are_chosen_by_ctrl_click(panel: CurvesPanel) -> None:
 
 
 def test_ctrl_snaps_to_zero_and_to_the_tracked_curve(panel: CurvesPanel) -> None:
-    panel.tooling.link(False)
+    panel.tools.link(False)
     plot, session = panel.plots[0], session_of(panel)
     frame = session.take.clip.frame_at(1.5)
     asked, scale = float(session.asked[frame, 0]), plot.current_scale
@@ -100,7 +100,7 @@ def test_ctrl_snaps_to_zero_and_to_the_tracked_curve(panel: CurvesPanel) -> None
 
 
 def test_draw_goes_where_the_pointer_went(panel: CurvesPanel) -> None:
-    panel.tooling.choose(Tool.DRAW)
+    panel.tools.choose(Tool.DRAW)
     plot, session = panel.plots[0], session_of(panel)
     panel.timeline.set_falloff(0.05)
     drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 20))
@@ -115,7 +115,7 @@ def test_draw_goes_where_the_pointer_went(panel: CurvesPanel) -> None:
 
 
 def test_drawing_back_draws_over(panel: CurvesPanel) -> None:
-    panel.tooling.choose(Tool.DRAW)
+    panel.tools.choose(Tool.DRAW)
     plot = panel.plots[0]
     drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 50), release=False)
     for seconds in (1.8, 1.6, 1.4):
@@ -128,8 +128,8 @@ def test_drawing_back_draws_over(panel: CurvesPanel) -> None:
 
 
 def test_smooth_paints_where_it_passes(panel: CurvesPanel) -> None:
-    panel.tooling.choose(Tool.SMOOTH)
-    panel.tooling.set_smooth(0.1)
+    panel.tools.choose(Tool.SMOOTH)
+    panel.tools.set_smooth(0.1)
     plot = panel.plots[0]
     drag(plot, place(plot, 1.0), place(plot, 1.6))
     edit = only_edit(panel)
@@ -138,7 +138,7 @@ def test_smooth_paints_where_it_passes(panel: CurvesPanel) -> None:
 
 
 def test_in_the_selection_a_paint_tool_takes_all_of_it(panel: CurvesPanel) -> None:
-    panel.tooling.choose(Tool.FLATTEN)
+    panel.tools.choose(Tool.FLATTEN)
     panel.timeline.select((1.0, 2.0))
     plot, session = panel.plots[0], session_of(panel)
     asked = float(session.asked[session.take.clip.frame_at(1.5), 0])
@@ -149,7 +149,7 @@ def test_in_the_selection_a_paint_tool_takes_all_of_it(panel: CurvesPanel) -> No
 
 
 def test_scale_about_the_median(panel: CurvesPanel) -> None:
-    panel.tooling.choose(Tool.SCALE)
+    panel.tools.choose(Tool.SCALE)
     plot = panel.plots[1]
     start = place(plot, 1.0)
     drag(plot, start, start - QPoint(0, 30))
@@ -161,7 +161,7 @@ def test_back_to_tracked_erases(panel: CurvesPanel) -> None:
     session, plot = session_of(panel), panel.plots[0]
     session.add(Edit(("mouth_opening",), Op.OFFSET, 0.5, 2.5, 0.0, 4.0))
     panel.refresh()
-    panel.tooling.choose(Tool.RESTORE)
+    panel.tools.choose(Tool.RESTORE)
     panel.timeline.set_falloff(0.1)
     drag(plot, place(plot, 1.0), place(plot, 2.0))
     frame = session.take.clip.frame_at(1.5)
@@ -171,9 +171,9 @@ def test_back_to_tracked_erases(panel: CurvesPanel) -> None:
 
 
 def test_esc_drops_a_paint(panel: CurvesPanel) -> None:
-    panel.tooling.choose(Tool.SMOOTH)
+    panel.tools.choose(Tool.SMOOTH)
     plot, session = panel.plots[0], session_of(panel)
-    drag(plot, place(plot, 1.0), place(plot, 1.6), release=False, pause=20)
+    drag(plot, place(plot, 1.0), place(plot, 1.6), release=False, previews=True)
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert session.edits == ()
     np.testing.assert_array_equal(session.asked, session.tracked)
@@ -184,16 +184,21 @@ def test_esc_drops_a_paint(panel: CurvesPanel) -> None:
 
 def test_tools_by_their_keys_and_buttons(bench: Bench) -> None:
     window = bench.editing()
-    for key, tool in (("D", Tool.DRAW), ("S", Tool.SMOOTH), ("X", Tool.SCALE), ("M", Tool.MOVE)):
+    for key, tool in (
+        (Qt.Key.Key_D, Tool.DRAW),
+        (Qt.Key.Key_S, Tool.SMOOTH),
+        (Qt.Key.Key_X, Tool.SCALE),
+        (Qt.Key.Key_M, Tool.MOVE),
+    ):
         QTest.keyClick(window, key)
-        assert window.tooling.tool is tool
+        assert window.tools.tool is tool
         assert window.actions_[f"tool_{tool}"].isChecked()
     assert window.editor is not None
-    assert not window.editor.tools.smooth.isVisible()
+    assert not window.editor.tool_bar.smooth.isVisible()
     window.actions_["tool_smooth"].trigger()
-    assert window.editor.tools.smooth.isVisible()
+    assert window.editor.tool_bar.smooth.isVisible()
     window.actions_["link"].trigger()
-    assert not window.tooling.linked
+    assert not window.tools.linked
     assert not window.actions_["link"].isChecked()
 
 
@@ -201,7 +206,7 @@ def test_the_keyboard_moves_the_focused_curve_as_one_step(bench: Bench) -> None:
     window = bench.editing()
     session = window.document.session
     assert session is not None
-    QTest.keyClick(window, "7")
+    QTest.keyClick(window, Qt.Key.Key_7)
     assert window.editor is not None
     assert window.editor.curves.focused_control == "left_eyelid"
     assert window.editor.curves.plots[6].shows_focus

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.takes import make_livelink_csv
+from support.waiting import wait_for_timers
 from support.windows import Bench, add_edit, drag_curve, drop, open_path, trigger
 
 from faceedit_app.core.controls import CONTROL_INDEX
@@ -101,14 +102,14 @@ def test_naturalness_is_one_undo_step_per_gesture(bench: Bench) -> None:
     session, editor = window.document.session, window.editor
     assert session is not None
     assert editor is not None
-    slider = editor.strip.natural
+    slider = editor.settings_bar.natural
     slider.setSliderDown(True)
     for value in (80, 60, 40):
         slider.setSliderPosition(value)
-        bench.qtbot.wait(60)
+        wait_for_timers(editor.settings_bar)
     slider.setSliderDown(False)
     assert session.settings.naturalness == pytest.approx(0.4)
-    assert editor.strip.percent.text() == "40 %"
+    assert editor.settings_bar.percent.text() == "40 %"
     trigger(window, "undo")
     assert session.settings.naturalness == 1.0
     assert slider.value() == 100
@@ -121,13 +122,13 @@ def test_a_slow_answer_waits_for_the_end_of_the_gesture(bench: Bench) -> None:
     session, editor = window.document.session, window.editor
     assert session is not None
     assert editor is not None
-    editor.strip.sliders[0].cost = 1.0
-    slider = editor.strip.natural
+    editor.settings_bar.sliders[0].cost = 1.0
+    slider = editor.settings_bar.natural
     slider.setSliderDown(True)
     slider.setSliderPosition(30)
-    bench.qtbot.wait(80)
+    wait_for_timers(editor.settings_bar)
     assert session.settings.naturalness == 1.0
-    assert editor.strip.percent.text() == "30 %"
+    assert editor.settings_bar.percent.text() == "30 %"
     slider.setSliderDown(False)
     assert session.settings.naturalness == pytest.approx(0.3)
     trigger(window, "undo")
@@ -217,7 +218,7 @@ def test_the_layout_is_remembered(bench: Bench) -> None:
 
 
 def test_the_first_window_fits_on_the_screen_with_its_title_bar(bench: Bench) -> None:
-    window = MainWindow(bench.store())  # as it comes, nothing resized it
+    window = MainWindow(bench.preferences())  # as it comes, nothing resized it
     bench.qtbot.addWidget(window)
     room = window.screen().availableGeometry()
     assert 600 <= window.height() < room.height()
@@ -227,7 +228,7 @@ def test_the_first_window_fits_on_the_screen_with_its_title_bar(bench: Bench) ->
 def test_in_a_narrow_window_a_count_ends_in_dots_not_in_half_a_letter(bench: Bench) -> None:
     window = bench.editing()
     assert window.editor is not None
-    label = window.editor.strip.edits
+    label = window.editor.settings_bar.edits
     drag_curve(window, 0, 1.0, 20)
     window.resize(1600, 720)
     assert label.shown == label.text()

@@ -13,20 +13,19 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import DEMO_TAKE, shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
-from faceedit_app.ui.commands.file import DEMO
 from faceedit_app.ui.curves.interaction import PREVIEW_INTERVAL
 from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.page.editor import Editor
-from faceedit_app.ui.start.app import keep_for_good
+from faceedit_app.ui.start.application import keep_for_good
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.preferences import Store
+from faceedit_app.ui.state.preferences import Preferences
 
 RATE = 25.0  # the paper's: each frame is one of the networks' own
 VIEW = 8.0  # seconds of curves on screen
@@ -35,7 +34,7 @@ _LEFT, _NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 
 def long_take(frames: int, rate: float = RATE) -> Take:
     """The demo performance, again and again, until it has so many frames."""
-    demo = open_take(shipped(DEMO))
+    demo = open_take(shipped(DEMO_TAKE))
     rows = np.arange(frames) % len(demo.clip)
     times = np.arange(frames) / rate
     clip = Clip(demo.clip.weights[rows], demo.clip.channels, times, rate)
@@ -53,7 +52,7 @@ class Desk:
     def __init__(self, app: QApplication, folder: Path, rig: Rig, engine: Engine) -> None:
         self.app, self.rig, self.engine = app, rig, engine
         settings = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
-        self.window = MainWindow(Store(settings))
+        self.window = MainWindow(Preferences(settings))
         self.window.document.engine = engine
         self.window.resize(1440, 900)
         self.window.show()

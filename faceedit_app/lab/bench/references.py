@@ -24,10 +24,9 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench.clocks import Times, repeat
 from faceedit_app.lab.bench.desk import long_take
 from faceedit_app.networks.engine import ENDING, Engine
-from faceedit_app.render.camera import FIELD_OF_VIEW, Camera, default_camera, projection
+from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, default_camera
 
 FRAMES, SIZE = 202, 640
-TRAINING = all(importlib.util.find_spec(name) is not None for name in ("onnx", "torch"))
 _BLENDER_SECONDS = 180  # about 25 are needed where both engines draw without a GPU
 
 
@@ -63,28 +62,28 @@ def naive(engine: Engine, rig: Rig, times: int) -> Times:
         renderer.delete()
 
 
-def in_torch(folder: Path, times: int) -> Times | None:
-    """The networks of a folder for the three regions, on 202 frames, in torch on one thread."""
-    if not TRAINING:
+def _can_train() -> bool:
+    return all(importlib.util.find_spec(name) is not None for name in ("onnx", "torch"))
+
+
+def in_torch(architecture: str, times: int) -> Times | None:
+    """Networks of some kind for the three regions, on 202 frames, in torch on one thread."""
+    if not _can_train():
         return None
     import torch
 
-    from faceedit_app.lab.training.model_files import load_trained
+    from faceedit_app.lab.training.architectures import ARCHITECTURES
+    from faceedit_app.lab.training.settings import FitSettings
 
-    regions = [load_trained(folder / f"{region.id}{ENDING}") for region in REGIONS]
-    inputs = [
-        torch.randn(1, len(region.description.controls), _padded(FRAMES, region.networks.scale))
-        for region in regions
-    ]
+    kind, settings = ARCHITECTURES[architecture], FitSettings()
+    nets = [kind.of(len(r.controls), len(r.channels), settings).eval() for r in REGIONS]
+    inputs = [torch.randn(1, net.controls, _padded(FRAMES, net.scale)) for net in nets]
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
         with torch.inference_mode():
             return repeat(
-                lambda: [
-                    region.networks.answers(curves)
-                    for region, curves in zip(regions, inputs, strict=True)
-                ],
+                lambda: [net.answers(curves) for net, curves in zip(nets, inputs, strict=True)],
                 times,
             )
     finally:
@@ -116,11 +115,10 @@ def multiplications(path: Path, frames: int) -> int:
 
 def cpu_limit(folder: Path, times: int) -> Times | None:
     """As many multiplications as the networks need for 202 frames, as one product of matrices."""
-    if not TRAINING:
+    if not _can_train():
         return None
-    needed = sum(
-        multiplications(folder / f"{region.id}{ENDING}", _padded(FRAMES, 4)) for region in REGIONS
-    )
+    paths = [folder / f"{region.id}{ENDING}" for region in REGIONS]
+    needed = sum(multiplications(path, _padded(FRAMES, 16)) for path in paths)
     side = 384
     rows = max(round(needed / side**2), 1)
     random = np.random.default_rng(0)
@@ -134,6 +132,8 @@ def gl_limit(rig: Rig, times: int) -> Times | None:
     """The same triangles, one colour, read back: what this OpenGL needs at the least."""
     if importlib.util.find_spec("moderngl") is None:
         return None
+    import pyrender
+
     moderngl = importlib.import_module("moderngl")  # no dependency: an option for this measure
     context = moderngl.create_standalone_context(backend="egl")
     try:
@@ -144,9 +144,9 @@ def gl_limit(rig: Rig, times: int) -> Times | None:
             fragment_shader="""#version 330
                 out vec4 pixel; void main() { pixel = vec4(0.8, 0.6, 0.5, 1.0); }""",
         )
-        camera: Camera = default_camera(rig)
-        clip = (projection(1.0) @ camera.view()).astype(np.float32)
-        program["clip"].write(np.ascontiguousarray(clip.T).tobytes())
+        lens = pyrender.PerspectiveCamera(FIELD_OF_VIEW, NEAR, FAR)
+        clip = lens.get_projection_matrix(SIZE, SIZE) @ np.linalg.inv(default_camera(rig).pose())
+        program["clip"].write(clip.T.astype(np.float32).tobytes())
         vertices = np.ascontiguousarray(rig.neutral, np.float32)
         buffer = context.buffer(vertices.tobytes())
         indices = context.buffer(np.ascontiguousarray(rig.faces, np.int32).tobytes())
@@ -256,8 +256,8 @@ def of_all(engine: Engine, rig: Rig, times: int) -> dict[str, Times | None]:
     models = shipped("models")
     references: dict[str, Times | None] = {
         "naive": naive(engine, rig, max(times // 5, 3)),
-        "torch": in_torch(models, times),
-        "holden": in_torch(models / "holden", times),
+        "torch": in_torch("unet", times),
+        "holden": in_torch("holden", times),
         "cpu_limit": cpu_limit(models, times),
     }
     try:

@@ -22,7 +22,7 @@ from faceedit_app.lab.bench import busy, references, starting, window
 from faceedit_app.lab.bench.clocks import Times
 from faceedit_app.lab.bench.desk import Desk
 from faceedit_app.networks.engine import Engine
-from faceedit_app.ui.start.app import application
+from faceedit_app.ui.start.application import application
 
 PACKAGES = (
     "numpy",
@@ -37,7 +37,7 @@ PACKAGES = (
 
 
 @dataclass(frozen=True)
-class Plan:
+class BenchPlan:
     """How much is measured."""
 
     repetitions: int = 200
@@ -49,10 +49,10 @@ class Plan:
     compared: bool = True
 
 
-QUICK = Plan(6, (202, 1_000), (640,), (1_000, 20), 0.5, 1, False)
+QUICK = BenchPlan(6, (202, 1_000), (640,), (1_000, 20), 0.5, 1, False)
 
 
-def run(plan: Plan, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
     """Measure everything; about two minutes on two cores.
 
     Args:
@@ -90,7 +90,7 @@ def run(plan: Plan, say: Callable[[str], None] = lambda _: None) -> dict[str, An
     return found
 
 
-def _starts(plan: Plan) -> tuple[dict[str, float], dict[str, float]]:
+def _starts(plan: BenchPlan) -> tuple[dict[str, float], dict[str, float]]:
     runs = [starting.start() for _ in range(plan.starts)]
     start = {
         key: float(np.median([run[key] for run in runs])) for key in ("window", "face", "edit")
@@ -102,7 +102,7 @@ def _starts(plan: Plan) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def _compared(
-    plan: Plan,
+    plan: BenchPlan,
     rig: Rig,
     engine: Engine,
     found: dict[str, Any],

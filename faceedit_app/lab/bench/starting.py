@@ -45,7 +45,7 @@ def _child(began: float, frames: int) -> None:
 
     from faceedit_app.ui.start import app
     from faceedit_app.ui.start.window import MainWindow
-    from faceedit_app.ui.state import background as loading
+    from faceedit_app.ui.state import loading
 
     seen: dict[str, float] = {}
     if frames:

@@ -19,7 +19,7 @@ from faceedit_app.networks.engine import Engine
 from faceedit_app.render.renderer import FaceRenderer
 from faceedit_app.render.surface import NormalSolver
 from faceedit_app.ui.curves import CurvesPanel
-from faceedit_app.ui.face.viewport import Viewport
+from faceedit_app.ui.face.face_picture import FacePicture
 
 FRAMES = 202  # the paper's
 STAGES = ("controls", "networks", "curves", "plots", "deform", "draw")
@@ -48,7 +48,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
         ("controls", solve.Solver, "_believable"),
         ("networks", Engine, "answer"),
         ("plots", CurvesPanel, "refresh"),
-        ("draw", Viewport, "_draw"),
+        ("draw", FacePicture, "draw"),
         ("draw", FaceRenderer, "begin"),
         ("draw", FaceRenderer, "finish"),
         ("deform", Rig, "vertices"),

@@ -17,7 +17,7 @@ TPR_WANTED, FPR_ALLOWED, FPR_AIM = 0.98, 0.22, 0.05
 
 
 @dataclass(frozen=True)
-class Goal:
+class FigureGoal:
     """One figure to reach."""
 
     what: str
@@ -25,12 +25,12 @@ class Goal:
     reached: bool
 
 
-def goals(figures: Figures) -> list[Goal]:
+def goals(figures: Figures) -> list[FigureGoal]:
     """All goals that the figures can tell about."""
     return [*_closures(figures), *_errors(figures), *_edits(figures), *_wild(figures)]
 
 
-def _closures(figures: Figures) -> list[Goal]:
+def _closures(figures: Figures) -> list[FigureGoal]:
     out = []
     for what, found in figures.closures.items():
         ours = found["system"]
@@ -43,7 +43,7 @@ def _closures(figures: Figures) -> list[Goal]:
             ]
             won = [a > b for a, b in pairs]
             out.append(
-                Goal(
+                FigureGoal(
                     f"{WHAT[what]}: more closures kept than Holden et al. at every threshold up to "
                     f"{ours.thresholds[half - 1]:g} mm",
                     f"at {sum(won)} of {len(won)}; on average "
@@ -54,7 +54,7 @@ def _closures(figures: Figures) -> list[Goal]:
             )
         threshold, fpr = ours.fpr_at(TPR_WANTED)
         out.append(
-            Goal(
+            FigureGoal(
                 f"{WHAT[what]}: FPR at most {FPR_ALLOWED} (aim {FPR_AIM}) from where on the "
                 f"TPR is {TPR_WANTED}",
                 f"{cell(fpr, 2)} at {cell(threshold, 1)} mm",
@@ -64,7 +64,7 @@ def _closures(figures: Figures) -> list[Goal]:
     return out
 
 
-def _errors(figures: Figures) -> list[Goal]:
+def _errors(figures: Figures) -> list[FigureGoal]:
     out = []
     for region in (LOWER.id, EYELIDS.id):
         scores = figures.regions[region]
@@ -73,24 +73,24 @@ def _errors(figures: Figures) -> list[Goal]:
         if "holden" in scores:
             holden = scores["holden"]
             out += [
-                Goal(
+                FigureGoal(
                     f"{region}: more high-frequency energy kept than Holden et al.",
                     f"{cell(system.hf_kept, 2)} against {cell(holden.hf_kept, 2)}",
                     system.hf_kept > holden.hf_kept,
                 ),
-                Goal(
+                FigureGoal(
                     f"{region}: MSE of the regressor below that of Holden et al.",
                     f"{cell(regressor.mse)} against {cell(holden.mse)}",
                     regressor.mse < holden.mse,
                 ),
-                Goal(
+                FigureGoal(
                     f"{region}: MSE of the full system below that of Holden et al. (an aim)",
                     f"{cell(system.mse)} against {cell(holden.mse)}",
                     system.mse < holden.mse,
                 ),
             ]
         out.append(
-            Goal(
+            FigureGoal(
                 f"{region}: MSE of the full system at most twice the regressor's",
                 f"{cell(system.mse)}, {cell(ratio, 2)} times",
                 ratio <= 2.0,
@@ -99,17 +99,19 @@ def _errors(figures: Figures) -> list[Goal]:
     return out
 
 
-def _edits(figures: Figures) -> list[Goal]:
+def _edits(figures: Figures) -> list[FigureGoal]:
     if not figures.outcomes:
         return []
     mine = [o for o in figures.outcomes if o.mode == "preserve"]
     outside = max(o.changed_outside for o in mine)
-    goals = [Goal("preserve: nothing changes where no edit reaches", f"{outside:g}", outside == 0)]
+    goals = [
+        FigureGoal("preserve: nothing changes where no edit reaches", f"{outside:g}", outside == 0)
+    ]
     for kind, kinds in (("closure or blink", GOALS), *((kind, (kind,)) for kind in GOALS)):
         missed = [o.reached_mm for o in mine if o.kind in kinds and o.naturalness == 1.0]
         share = float(np.mean([m <= NEAR_MM for m in missed])) if missed else float("nan")
         goals.append(
-            Goal(
+            FigureGoal(
                 f"preserve, naturalness 1: a {kind} is reached within {NEAR_MM} mm in 95 % of "
                 f"the edits",
                 f"{100 * share:.1f} % of {len(missed)}" if missed else "–",
@@ -118,18 +120,20 @@ def _edits(figures: Figures) -> list[Goal]:
         )
     jump = edit_figures(figures.outcomes, "preserve")["boundary_jump"]
     goals.append(
-        Goal("preserve: no visible jump of velocity at an edit's ends", cell(jump, 4), jump < 0.01)
+        FigureGoal(
+            "preserve: no visible jump of velocity at an edit's ends", cell(jump, 4), jump < 0.01
+        )
     )
     return goals
 
 
-def _wild(figures: Figures) -> list[Goal]:
+def _wild(figures: Figures) -> list[FigureGoal]:
     out = []
     for region in (LOWER.id, EYELIDS.id):
         system, regressor = (figures.regions[region][name] for name in ("system", "regressor"))
         if np.isfinite(system.wild):
             out.append(
-                Goal(
+                FigureGoal(
                     f"{region}: after a wild edit no frame of the full system is further from "
                     "natural motion than the 99.9th percentile of real takes (1), where the "
                     "regressor alone is",
@@ -146,7 +150,7 @@ def goals_part(figures: Figures) -> str:
     for _, source, length in figures.takes:
         seconds[source] = seconds.get(source, 0.0) + length
     takes = ", ".join(f"`{name}` ({length:.0f} s)" for name, length in seconds.items())
-    found: Sequence[Goal] = goals(figures)
+    found: Sequence[FigureGoal] = goals(figures)
     rows = [[goal.what, goal.measured, "yes" if goal.reached else "**no**"] for goal in found]
     reached = sum(goal.reached for goal in found)
     return "\n\n".join(

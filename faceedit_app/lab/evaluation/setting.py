@@ -10,12 +10,11 @@ from pathlib import Path
 import torch
 from rich.progress import Progress
 
-from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import Region
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.lab.evaluation.evaluate import Figures, evaluate_takes
 from faceedit_app.lab.evaluation.report import make_folder
 from faceedit_app.lab.evaluation.systems import Systems
@@ -49,7 +48,7 @@ class Setting:
     @cached_property
     def rig(self) -> Rig:
         """The character that distances are measured on."""
-        return read_rig(shipped("assets/character.glb"))
+        return shipped_rig()
 
     @cached_property
     def unseen(self) -> list[Performance]:

@@ -17,6 +17,7 @@ from faceedit_app.core.regions import Region
 from faceedit_app.core.resample import GRID_RATE, grid_length, to_grid
 from faceedit_app.core.rig import Distances
 from faceedit_app.formats.opening import open_take
+from faceedit_app.formats.registry import endings, takes_below
 from faceedit_app.lab.training.settings import FitSettings
 
 # A channel that never moves by this much in any take of a source was not captured.
@@ -53,7 +54,7 @@ def load_performances(
     exclude: Sequence[str] = (),
     on_file: Callable[[Path], None] = lambda path: None,
 ) -> list[Performance]:
-    """Read every CSV take below some folders (or single files).
+    """Read every take below some folders (or single files).
 
     Takes named `SOURCE__NAME.csv` belong to that source; others to their folder's.
 
@@ -79,16 +80,16 @@ def load_performances(
 
 
 def take_paths(folder: Path | str, exclude: Sequence[str] = ()) -> list[Path]:
-    """Every CSV below a folder, in order of name; of a file, the file.
+    """Every take below a folder, in order of name; of a file, the file.
 
     Raises:
         FileError: there is none.
     """
     folder = Path(folder)
-    paths = sorted(folder.rglob("*.csv")) if folder.is_dir() else [folder]
+    paths = takes_below(folder) if folder.is_dir() else [folder]
     paths = [p for p in paths if not any(fnmatch(p.name, pattern) for pattern in exclude)]
     if not paths:
-        raise FileError(folder, "holds no take (*.csv)", "name a folder of takes")
+        raise FileError(folder, f"holds no take ({', '.join(endings())})", "name a folder of takes")
     return paths
 
 

@@ -45,7 +45,7 @@ Report = Callable[[Epoch], None]
 
 
 @dataclass(frozen=True)
-class Plan:
+class TrainingPlan:
     """What to train.
 
     Attributes:
@@ -109,7 +109,7 @@ class Plan:
         return " ".join(words)
 
 
-def train_models(plan: Plan, progress: Progress) -> Iterator[Path]:
+def train_models(plan: TrainingPlan, progress: Progress) -> Iterator[Path]:
     """Train the networks of each region; yields each file as it is written.
 
     The state of each epoch is kept in the folder `checkpoint` of the output until all is done:

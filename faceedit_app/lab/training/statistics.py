@@ -49,7 +49,7 @@ STD_CHANNELS: tuple[str, ...] = tuple(c for c in MODELLED_CHANNELS if not c.ends
 
 
 @dataclass(frozen=True)
-class Figures:
+class TakeStatistics:
     """What `measure` found.
 
     Attributes:
@@ -86,7 +86,7 @@ class Figures:
     correlations: dict[tuple[str, str], float]
 
 
-def measure(takes: Iterable[Take]) -> Figures:
+def measure(takes: Iterable[Take]) -> TakeStatistics:
     """Figures of a set of takes of one person, each centred on its own mean for the shapes.
 
     Raises:
@@ -111,7 +111,7 @@ def measure(takes: Iterable[Take]) -> Figures:
     above4, above8 = _high_shares(slow, MODELLED_CHANNELS)
     moving = centred.std(axis=0) > 1e-3
     speeds = np.mean([np.abs(np.diff(w, axis=0)).mean(axis=0) for w in slow], axis=0) * RATE
-    return Figures(
+    return TakeStatistics(
         seconds=seconds,
         speaking_share=spoken / seconds,
         jaw_peaks=len(heights) / spoken,
@@ -155,7 +155,7 @@ def spectrum(
     return frequency, power
 
 
-def table(figures: Mapping[str, Figures]) -> str:
+def table(figures: Mapping[str, TakeStatistics]) -> str:
     """A plain text table: one column for each set of takes, one row for each figure."""
     columns = list(figures.values())
     rows: list[tuple[str, list[str]]] = [

@@ -3,12 +3,26 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 look;   // roughness, flesh, wet, light from above
-layout(location = 3) in vec4 colour; // linear RGB
+#ifdef TEXTURED
+layout(location = 3) in vec2 place;  // in the texture
+layout(location = 4) in vec4 colour; // linear RGB and alpha
+#else
+layout(location = 3) in vec4 colour;
+#endif
 
 uniform mat4 clip_from_world;
 uniform mat4 camera_from_world;
 
-#ifdef QUICK
+#ifdef TEXTURED
+out vec2 uv;
+out vec4 tint;
+#endif
+#if defined(QUICK) && defined(TEXTURED)
+out vec3 light;
+out vec3 added;
+
+#include "light.glsl"
+#elif defined(QUICK)
 out vec3 shown;
 
 #include "light.glsl"
@@ -17,7 +31,9 @@ out vec3 towards_camera;
 out vec3 camera_normal;
 out vec2 sky;     // how far the normal points up, -1..1; light that arrives from above
 out vec3 surface; // roughness, flesh, wet
+#ifndef TEXTURED
 out vec3 albedo;
+#endif
 #endif
 #ifdef HAIR
 out vec3 strand;
@@ -28,7 +44,13 @@ void main() {
     gl_Position = clip_from_world * vec4(position, 1.0);
     mat3 turn = mat3(camera_from_world);
     vec3 view = -normalize((camera_from_world * vec4(position, 1.0)).xyz);
-#ifdef QUICK
+#ifdef TEXTURED
+    uv = place;
+    tint = colour;
+#endif
+#if defined(QUICK) && defined(TEXTURED)
+    lights(view, turn * normal, vec2(normal.y, look.w), look.xyz, vec3(1.0), light, added);
+#elif defined(QUICK)
     // While things move: from vertex to vertex there is too little difference to be seen.
     shown = lit(view, turn * normal, vec2(normal.y, look.w), look.xyz, colour.rgb);
 #else
@@ -36,7 +58,9 @@ void main() {
     camera_normal = turn * normal;
     sky = vec2(normal.y, look.w);
     surface = look.xyz;
+#ifndef TEXTURED
     albedo = colour.rgb;
+#endif
 #endif
 #ifdef HAIR
     // Hair is combed back, along the surface.

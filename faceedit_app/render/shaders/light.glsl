@@ -39,9 +39,11 @@ vec3 srgb(vec3 linear) {
     return 0.662002687 * s1 + 0.684122060 * s2 - 0.323583601 * s3 - 0.0225411470 * linear;
 }
 
-// sRGB of a point. `sky`: how far the normal points up, -1..1, and light that arrives from above;
-// `surface`: roughness, flesh, wet. Hair reads `strand` and `around` too.
-vec3 lit(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo) {
+// The light that falls on a point, and what it sends back whatever its colour is. `sky`: how far
+// the normal points up, -1..1, and light that arrives from above; `surface`: roughness, flesh, wet.
+// Hair reads `strand`, `around` and `albedo` too.
+void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
+            out vec3 light, out vec3 added) {
     float roughness = surface.x;
     float flesh = surface.y;
     // Shade on flesh is warm too: what light is left has come through it.
@@ -54,7 +56,7 @@ vec3 lit(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo) {
     float fresnel = edge * edge * edge;
     vec3 back = RIM * (max(dot(normal, RIM_FROM) + 0.25, 0.0) * fresnel);
 
-    vec3 light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (vec3(0.36, 0.29, 0.26) + 0.7 * arriving);
+    light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (vec3(0.36, 0.29, 0.26) + 0.7 * arriving);
     light += KEY * lambert(key_facing, wrap) * arriving;
     light += FILL * lambert(fill_facing, wrap) + back;
 
@@ -84,7 +86,19 @@ vec3 lit(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo) {
     shine += vec3(surface.z * 0.65 * inside);
 #endif
 
-    vec3 colour = albedo * light + shine + back * 0.05;
+    added = shine + back * 0.05;
+}
+
+// sRGB of what a point of some colour sends back.
+vec3 exposed(vec3 albedo, vec3 light, vec3 added) {
+    vec3 colour = albedo * light + added;
     colour = colour * (1.0 + colour * 0.16) / (1.0 + colour * 0.36);
     return srgb(colour);
+}
+
+vec3 lit(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo) {
+    vec3 light;
+    vec3 added;
+    lights(view, normal, sky, surface, albedo, light, added);
+    return exposed(albedo, light, added);
 }

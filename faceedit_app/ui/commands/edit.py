@@ -1,110 +1,72 @@
-"""The Edit, View and Playback menus: each command is one short method."""
+"""The Edit menu: undo, reset, the clipboard, the list of edits, the selection, the mode."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
-from faceedit_app.core.controls import CONTROL_IDS
-from faceedit_app.ui.state.document import Document
-from faceedit_app.ui.state.playback import Playback
-from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
+from faceedit_app.editing.edits.settings import Mode
+from faceedit_app.editing.help.clipboard import Clipboard, Copied, copy_range
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state.actions import Command, Menu
 
-if TYPE_CHECKING:
-    from faceedit_app.ui.curves import CurvesPanel
-
-ZOOM = 0.7
-NUDGE, FINE_NUDGE = 0.5, 0.05  # mm
+if TYPE_CHECKING:  # comes with the page, after the first paint
+    from faceedit_app.ui.edits.panel import EditsPanel
 
 
 class EditCommands:
-    """Acts on the document and the timeline.
+    """Acts on the edits of the open take."""
 
-    Args:
-        panel: the curves, once they are there (they are built after the first paint).
-        settle: brings gestures elsewhere in the window to their end.
-        discard: drops what is proposed; False if nothing is.
-    """
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
+        self._document, self._timeline = workspace.document, workspace.timeline
+        self._clipboard: Clipboard | None = None
 
-    def __init__(
-        self,
-        document: Document,
-        timeline: Timeline,
-        playback: Playback,
-        panel: Callable[[], CurvesPanel | None],
-        settle: Callable[[], None],
-        discard: Callable[[], bool],
-    ) -> None:
-        self._document, self._timeline, self._playback = document, timeline, playback
-        self._panel, self._settle, self._discard = panel, settle, discard
+    # --- undo and reset ----------------------------------------------------------------------
 
-    def finish(self) -> None:
-        """Drop a drag in progress and bring other gestures to their end."""
-        self._cancel_drag()
-        self._settle()
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a step to take back."""
+        session = self._document.session
+        return session is not None and session.can_undo
 
-    def handlers(self) -> dict[str, Callable[[], None]]:
-        """What to do for each of these `Command.id`s."""
-        line = self._timeline
-        return {
-            "undo": self.undo,
-            "redo": self.redo,
-            "reset_range": self.reset_range,
-            "reset_curve": self.reset_curve,
-            "select_all": lambda: line.select((0.0, line.snap(line.duration))),
-            "deselect": self.deselect,
-            "preserve": lambda: self.set_mode("preserve"),
-            "resynthesize": lambda: self.set_mode("resynthesize"),
-            "fit": self.fit,
-            "zoom_in": lambda: line.zoom(ZOOM, line.time),
-            "zoom_out": lambda: line.zoom(1 / ZOOM, line.time),
-            "play": self._playback.toggle,
-            "play_around": self._playback.play_around,
-            "rewind": lambda: self._playback.shuttle(-1),
-            "stop": self._playback.pause,
-            "fast_forward": lambda: self._playback.shuttle(1),
-            "loop": lambda: self._playback.set_loop(not self._playback.loop),
-            "back": lambda: line.go_to_frame(line.frame - 1),
-            "forward": lambda: line.go_to_frame(line.frame + 1),
-            "second_back": lambda: line.go_to_time(line.time - 1),
-            "second_forward": lambda: line.go_to_time(line.time + 1),
-            "start": lambda: line.go_to_frame(0),
-            "end": lambda: line.go_to_frame(line.frames - 1),
-            "mark_start": self.mark_start,
-            "mark_end": self.mark_end,
-            "raise": lambda: self._nudge(NUDGE),
-            "lower": lambda: self._nudge(-NUDGE),
-            "raise_fine": lambda: self._nudge(FINE_NUDGE),
-            "lower_fine": lambda: self._nudge(-FINE_NUDGE),
-            **{f"curve_{i + 1}": partial(self._focus, i) for i in range(len(CONTROL_IDS))},
-        }
+    @property
+    def can_redo(self) -> bool:
+        """Whether a step was taken back."""
+        session = self._document.session
+        return session is not None and session.can_redo
 
-    def _nudge(self, millimetres: float) -> None:
-        panel = self._panel()
-        if panel is not None:
-            self._settle()
-            panel.nudge(millimetres)
+    @property
+    def undo_name(self) -> str:
+        """The step that Undo takes back."""
+        session = self._document.session
+        return session.undo_name if session is not None else ""
 
-    def _focus(self, index: int) -> None:
-        panel = self._panel()
-        if panel is not None:
-            panel.focus_curve(index)
-
-    # --- edits -------------------------------------------------------------------------------
+    @property
+    def redo_name(self) -> str:
+        """The step that Redo takes again."""
+        session = self._document.session
+        return session.redo_name if session is not None else ""
 
     def undo(self) -> None:
         """Take the last step back; a drag in progress is the last step."""
-        if not self._cancel_drag():
-            self._settle()
+        if not self._workspace.drop_gesture():
+            self._workspace.settle()
             self._document.undo()
 
     def redo(self) -> None:
         """Take the step again."""
-        if not self._cancel_drag():
-            self._settle()
+        if not self._workspace.drop_gesture():
+            self._workspace.settle()
             self._document.redo()
+
+    @property
+    def has_edits(self) -> bool:
+        """Whether there is anything to reset."""
+        session = self._document.session
+        return session is not None and bool(session.edits)
 
     def reset_range(self) -> None:
         """All curves back to the take in the selection, else around the playhead."""
@@ -112,71 +74,174 @@ class EditCommands:
 
     def reset_curve(self) -> None:
         """The curve that has the focus back to the take."""
-        panel = self._panel()
-        control = panel.focused_control if panel is not None else None
+        page = self._workspace.page
+        control = page.curves.focused_control if page is not None else None
         self._reset((control,) if control else ())
 
     def _reset(self, controls: tuple[str, ...]) -> None:
-        self._cancel_drag()
-        self._settle()
+        self._workspace.finish()
         session = self._document.session
         if session is not None and session.edits and controls:
-            session.reset(*self.range_at_hand(), controls, self._timeline.falloff)
+            session.reset(*self._range_at_hand(), controls, self._timeline.falloff)
 
-    def range_at_hand(self) -> tuple[float, float]:
+    def _range_at_hand(self) -> tuple[float, float]:
         """The selection, else the playhead with the falloff to either side."""
         line = self._timeline
         if line.selection is not None:
             return line.selection
         return max(line.time - line.falloff, 0.0), min(line.time + line.falloff, line.duration)
 
-    def set_mode(self, mode: str) -> None:
-        """Choose how the networks' answer is combined with the take."""
-        from faceedit_app.editing.edits.settings import Mode
+    # --- clipboard ---------------------------------------------------------------------------
 
-        self._cancel_drag()
-        self._settle()
-        session = self._document.session
-        if session is not None:
-            session.configure(replace(session.settings, mode=Mode(mode)))
+    def copy(self, what: Copied) -> None:
+        """Keep what the face does in the selection, or only what the edits changed there."""
+        session, selection = self._document.session, self._selection("copy")
+        if session is None or selection is None:
+            return
+        copied = copy_range(session, *selection, self._chosen_controls(), what)
+        if copied.is_empty:
+            self._workspace.message.emit("There are no changes in the selection")
+            return
+        self._clipboard = copied
+        seconds, count = copied.seconds, len(copied.curves)
+        self._workspace.message.emit(f"Copied {seconds:.2f} s of {count} curves")
+
+    def paste(self) -> None:
+        """Put what was copied at the playhead."""
+        if (copied := self._copied()) is not None:
+            self._put(copied, self._timeline.time, "Pasted", "Paste")
+
+    def paste_mirrored(self) -> None:
+        """Put what was copied at the playhead, left and right changing places."""
+        if (copied := self._copied()) is not None:
+            self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste mirrored")
+
+    def mirror(self) -> None:
+        """Let left and right change places in the selection."""
+        session, selection = self._document.session, self._selection("mirror")
+        if session is None or selection is None:
+            return
+        self._workspace.finish()
+        copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
+        self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
+
+    def _selection(self, what: str) -> tuple[float, float] | None:
+        selection = self._timeline.selection
+        if selection is None:
+            self._workspace.message.emit(f"Select a range of time first, to {what} it")
+        return selection
+
+    def _chosen_controls(self) -> tuple[str, ...]:
+        """The curves that were chosen, else all."""
+        page = self._workspace.page
+        return (page.curves.chosen_controls if page is not None else ()) or CONTROL_IDS
+
+    def _copied(self) -> Clipboard | None:
+        if self._clipboard is None:
+            self._workspace.message.emit("Nothing was copied yet")
+        return self._clipboard
+
+    def _put(self, source: Clipboard, at: float, name: str, step: str) -> None:
+        self._workspace.finish()
+        edits = source.paste(at, self._timeline.falloff)
+        if edits:
+            named = tuple(replace(edit, name=name) for edit in edits)
+            self._workspace.add_edits(named, name, step)
+
+    # --- the list of edits -------------------------------------------------------------------
+
+    @property
+    def has_selected_edit(self) -> bool:
+        """Whether an edit is selected in the list."""
+        page = self._workspace.page
+        return page is not None and page.edits.current is not None
+
+    def on_list(self, work: Callable[[EditsPanel], None]) -> None:
+        """Do something with the list of edits, when nothing else is in progress."""
+        page = self._workspace.page
+        if page is not None:
+            self._workspace.finish()
+            work(page.edits)
+
+    # --- selection and mode ------------------------------------------------------------------
+
+    def select_all(self) -> None:
+        """Select the whole take."""
+        self._timeline.select((0.0, self._timeline.snap(self._timeline.duration)))
 
     def deselect(self) -> None:
-        """Cancel a drag in progress, else drop the selection."""
-        if not self._cancel_drag():
+        """Drop what is in progress, else the selection."""
+        if not self._workspace.drop_gesture():
             self._timeline.select(None)
-            panel = self._panel()
-            if panel is not None:
-                panel.setFocus()
+            if self._workspace.page is not None:
+                self._workspace.page.curves.setFocus()
 
-    def _cancel_drag(self) -> bool:
-        panel = self._panel()
-        if panel is not None and panel.is_dragging:
-            panel.cancel_drag()
-            return True
-        return self._discard()
+    @property
+    def mode(self) -> Mode:
+        """How the networks' answer is combined with the take."""
+        session = self._document.session
+        return session.settings.mode if session is not None else Mode.PRESERVE
 
-    # --- time --------------------------------------------------------------------------------
+    def set_mode(self, mode: Mode) -> None:
+        """Choose how the networks' answer is combined with the take."""
+        self._workspace.finish()
+        session = self._document.session
+        if session is not None:
+            session.configure(replace(session.settings, mode=mode))
 
-    def fit(self) -> None:
-        """Show the selection if there is one that is not yet all there is to see."""
-        line = self._timeline
-        chosen = line.selection
-        if chosen is not None and chosen[1] > chosen[0]:
-            margin = 0.1 * (chosen[1] - chosen[0])
-            before = line.view
-            line.show_range(chosen[0] - margin, chosen[1] + margin)
-            if line.view != before:
-                return
-        line.show_range(0.0, line.duration)
 
-    def mark_start(self) -> None:
-        """Start the selection at the playhead."""
-        line = self._timeline
-        end = line.selection[1] if line.selection else line.duration
-        line.select((line.time, end if end > line.time else line.snap(line.duration)))
-
-    def mark_end(self) -> None:
-        """End the selection at the playhead."""
-        line = self._timeline
-        start = line.selection[0] if line.selection else 0.0
-        line.select((start if start < line.time else 0.0, line.time))
+# fmt: off
+MENU: Menu[EditCommands] = Menu("Edit", (
+    Command("undo", "&Undo", EditCommands.undo, ("Ctrl+Z",), "Take the last step back", "undo",
+            detail=lambda do: do.undo_name, enabled=lambda do: do.can_undo),
+    Command("redo", "&Redo", EditCommands.redo, ("Ctrl+Shift+Z", "Ctrl+Y"),
+            "Take the step again", "redo", detail=lambda do: do.redo_name,
+            enabled=lambda do: do.can_redo),
+    Command("reset_range", "Reset r&ange", EditCommands.reset_range, ("Ctrl+R",),
+            "Back to the take as tracked: in the selection, else around the playhead", "reset",
+            enabled=lambda do: do.has_edits, starts_group=True),
+    Command("reset_curve", "Reset range of this &curve", EditCommands.reset_curve,
+            ("Ctrl+Shift+R",),
+            "Back to the take as tracked, for the curve that has the focus only",
+            enabled=lambda do: do.has_edits),
+    Command("copy", "&Copy range", lambda do: do.copy(Copied.CURVE), ("Ctrl+C",),
+            "Copy what the face does in the selection", starts_group=True),
+    Command("copy_changes", "Copy changes only", lambda do: do.copy(Copied.CHANGE),
+            ("Ctrl+Shift+C",),
+            "Copy what your edits changed in the selection, to add it elsewhere"),
+    Command("paste", "&Paste at playhead", EditCommands.paste, ("Ctrl+V",),
+            "Put there what was copied"),
+    Command("paste_mirrored", "Paste mirrored", EditCommands.paste_mirrored, ("Ctrl+Shift+V",),
+            "Put there what was copied, left and right changing places"),
+    Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
+            "Left and right change places in the selection"),
+    Command("toggle_edit", "Switch edit &on / off",
+            lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),
+            "Switch the edit that is selected in the list on or off",
+            enabled=lambda do: do.has_selected_edit, starts_group=True),
+    Command("rename_edit", "Re&name edit",
+            lambda do: do.on_list(lambda edits: edits.rename()), ("F2",),
+            "Give the edit that is selected in the list another name",
+            enabled=lambda do: do.has_selected_edit),
+    Command("edit_up", "Move edit up", lambda do: do.on_list(lambda edits: edits.bring(-1)),
+            ("Alt+Up",), "Move the edit that is selected up the list: it acts earlier",
+            enabled=lambda do: do.has_selected_edit),
+    Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.bring(1)),
+            ("Alt+Down",), "Move the edit that is selected down the list: it acts later",
+            enabled=lambda do: do.has_selected_edit),
+    Command("delete_edit", "&Delete edit",
+            lambda do: do.on_list(lambda edits: edits.delete()), ("Del",),
+            "Delete the edit that is selected in the list", "trash",
+            enabled=lambda do: do.has_selected_edit),
+    Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),
+            "Select the whole take", starts_group=True),
+    Command("deselect", "&Deselect", EditCommands.deselect, ("Esc",),
+            "Cancel the drag in progress, else drop the selection"),
+    Command("preserve", "&Preserve the take", lambda do: do.set_mode(Mode.PRESERVE),
+            tip="Change only what the edits reach",
+            checked=lambda do: do.mode is Mode.PRESERVE, starts_group=True),
+    Command("resynthesize", "Re&synthesize", lambda do: do.set_mode(Mode.RESYNTHESIZE),
+            tip="Answer the whole take by the networks",
+            checked=lambda do: do.mode is Mode.RESYNTHESIZE),
+))
+# fmt: on

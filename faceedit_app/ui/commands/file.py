@@ -1,163 +1,93 @@
-"""The File menu: ask the user, then let the document do it."""
+"""The File menu: ask the user, then let document, opener and projects do it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, Signal
-from PySide6.QtWidgets import QMenu, QWidget
+from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.resources import shipped
-from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.state import background as loading
-from faceedit_app.ui.state.document import Document
-from faceedit_app.ui.state.preferences import Store
-
-if TYPE_CHECKING:
-    from faceedit_app.core.rig import Rig
-    from faceedit_app.editing.session import EditSession
-
-DEMO = "assets/demo_take.csv"
-PROJECT = ".faceedit"
+from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
+from faceedit_app.editing.files.project import SUFFIX, Located, Project, Whereabouts
+from faceedit_app.ui.commands import dialogs, projects
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state.actions import Command, Menu
 
 
-class FileCommands(QObject):
-    """Opens, exports, saves.
+class FileCommands:
+    """Opens, saves, exports; asks before anything is lost."""
 
-    Signals:
-        reading(str): a take is being read; empty when that is over.
-        character_loaded(Rig): the character can be drawn.
-        told(str): something went well, for the status bar.
-    """
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace, self._window = workspace, workspace.window
+        self._document, self._preferences = workspace.document, workspace.preferences
+        workspace.opener.opened.connect(self._remember)
+        workspace.opener.failed.connect(self._show_error)
 
-    reading = Signal(str)
-    character_loaded = Signal(object)
-    told = Signal(str)
-
-    def __init__(
-        self, window: QWidget, document: Document, store: Store, background: loading.Background
-    ) -> None:
-        super().__init__(window)
-        self._window, self._document = window, document
-        self._store, self._background = store, background
-        self._rig: Rig | None = None
-        self._wanted: Path | None = None
-        self._prepare: Callable[[EditSession], None] | None = None
-        self._then: Callable[[], None] | None = None
-        self._project: Path | None = None
-        # Set by who knows projects.
-        self.open_project: Callable[[Path], None] = self.open
-        self.save_project: Callable[[], bool] = self.ask_save_edits
+    def _show_error(self, error: Exception) -> None:
+        dialogs.show_error(self._window, error)
 
     # --- open --------------------------------------------------------------------------------
 
     def ask_open(self) -> None:
-        """File > Open."""
+        """Open a take or a project that the user chooses."""
         if self.may_close():
-            path = dialogs.ask_open(self._window, self._store.folder("take"))
+            path = dialogs.ask_open(self._window, self._preferences.folder("take"))
             if path is not None:
                 self.open(path)
 
-    def open_if_saved(self, path: Path) -> None:
-        """Open a take that the user pointed at, unless edits would be lost."""
-        if self.may_close():
-            self.open(path)
-
     def open_demo(self) -> None:
-        """File > Open demo take."""
+        """Open the take that ships with FaceEdit."""
         try:
-            path = shipped(DEMO)
+            path = shipped(DEMO_TAKE)
         except FileError as error:
-            dialogs.show_error(self._window, error)
+            self._show_error(error)
             return
         self.open_if_saved(path)
 
+    def open_if_saved(self, path: Path) -> None:
+        """Open a file that the user pointed at, unless edits would be lost."""
+        if self.may_close():
+            self.open(path)
+
     def open(self, path: Path) -> None:
         """Read a take or a project in the background; on an error the present one stays open."""
-        if path.suffix.lower() == PROJECT:
-            self.open_project(path)
-        else:
-            self.read(path)
-
-    def read(
-        self,
-        path: Path,
-        prepare: Callable[[EditSession], None] | None = None,
-        then: Callable[[], None] | None = None,
-        project: Path | None = None,
-    ) -> None:
-        """Read a take and show it.
-
-        Args:
-            prepare: brings edits into its session before anything is shown.
-            then: is done when it is shown.
-            project: the project that it belongs to.
-        """
-        self._wanted, self._prepare, self._then, self._project = path, prepare, then, project
-        self.reading.emit(f"Opening {path.name}…")
-        self._background.run(
-            lambda: self._read(path),
-            lambda read: self._opened(path, *read),
-            lambda error: self._failed(path, error),
-        )
-
-    @property
-    def is_reading(self) -> bool:
-        """Whether a take is being read."""
-        return self._wanted is not None
-
-    def _read(self, path: Path) -> tuple[Rig, EditSession]:
-        rig = self._rig or loading.load_character()
-        return rig, loading.open_session(path, rig)
-
-    def _opened(self, path: Path, rig: Rig, session: EditSession) -> None:
-        if path != self._wanted:  # another one was asked for meanwhile
+        if not projects.is_project(path):
+            self._workspace.opener.open(path)
             return
-        self._wanted = None
-        self.use_character(rig)
-        if self._prepare is not None:
-            self._prepare(session)
-        self._document.adopt(session, self._project)
-        self.reading.emit("")
-        if self._then is not None:
-            self._then()
-        self._store.set_folder("take", path.resolve().parent)
-        if not _is_shipped(path) and self._project is None:
-            self._store.add_recent(path)
 
-    def _failed(self, path: Path, error: Exception) -> None:
-        if path != self._wanted:
-            return
-        self._wanted = None
-        self.reading.emit("")
-        if not isinstance(error, FaceEditError):
-            raise error
-        dialogs.show_error(self._window, error)
-        if self._rig is None:
-            self.load_character(error)
+        def found(project: Project, located: Located) -> None:
+            take = self._take_of(located, path.parent)
+            if take is None:
+                self._workspace.opener.reading.emit("")
+                return
+            as_it_was = located.where is Whereabouts.FOUND
+            projects.open_take(self._workspace, project, path, take, as_it_was)
+            self._preferences.add_recent(path)
 
-    def load_character(self, told: Exception | None = None) -> None:
-        """Fetch the character without a take; an error that was told is not told again."""
+        projects.read(self._workspace, path, found, self._show_error)
 
-        def failed(error: Exception) -> None:
-            if told is None or str(told) != str(error):
-                dialogs.show_error(self._window, error)
+    def _take_of(self, located: Located, folder: Path) -> Path | None:
+        """The take of a project; the user is asked where that is in doubt."""
+        take = located.path
+        match located.where:
+            case Whereabouts.CHANGED | Whereabouts.MISSING:
+                choices = [*([take] if take is not None else []), *located.others]
+                return dialogs.ask_take_of_project(self._window, located.message, choices, folder)
+            case Whereabouts.MOVED:
+                self._workspace.warning.emit(located.message)
+        return take
 
-        self._background.run(loading.load_character, self.use_character, failed)
-
-    def use_character(self, rig: Rig) -> None:
-        """Keep the character for all takes of this window."""
-        if self._rig is None:
-            self._rig = rig
-            self.character_loaded.emit(rig)
+    def _remember(self, path: Path) -> None:
+        """Where a take was opened from, and which."""
+        self._preferences.set_folder("take", path.resolve().parent)
+        if not is_demo_take(path) and self._document.project is None:
+            self._preferences.add_recent(path)
 
     def fill_recent(self, menu: QMenu) -> None:
         """List the takes and projects that were opened last and still exist."""
         menu.clear()
-        for path in self._store.recent():
+        for path in self._preferences.recent():
             action = menu.addAction(path.name)
             action.setToolTip(str(path))
             action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
@@ -165,46 +95,65 @@ class FileCommands(QObject):
             menu.addAction("No recent takes").setEnabled(False)
             return
         menu.addSeparator()
-        menu.addAction("Clear").triggered.connect(self._store.clear_recent)
+        menu.addAction("Clear").triggered.connect(self._preferences.clear_recent)
 
     # --- write -------------------------------------------------------------------------------
 
-    def ask_export(self) -> bool:
-        """File > Export; False if the user thought better of it, or it failed."""
-        path = dialogs.ask_export(self._window, self.suggest("export", "_edited", ".csv"))
-        return path is not None and self._do(self._document.export, path, "export", "Exported")
+    def save(self) -> bool:
+        """Save the project; False if the user thought better of it, or it failed."""
+        self._workspace.finish()
+        path = self._document.project
+        return self._save(path) if path is not None else self.save_as()
 
-    def ask_save_edits(self) -> bool:
-        """File > Save edits; False if the user thought better of it, or it failed."""
-        path = dialogs.ask_save_edits(self._window, self.suggest("edits", "_edits", ".json"))
-        return path is not None and self._do(self._document.save_edits, path, "edits", "Saved")
+    def save_as(self) -> bool:
+        """Save the project under a name that the user chooses; False as for `save`."""
+        self._workspace.finish()
+        suggestion = self._document.project or self._workspace.suggest("project", "", SUFFIX)
+        path = dialogs.ask_save_project(self._window, suggestion)
+        return path is not None and self._save(path)
+
+    def _save(self, path: Path) -> bool:
+        def save(path: Path) -> None:
+            projects.save(self._workspace, path)
+            self._preferences.add_recent(path)
+
+        return self._write(save, path, "project", "Saved")
+
+    def export(self) -> bool:
+        """Export the take; False if the user thought better of it, or it failed."""
+        self._workspace.finish()
+        take = self._document.path
+        ending = take.suffix if take is not None else ""
+        suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
+        path = dialogs.ask_export(self._window, suggestion)
+        return path is not None and self._write(self._document.export, path, "export", "Exported")
+
+    def save_edits(self) -> bool:
+        """Save the list of edits; False if the user thought better of it, or it failed."""
+        self._workspace.finish()
+        suggestion = self._workspace.suggest("edits", "_edits", ".json")
+        path = dialogs.ask_save_edits(self._window, suggestion)
+        return path is not None and self._write(self._document.save_edits, path, "edits", "Saved")
 
     def ask_load_edits(self) -> None:
-        """File > Load edits."""
-        path = dialogs.ask_load_edits(self._window, self._store.folder("edits"))
+        """Add the edits of a file that the user chooses."""
+        path = dialogs.ask_load_edits(self._window, self._preferences.folder("edits"))
         if path is not None:
             self.load_edits(path)
 
     def load_edits(self, path: Path) -> None:
         """Add the edits of a file."""
-        self._do(self._document.load_edits, path, "edits", "Loaded")
+        self._write(self._document.load_edits, path, "edits", "Loaded")
 
-    def _do(self, work: Callable[[Path], None], path: Path, kind: str, done: str) -> bool:
+    def _write(self, work: Callable[[Path], None], path: Path, kind: str, done: str) -> bool:
         try:
             work(path)
         except FaceEditError as error:
-            dialogs.show_error(self._window, error)
+            self._show_error(error)
             return False
-        self._store.set_folder(kind, path.resolve().parent)
-        self.told.emit(f"{done} {path}")
+        self._preferences.set_folder(kind, path.resolve().parent)
+        self._workspace.message.emit(f"{done} {path}")
         return True
-
-    def suggest(self, kind: str, tail: str, ending: str) -> Path:
-        """A file name beside the take; the demo's folder belongs to the installation."""
-        take = self._document.path
-        assert take is not None
-        folder = self._store.folder(kind) if _is_shipped(take) else take.parent
-        return folder / f"{take.stem}{tail}{ending}"
 
     # --- close -------------------------------------------------------------------------------
 
@@ -214,17 +163,38 @@ class FileCommands(QObject):
             return True
         match dialogs.ask_unsaved(self._window, self._document.path.name):
             case dialogs.Unsaved.EXPORT:
-                return self.ask_export()
+                return self.export()
             case dialogs.Unsaved.SAVE:
-                return self.save_project()
+                return self.save()
             case dialogs.Unsaved.DISCARD:
                 return True
             case _:
                 return False
 
+    def quit(self) -> None:
+        """Close the window, which asks about edits."""
+        self._window.close()
 
-def _is_shipped(path: Path) -> bool:
-    try:
-        return path.resolve() == shipped(DEMO).resolve()
-    except FileError:
-        return False
+
+# fmt: off
+MENU: Menu[FileCommands] = Menu("File", (
+    Command("open", "&Open…", FileCommands.ask_open, ("Ctrl+O",),
+            "Open a tracked take or a project", "open", needs_take=False),
+    Command("open_demo", "Open &demo take", FileCommands.open_demo, (),
+            "Open the take that ships with FaceEdit", needs_take=False),
+    Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),
+    Command("save", "&Save project", FileCommands.save, ("Ctrl+S",),
+            "Save the take's edits, view, sound and film as a project", "save",
+            starts_group=True),
+    Command("save_as", "Save project &as…", FileCommands.save_as, ("Ctrl+Shift+S",),
+            "Save the project under another name"),
+    Command("export", "&Export…", FileCommands.export, ("Ctrl+E",),
+            "Write the edited take in the format of its source", "export", starts_group=True),
+    Command("save_edits", "Save list of edi&ts…", FileCommands.save_edits, (),
+            "Save the list of edits, to load it for another take or for “faceedit apply”"),
+    Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),
+            "Add the edits of a file to this take"),
+    Command("quit", "&Quit", FileCommands.quit, ("Ctrl+Q",), needs_take=False,
+            starts_group=True),
+))
+# fmt: on

@@ -1,17 +1,16 @@
-"""Fixes, presets, problems and the clipboard: ordinary edits, made by one command."""
+"""The Fix menu: one-click fixes, the user's presets, and problems with what would mend them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING
+from itertools import pairwise
 
-from PySide6.QtCore import QObject, Signal
-from PySide6.QtWidgets import QMenu, QWidget
+from PySide6.QtWidgets import QMenu
 
-from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
@@ -19,112 +18,58 @@ from faceedit_app.editing.help.presets import (
     save_preset,
     shipped_presets,
 )
+from faceedit_app.editing.help.problems import Problem
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.state.document import Document
-from faceedit_app.ui.state.timeline import Timeline
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.edits.edit import Edit
-    from faceedit_app.editing.help.clipboard import Clipboard
-    from faceedit_app.ui.page.editor import Editor
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
+from faceedit_app.ui.state.actions import Command, Menu
 
 
-class FixCommands(QObject):
-    """Makes edits for the user.
+class FixCommands:
+    """Makes edits for the user."""
 
-    Args:
-        editor: the page with the open take, once it is there.
-        finish: drops a drag in progress and brings other gestures to their end.
-
-    Signals:
-        told(str): what was done, or why nothing was.
-    """
-
-    told = Signal(str)
-
-    def __init__(
-        self,
-        window: QWidget,
-        document: Document,
-        timeline: Timeline,
-        editor: Callable[[], Editor | None],
-        finish: Callable[[], None],
-    ) -> None:
-        super().__init__(window)
-        self._window, self._document, self._timeline = window, document, timeline
-        self._editor, self._finish = editor, finish
-        self._clipboard: Clipboard | None = None
-
-    def handlers(self) -> dict[str, Callable[[], None]]:
-        """What to do for each of these `Command.id`s."""
-        return {
-            **{f"fix_{fix.id}": partial(self.apply, fix) for fix in shipped_presets()},
-            "mood": self.mood,
-            "save_preset": self.save_preset,
-            "previous_problem": lambda: self.step(-1),
-            "next_problem": lambda: self.step(1),
-            "fix_problem": self.fix_problem,
-            "fix_all": self.fix_all,
-            "accept_fix": self.accept,
-            "discard_fix": self.discard,
-            "copy": lambda: self.copy(changes=False),
-            "copy_changes": lambda: self.copy(changes=True),
-            "paste": lambda: self.paste(mirrored=False),
-            "paste_mirrored": lambda: self.paste(mirrored=True),
-            "mirror": self.mirror,
-        }
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
+        self._document, self._timeline = workspace.document, workspace.timeline
 
     # --- fixes and presets -------------------------------------------------------------------
 
-    def range_meant(self) -> tuple[float, float] | None:
-        """The selection; that of an edit in the list only while the playhead is in it."""
-        selection, editor = self._timeline.selection, self._editor()
-        if selection is None or editor is None or not editor.edits.is_tied:
-            return selection
-        return selection if selection[0] <= self._timeline.time <= selection[1] else None
-
     def apply(self, preset: Preset) -> None:
         """Make a preset's edits: one undo step. The last is ready to be weakened."""
-        edits = self.edits_of(preset)
+        edits = self._edits_of(preset)
         if edits:
-            self.add(edits, preset.name)
+            self._workspace.add_edits(edits, preset.name)
 
-    def edits_of(self, preset: Preset) -> tuple[Edit, ...]:
+    def _edits_of(self, preset: Preset) -> tuple[Edit, ...]:
         """What a preset would do now."""
-        from faceedit_app.editing.help.fixes import apply_preset
-
         session, line = self._document.session, self._timeline
         if session is None:
             return ()
-        self._finish()
-        return apply_preset(session, preset, self.range_meant(), line.time, line.falloff)
+        self._workspace.finish()
+        return apply_preset(session, preset, self._range_meant(), line.time, line.falloff)
 
-    def mood(self) -> None:
+    def _range_meant(self) -> tuple[float, float] | None:
+        """The selection; that of an edit in the list only while the playhead is in it."""
+        selection, page = self._timeline.selection, self._workspace.page
+        if selection is None or page is None or not page.edits.is_tied:
+            return selection
+        return selection if selection[0] <= self._timeline.time <= selection[1] else None
+
+    def expression(self) -> None:
         """Let a slider from sad to smiling be tried out."""
-        from faceedit_app.ui.edits.expression_dialog import MoodDialog
-
         if self._document.session is None:
             return
         presets = {preset.id: preset for preset in shipped_presets()}
-        span = self.range_meant()
+        span = self._range_meant()
         where = "in the whole take" if span is None else f"from {span[0]:.2f} to {span[1]:.2f} s"
-        MoodDialog(
-            self._window,
+        ExpressionDialog(
+            self._workspace.window,
             self._document,
-            lambda name: self.edits_of(presets[name]),
+            lambda name: self._edits_of(presets[name]),
             where,
-            lambda edits: self.add(edits, edits[0].name),
+            lambda edits: self._workspace.add_edits(edits, edits[0].name),
         ).show()
-
-    def add(self, edits: tuple[Edit, ...], name: str, step: str = "") -> None:
-        """Make edits as one step; `name` is theirs, and the step's if that has none of its own."""
-        self._document.act(lambda session: session.add(*edits, name=step or name))
-        editor = self._editor()
-        if editor is not None:
-            editor.edits.select_new(len(edits))
-        start, end = min(e.start for e in edits), max(e.end for e in edits)
-        self.told.emit(f"{name}: {start:.2f} to {end:.2f} s; its strength is beside the list")
 
     def fill_presets(self, menu: QMenu) -> None:
         """List the user's own presets."""
@@ -147,134 +92,140 @@ class FixCommands(QObject):
                 action.triggered.connect(lambda _checked=False, p=preset: self._delete(p))
 
     def save_preset(self) -> None:
-        """Keep the edits of the selection, else the edit that is selected, under a name."""
+        """Keep the edits of the selection, else all of them, under a name."""
         session = self._document.session
         if session is None:
             return
-        self._finish()
+        self._workspace.finish()
         start, end = self._timeline.selection or (0.0, self._timeline.duration)
-        name = dialogs.ask_preset_name(self._window)
+        name = dialogs.ask_preset_name(self._workspace.window)
         if not name:
             return
         try:
             save_preset(name, session.edits, start, end)
         except FaceEditError as error:
-            dialogs.show_error(self._window, error)
+            dialogs.show_error(self._workspace.window, error)
             return
-        self.told.emit(f"Saved the preset “{name}”")
+        self._workspace.message.emit(f"Saved the preset “{name}”")
 
     def _delete(self, preset: Preset) -> None:
         try:
             delete_preset(preset)
         except FaceEditError as error:
-            dialogs.show_error(self._window, error)
+            dialogs.show_error(self._workspace.window, error)
 
     # --- problems ----------------------------------------------------------------------------
 
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """What was found."""
+        page = self._workspace.page
+        return page.problems.problems if page is not None else ()
+
+    @property
+    def problem(self) -> Problem | None:
+        """The one under the playhead."""
+        page = self._workspace.page
+        return page.problems.current_problem if page is not None else None
+
     def step(self, by: int) -> None:
         """Go to the next problem, or the one before."""
-        editor = self._editor()
-        if editor is not None:
-            index = editor.problems.step(by)
+        page = self._workspace.page
+        if page is not None:
+            index = page.problems.step(by)
             if index is not None:
                 self.go_to(index)
 
     def go_to(self, index: int) -> None:
         """Show a problem."""
-        editor = self._editor()
-        if editor is not None:
-            editor.proposal.discard()
-            editor.problems.go_to(index)
-            self.told.emit(editor.problems.problems[index].message)
+        page = self._workspace.page
+        if page is not None:
+            page.proposal.discard()
+            page.problems.go_to(index)
+            self._workspace.message.emit(page.problems.problems[index].message)
 
     def fix_problem(self) -> None:
         """Show what would mend the problem under the playhead."""
-        editor = self._editor()
-        if editor is None or editor.problems.current is None:
-            return
-        self._finish()
-        problem = editor.problems.problems[editor.problems.current]
-        if problem.fix:
+        page, problem = self._workspace.page, self.problem
+        if page is not None and problem is not None and problem.fix:
+            self._workspace.finish()
             message = f"{problem.message}. Proposed fix is shown."
-            editor.proposal.offer(message, problem.fix, "Fix problem")
+            page.proposal.offer(message, problem.fix, "Fix problem")
 
     def fix_all(self) -> None:
         """Show what would mend all problems."""
-        editor = self._editor()
-        if editor is None:
+        page = self._workspace.page
+        if page is None:
             return
-        self._finish()
-        problems = [problem for problem in editor.problems.problems if problem.fix]
-        edits = tuple(edit for problem in problems for edit in problem.fix)
+        self._workspace.finish()
+        fixable = [problem for problem in self.problems if problem.fix]
+        edits = tuple(edit for problem in fixable for edit in problem.fix)
         if edits:
-            count = counted(len(problems), "problem")
-            editor.proposal.offer(f"Proposed fixes of {count} are shown.", edits, f"Fix {count}")
+            count = counted(len(fixable), "problem")
+            page.proposal.offer(f"Proposed fixes of {count} are shown.", edits, f"Fix {count}")
+
+    @property
+    def has_proposal(self) -> bool:
+        """Whether something is proposed."""
+        page = self._workspace.page
+        return page is not None and page.proposal.is_open
 
     def accept(self) -> None:
         """Make what is proposed."""
-        editor = self._editor()
-        if editor is not None:
-            editor.proposal.accept()
-            editor.edits.select_new()
-            editor.problems.search()
+        page = self._workspace.page
+        if page is not None:
+            page.proposal.accept()
+            page.edits.select_new()
+            page.problems.search()
 
     def discard(self) -> None:
         """Drop what is proposed."""
-        editor = self._editor()
-        if editor is not None:
-            editor.proposal.discard()
+        page = self._workspace.page
+        if page is not None:
+            page.proposal.discard()
 
-    # --- clipboard ---------------------------------------------------------------------------
 
-    def _controls(self) -> tuple[str, ...]:
-        """The curves that were chosen, else all."""
-        editor = self._editor()
-        chosen = editor.curves.chosen_controls if editor is not None else ()
-        return chosen or CONTROL_IDS
+def _fixes() -> Iterator[Command[FixCommands]]:
+    """A command for each preset that ships."""
+    groups = [preset.group for preset in shipped_presets()]
+    starts = [False, *(one != other for one, other in pairwise(groups))]
+    for preset, starts_group in zip(shipped_presets(), starts, strict=True):
+        yield Command(
+            f"fix_{preset.id}",
+            preset.menu,
+            partial(FixCommands.apply, preset=preset),
+            (preset.key,) if preset.key else (),
+            preset.hint,
+            preset.icon,
+            starts_group=starts_group,
+        )
 
-    def _selection(self, what: str) -> tuple[float, float] | None:
-        selection = self._timeline.selection
-        if selection is None:
-            self.told.emit(f"Select a range of time first, to {what} it")
-        return selection
 
-    def copy(self, changes: bool) -> None:
-        """Keep what the face does in the selection, or only what the edits changed there."""
-        from faceedit_app.editing.help.clipboard import Copied, copy_range
-
-        session, selection = self._document.session, self._selection("copy")
-        if session is None or selection is None:
-            return
-        what = Copied.CHANGE if changes else Copied.CURVE
-        copied = copy_range(session, *selection, self._controls(), what)
-        if copied.is_empty:
-            self.told.emit("There are no changes in the selection")
-            return
-        self._clipboard = copied
-        self.told.emit(f"Copied {copied.seconds:.2f} s of {len(copied.curves)} curves")
-
-    def paste(self, mirrored: bool) -> None:
-        """Put what was copied at the playhead."""
-        copied = self._clipboard
-        if copied is None or self._document.session is None:
-            self.told.emit("Nothing was copied yet")
-            return
-        self._finish()
-        names = ("Pasted mirrored", "Paste mirrored") if mirrored else ("Pasted", "Paste")
-        self._put(copied.mirrored() if mirrored else copied, self._timeline.time, *names)
-
-    def mirror(self) -> None:
-        """Let left and right change places in the selection."""
-        from faceedit_app.editing.help.clipboard import Copied, copy_range
-
-        session, selection = self._document.session, self._selection("mirror")
-        if session is None or selection is None:
-            return
-        self._finish()
-        copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
-        self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
-
-    def _put(self, source: Clipboard, at: float, name: str, step: str) -> None:
-        edits = source.paste(at, self._timeline.falloff)
-        if edits:
-            self.add(tuple(replace(edit, name=name) for edit in edits), name, step)
+# fmt: off
+MENU: Menu[FixCommands] = Menu("Fix", (
+    *_fixes(),
+    Command("expression", "Smile or sad by a slider…", FixCommands.expression, ("Ctrl+0",),
+            "Set how happy the mouth is: in the selection, else in the whole take",
+            starts_group=True),
+    Command("presets", "My p&resets", fills=FixCommands.fill_presets),
+    Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
+            tip="Keep the edits of the selection under a name, to use them elsewhere"),
+    Command("next_problem", "&Next problem", lambda do: do.step(1), ("Down",),
+            "Go to the next place that is probably wrong", "down",
+            enabled=lambda do: bool(do.problems), starts_group=True),
+    Command("previous_problem", "Previous problem", lambda do: do.step(-1), ("Up",),
+            "Go to the place before that is probably wrong", "up",
+            enabled=lambda do: bool(do.problems)),
+    Command("fix_problem", "&Fix this problem", FixCommands.fix_problem, ("P",),
+            "Show what would mend the problem at the playhead, to accept or discard",
+            enabled=lambda do: do.problem is not None and bool(do.problem.fix)),
+    Command("fix_all", "Fix all problems", FixCommands.fix_all, ("Ctrl+Shift+P",),
+            "Show what would mend all problems, to accept or discard",
+            enabled=lambda do: any(problem.fix for problem in do.problems)),
+    Command("accept_fix", "Accept the proposal", FixCommands.accept, ("Return", "Enter"),
+            "Make the edits that are proposed", "tick", enabled=lambda do: do.has_proposal),
+    Command("discard_fix", "Discard the proposal", FixCommands.discard, (),
+            "Drop the edits that are proposed (Esc)", "close",
+            enabled=lambda do: do.has_proposal),
+))
+# fmt: on

@@ -1,109 +1,224 @@
-"""The View and Help menus, the tools, and what is done with the list of edits."""
+"""The View menu: what of the take is in view, how times are shown, and which face from where."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice
+from PySide6.QtGui import QGuiApplication, QImage
 
-from faceedit_app.ui.commands.help import about_dialog, shortcuts_dialog
-from faceedit_app.ui.edits.panel import EditsPanel
-from faceedit_app.ui.state.actions import Actions
-from faceedit_app.ui.state.clock import Clock, Unit
-from faceedit_app.ui.state.preferences import Store
-from faceedit_app.ui.state.tools import Tool, Tooling
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROLS
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.render import Aim
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state.actions import Command, Menu
+from faceedit_app.ui.state.clock import Unit
 
-if TYPE_CHECKING:
-    from faceedit_app.core.rig import Rig
-    from faceedit_app.ui.page.editor import Editor
+if TYPE_CHECKING:  # comes with the page, after the first paint
+    from faceedit_app.ui.face.pane import FacePane
+
+CAMERA = "Ca&mera"  # the menu inside the menu
+ZOOM = 0.7  # of the time in view, per step
+MARGIN = 0.1  # of the selection, on either side of it
 
 
 class ViewCommands:
-    """Acts on the page with the open take, once it is there.
+    """Acts on what is seen, never on the take."""
 
-    Args:
-        editor: that page.
-        rig: the character, once it is loaded.
-        finish: brings gestures elsewhere in the window to their end.
-        store: remembers what is chosen until the next start.
-    """
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace, self._timeline = workspace, workspace.timeline
 
-    def __init__(
-        self,
-        window: QWidget,
-        tooling: Tooling,
-        clock: Clock,
-        editor: Callable[[], Editor | None],
-        rig: Callable[[], Rig | None],
-        finish: Callable[[], None],
-        store: Store,
-    ) -> None:
-        self._window, self._tooling, self._clock = window, tooling, clock
-        self._editor, self._rig, self._finish = editor, rig, finish
-        self._store = store
+    @property
+    def face(self) -> FacePane | None:
+        """The picture of the face with its switches, once it is there."""
+        page = self._workspace.page
+        return page.face if page is not None else None
 
-    def handlers(self) -> dict[str, Callable[[], None]]:
-        """What to do for each of these `Command.id`s."""
-        return {
-            **{f"tool_{tool}": partial(self._tooling.choose, tool) for tool in Tool},
-            **{f"unit_{unit}": partial(self._clock.choose, unit) for unit in Unit},
-            "link": lambda: self._tooling.link(not self._tooling.linked),
-            "toggle_edit": self._on_edits(EditsPanel.toggle),
-            "rename_edit": self._on_edits(EditsPanel.rename),
-            "edit_up": self._on_edits(lambda edits: edits.bring(-1)),
-            "edit_down": self._on_edits(lambda edits: edits.bring(1)),
-            "delete_edit": self._on_edits(EditsPanel.delete),
-            "reset_camera": self._with(lambda editor: editor.face.viewport.reset_camera()),
-            "go_to": self._with(lambda editor: editor.transport.type_time()),
-            "focus_face": self._with(lambda editor: editor.face.viewport.setFocus()),
-            "show_edited": self._with(lambda editor: editor.face.set_tracked(False)),
-            "show_tracked": self._with(
-                lambda editor: editor.face.set_tracked(not editor.face.shows_tracked)
-            ),
-            "show_both": self._with(lambda editor: editor.face.show_both()),
-            "show_difference": self._with(self._toggle_difference),
-            "first_steps": self._with(lambda editor: editor.hints.begin()),
-            "shortcuts": lambda: shortcuts_dialog(self._window).show(),
-            "about": self._about,
-        }
+    # --- time --------------------------------------------------------------------------------
 
-    def _with(self, work: Callable[[Editor], None]) -> Callable[[], None]:
-        """Something to do with the page, once it is there."""
+    def fit_values(self) -> None:
+        """Let each value axis fit its curve again, as far as that is in view."""
+        if self._workspace.page is not None:
+            self._workspace.page.curves.fit_values()
 
-        def do() -> None:
-            editor = self._editor()
-            if editor is not None:
-                work(editor)
+    def fit(self) -> None:
+        """Show the selection if there is one that is not yet all there is to see."""
+        line = self._timeline
+        chosen = line.selection
+        if chosen is not None and chosen[1] > chosen[0]:
+            margin = MARGIN * (chosen[1] - chosen[0])
+            before = line.view
+            line.show_range(chosen[0] - margin, chosen[1] + margin)
+            if line.view != before:
+                return
+        line.show_range(0.0, line.duration)
 
-        return do
+    def zoom(self, factor: float) -> None:
+        """Scale the time in view around the playhead."""
+        self._timeline.zoom(factor, self._timeline.time)
 
-    def _on_edits(self, work: Callable[[EditsPanel], None]) -> Callable[[], None]:
-        """Something to do with the list of edits, when nothing else is in progress."""
+    @property
+    def unit(self) -> Unit:
+        """How times are shown."""
+        return self._timeline.clock.unit
 
-        def do(editor: Editor) -> None:
-            self._finish()
-            work(editor.edits)
+    def show_time_as(self, unit: Unit) -> None:
+        """Show times in another unit."""
+        self._timeline.clock.choose(unit)
 
-        return self._with(do)
+    # --- the face ----------------------------------------------------------------------------
 
-    def _toggle_difference(self, editor: Editor) -> None:
-        wanted = not editor.face.shows_difference
-        editor.face.show_difference(wanted)
-        self._store.set_difference(wanted)
+    def reset_camera(self) -> None:
+        """Look at the face from the front."""
+        if self.face is not None:
+            self.face.viewport.reset_camera()
+
+    def aim(self, aim: Aim) -> None:
+        """Point the camera at the face from a side, or at a part of it."""
+        if self.face is not None:
+            self.face.viewport.aim(aim)
+
+    def copy_picture(self) -> None:
+        """Put the picture of the face on the clipboard, as it is shown."""
+        if (picture := self._picture()) is not None:
+            QGuiApplication.clipboard().setImage(picture)
+            self._workspace.message.emit("Copied the picture of the face")
+
+    def save_picture(self) -> None:
+        """Save the picture of the face, as it is shown."""
+        workspace, frame = self._workspace, self._timeline.frame + 1
+        picture = self._picture()
+        if picture is None:
+            return
+        suggestion = workspace.suggest("picture", f"_frame_{frame}", ".png")
+        path = dialogs.ask_save_picture(workspace.window, suggestion)
+        if path is None:
+            return
+        try:
+            write_atomically(path, _png(picture))
+        except FaceEditError as error:
+            dialogs.show_error(workspace.window, error)
+            return
+        workspace.preferences.set_folder("picture", path.resolve().parent)
+        workspace.message.emit(f"Saved {path}")
+
+    def _picture(self) -> QImage | None:
+        return self.face.viewport.picture() if self.face is not None else None
+
+    @property
+    def has_picture(self) -> bool:
+        """Whether there is a picture of the face."""
+        return self.face is not None and self.face.viewport.can_draw
+
+    def show_edited(self) -> None:
+        """Show the face with the edits."""
+        if self.face is not None:
+            self.face.set_tracked(False)
+
+    def show_tracked(self) -> None:
+        """Show the face as tracked, or as edited again."""
+        if self.face is not None:
+            self.face.set_tracked(not self.face.shows_tracked)
+
+    def show_both(self) -> None:
+        """Show the tracked face beside the edited one."""
+        if self.face is not None:
+            self.face.show_both()
+
+    def show_difference(self) -> None:
+        """Tint the edited face where it differs from the tracked one, or no longer."""
+        if self.face is not None:
+            wanted = not self.face.shows_difference
+            self.face.show_difference(wanted)
+            self._workspace.preferences.set_difference(wanted)
 
     def glance(self, glancing: bool) -> None:
         """Show the tracked face while a key is held."""
-        editor = self._editor()
-        if editor is not None:
-            editor.face.glance(glancing)
+        if self.face is not None:
+            self.face.glance(glancing)
 
-    def show_unit(self, actions: Actions) -> None:
-        """Tick the unit that times are shown in."""
-        for unit in Unit:
-            actions[f"unit_{unit}"].setChecked(unit is self._clock.unit)
+    # --- the keyboard ------------------------------------------------------------------------
 
-    def _about(self) -> None:
-        rig = self._rig()
-        about_dialog(self._window, rig.attribution if rig is not None else "").show()
+    def focus_curve(self, index: int) -> None:
+        """Give the keyboard to a curve."""
+        if self._workspace.page is not None:
+            self._workspace.page.curves.focus_curve(index)
+
+    def focus_face(self) -> None:
+        """Give the keyboard to the face."""
+        if self.face is not None:
+            self.face.viewport.setFocus()
+
+
+def _png(picture: QImage) -> bytes:
+    data = QByteArray()
+    buffer = QBuffer(data)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    picture.save(buffer, "PNG")  # type: ignore[call-overload]  # PySide's hints ask for bytes
+    return bytes(data.data())
+
+
+def _shows_edited(do: ViewCommands) -> bool:
+    return do.face is None or not (do.face.shows_tracked or do.face.shows_both)
+
+
+# fmt: off
+MENU: Menu[ViewCommands] = Menu("View", (
+    Command("reset_camera", "&Reset camera", ViewCommands.reset_camera, ("0",),
+            "Look at the face from the front", "camera", needs_take=False),
+    Command("camera_left", "&Left side", lambda do: do.aim(Aim.LEFT), ("Shift+L",),
+            "Look at the character's left side", submenu=CAMERA),
+    Command("camera_right", "&Right side", lambda do: do.aim(Aim.RIGHT), ("Shift+R",),
+            "Look at the character's right side", submenu=CAMERA),
+    Command("camera_mouth", "&Mouth", lambda do: do.aim(Aim.MOUTH), ("Shift+M",),
+            "Look at the mouth from near", submenu=CAMERA),
+    Command("camera_eyes", "&Eyes", lambda do: do.aim(Aim.EYES), ("Shift+E",),
+            "Look at the eyes from near", submenu=CAMERA),
+    Command("fit", "&Zoom to fit", ViewCommands.fit, ("F",),
+            "Show the whole take, or the selection", "fit"),
+    Command("fit_values", "Fit &values", lambda do: do.fit_values(), ("Shift+F",),
+            "Let each value axis show what is in view"),
+    Command("zoom_in", "Zoom &in", lambda do: do.zoom(ZOOM), ("+", "="),
+            "Show less time around the playhead", "zoom_in"),
+    Command("zoom_out", "Zoom &out", lambda do: do.zoom(1 / ZOOM), ("-",),
+            "Show more time around the playhead", "zoom_out"),
+    Command("unit_seconds", "&Seconds", lambda do: do.show_time_as(Unit.SECONDS),
+            tip="Time in seconds", checked=lambda do: do.unit is Unit.SECONDS,
+            submenu="Show &time as"),
+    Command("unit_frames", "&Frames", lambda do: do.show_time_as(Unit.FRAMES),
+            tip="Time in frames, counted from 1", checked=lambda do: do.unit is Unit.FRAMES,
+            submenu="Show &time as"),
+    Command("unit_timecode", "&Timecode", lambda do: do.show_time_as(Unit.TIMECODE),
+            tip="Time as the recording tells it", checked=lambda do: do.unit is Unit.TIMECODE,
+            submenu="Show &time as"),
+    Command("show_edited", "Show &edited face", ViewCommands.show_edited,
+            tip="Show the face with your edits", checked=_shows_edited, starts_group=True),
+    Command("show_tracked", "Show &tracked face", ViewCommands.show_tracked, ("T",),
+            "Show the face as tracked instead of as edited; hold B for a glance",
+            checked=lambda do: do.face is not None and do.face.shows_tracked),
+    Command("show_both", "Show &both faces", ViewCommands.show_both, ("Shift+T",),
+            "Show the tracked face beside the edited one",
+            checked=lambda do: do.face is not None and do.face.shows_both),
+    Command("show_difference", "Show &difference", ViewCommands.show_difference, ("Ctrl+T",),
+            "Tint the edited face where and how far it is from the tracked one",
+            checked=lambda do: do.face is not None and do.face.shows_difference),
+    *(
+        Command(f"curve_{index + 1}", f"&{index + 1} {control.label}",
+                partial(ViewCommands.focus_curve, index=index),
+                (control.key,) if control.key else (),
+                f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")
+        for index, control in enumerate(CONTROLS)
+    ),
+    Command("focus_face", "Look around by &keys", ViewCommands.focus_face, ("9",),
+            "Give the keyboard to the face: arrows turn it, + and - zoom; Esc gives it back"),
+    Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,
+            tip="Put the picture of the face on the clipboard, as it is shown",
+            enabled=lambda do: do.has_picture, starts_group=True),
+    Command("save_picture", "Sa&ve picture…", ViewCommands.save_picture,
+            tip="Save the picture of the face as PNG, as it is shown",
+            enabled=lambda do: do.has_picture),
+))
+# fmt: on

@@ -109,11 +109,17 @@ class Header(QWidget):
         self.setFixedWidth(style.HEADER_WIDTH - style.AXIS_WIDTH)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.setAccessibleName(control.label)
+        self.show_missing("")
+
+    def show_missing(self, why: str) -> None:
+        """Disable the row and say why, or enable it again if `why` is empty."""
+        self.setEnabled(not why)
         self.setToolTip(
-            f"{control.hint}\nDouble click: enlarge small movements.\n"
+            why
+            or f"{self.control.hint}\nDouble click: enlarge small movements.\n"
             "Ctrl+click: choose several curves, to edit them together."
         )
-        self.setAccessibleName(control.label)
 
     def show_value(self, value: str, note: str = "") -> None:
         """Show the value at the playhead, and a remark on it."""

@@ -22,7 +22,7 @@ from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import Gesture, Press, begin, move
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tool, Tooling
+from faceedit_app.ui.state.tools import Tool, Tools
 
 # Seconds between two previews: a mouse can report a thousand moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016
@@ -49,12 +49,12 @@ class Interaction(QObject):
     def __init__(
         self,
         timeline: Timeline,
-        tooling: Tooling,
+        tools: Tools,
         edges: SelectionMouse,
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
-        self._timeline, self._tooling, self._edges = timeline, tooling, edges
+        self._timeline, self._tools, self._edges = timeline, tools, edges
         self.session: EditSession | None = None
         self.drag: Gesture | None = None
         self.plot: CurvePlot | None = None  # that the pointer is on, or that is dragged
@@ -98,7 +98,7 @@ class Interaction(QObject):
 
     def edited_from(self, control: str, one_side: bool = False) -> tuple[str, ...]:
         """The curves that a gesture on one of them edits."""
-        linked = self._tooling.linked and not one_side
+        linked = self._tools.linked and not one_side
         return moved_together(control, self.chosen, linked)
 
     # --- the mouse (see plot.CurveMouse) ----------------------------------------------------
@@ -146,7 +146,7 @@ class Interaction(QObject):
         self._enter(plot, pointer)
         edge = self._edges.edge_under(plot.current_scale, pointer.x)
         plot.view.setCursor(
-            Qt.CursorShape.SizeHorCursor if edge is not None else CURSORS[self._tooling.tool]
+            Qt.CursorShape.SizeHorCursor if edge is not None else CURSORS[self._tools.tool]
         )
         self.changed.emit()
 
@@ -196,7 +196,7 @@ class Interaction(QObject):
     def _begin(self, plot: CurvePlot, pointer: Pointer) -> None:
         time = self._timeline.snap(plot.current_scale.time_at(pointer.x))
         press = self._press(plot, time, (pointer.x, pointer.y), pointer.one_side)
-        self.drag = begin(self._tooling.tool, press, self._tooling.smooth)
+        self.drag = begin(self._tools.tool, press, self._tools.smooth)
         if self.drag.moving:
             self._show_edited_frame()
             self._preview_soon()

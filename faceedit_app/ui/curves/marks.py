@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span
@@ -128,7 +128,7 @@ def _stops(span: Span, first: float, last: float) -> list[tuple[float, float]]:
     """(position 0..1, strength 0..1) along one of a span's falloffs."""
     # The edit's own mask, so that the picture cannot tell another story than the result.
     ramp = np.linspace(0.0, 1.0, 7)
-    mask = span.edit(CONTROL_IDS[:1], Op.OFFSET).mask(first + ramp * (last - first))
+    mask = span.edit((LIP_OPENING,), Op.OFFSET).mask(first + ramp * (last - first))
     return [(float(p), float(s)) for p, s in zip(ramp, mask, strict=True)]
 
 

@@ -24,7 +24,7 @@ from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
 from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tool, Tooling
+from faceedit_app.ui.state.tools import Tool, Tools
 
 _APART = 0.05  # mm between two lines from which on the header mentions it
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
@@ -59,17 +59,18 @@ class CurvesPanel(QWidget):
     time_menu_asked = Signal(QPoint)
 
     def __init__(
-        self, timeline: Timeline, tooling: Tooling | None = None, parent: QWidget | None = None
+        self, timeline: Timeline, tools: Tools | None = None, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.timeline = timeline
-        self.tooling = tooling or Tooling(self)
+        self.tools = tools or Tools(self)
         self.session: EditSession | None = None
+        self._impossible: dict[str, str] | None = None  # why, by control; None = not shown yet
         self._width = 0.0  # seconds in view
         self._curves: VisibleCurves | None = None
         self._columns = 0  # of the screen's dots
         self._edges = SelectionMouse(timeline, self)
-        self._mouse = Interaction(timeline, self.tooling, self._edges, self)
+        self._mouse = Interaction(timeline, self.tools, self._edges, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
         self.range_bar = RangeBar(timeline, self._edges)
         self.fields = RangeFields(timeline, self._edges)
@@ -126,7 +127,7 @@ class CurvesPanel(QWidget):
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
         self.timeline.falloff_changed.connect(self._show_state)
-        self.tooling.changed.connect(self._show_state)
+        self.tools.changed.connect(self._show_state)
         self._edges.moved.connect(self.reshaped)
         self._edges.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
@@ -192,13 +193,29 @@ class CurvesPanel(QWidget):
         for plot in self.plots:
             plot.show_gaps(gaps)
             plot.values_chosen = plot.close_up = False
+        self._show_impossible_curves()
         self._width = 0.0
         self._show_view()
+
+    def _show_impossible_curves(self) -> None:
+        """Curves that the character or the take cannot have take no mouse, and say why."""
+        why: dict[str, str] = {}
+        if self.session is not None:
+            why = {control: str(lack) for control, lack in self.session.lacks.items()}
+            why |= dict.fromkeys(self.session.rig.missing_controls, self.session.rig.missing_note)
+        if why == self._impossible:
+            return
+        self._impossible = why
+        for plot, header in zip(self.plots, self.headers, strict=True):
+            reason = why.get(plot.control.id, "")
+            plot.setEnabled(not reason)
+            header.show_missing(reason)
 
     def refresh(self) -> None:
         """The session's arrays changed: draw them; axes fit once no gesture is in progress."""
         if self._curves is not None:
             self._curves.refresh()
+        self._show_impossible_curves()  # networks that arrive know better what a take can do
         self._show_lines()
         self._fit_axes()
         self._show_state()
@@ -337,7 +354,7 @@ class CurvesPanel(QWidget):
             return f"Falloff {seconds:.2f} s (wheel) · Shift fine · Ctrl snap · Esc cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
-        return _IDLE_HINTS[self.tooling.tool]
+        return _IDLE_HINTS[self.tools.tool]
 
 
 def _note(tracked: float, asked: float, face: float) -> str:

@@ -30,7 +30,7 @@ _LIVE_MS = 40
 _LIVE_COST = 0.1  # seconds; when an answer takes longer, it waits for the end of the gesture
 
 
-class MoodDialog(QDialog):
+class ExpressionDialog(QDialog):
     """Sad at the left, smiling at the right; the face follows.
 
     Args:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt
+from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QListView,
-    QMenu,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -24,7 +23,7 @@ from faceedit_app.ui.edits.delegate import EditsDelegate
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.look.theme import GAP, MARGIN
-from faceedit_app.ui.look.widgets import caption, icon_button
+from faceedit_app.ui.look.widgets import caption, context_menu, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -41,7 +40,13 @@ MENU = ("toggle_edit", "rename_edit", "edit_up", "edit_down", "delete_edit")
 
 
 class EditsPanel(QWidget):
-    """List and strength; the edit that is selected shows its range on the curves."""
+    """List and strength; the edit that is selected shows its range on the curves.
+
+    Signals:
+        selected(): perhaps other edits are selected.
+    """
+
+    selected = Signal()
 
     def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
@@ -245,8 +250,7 @@ class EditsPanel(QWidget):
 
     def _sync(self) -> None:
         row = self.current
-        for name in MENU:
-            self._actions[name].setEnabled(row is not None)
+        self.selected.emit()
         self.strength.setEnabled(row is not None)
         if self.strength.isSliderDown():
             return
@@ -351,7 +355,5 @@ class EditsPanel(QWidget):
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """What can be done with the edit under the pointer."""
         if self.current is not None:
-            menu = QMenu(self)
-            menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-            menu.addActions([self._actions[name] for name in MENU])
+            menu = context_menu(self, [self._actions[name] for name in MENU])
             menu.popup(event.globalPos())

@@ -15,7 +15,7 @@ _LENGTH, _BAR = 116, 8  # pixels
 _PAD = 6
 
 
-class Legend(QWidget):
+class DifferenceLegend(QWidget):
     """A bar of the tint's colours, from 0 mm to where it is full."""
 
     def __init__(self, parent: QWidget) -> None:

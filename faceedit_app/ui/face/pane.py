@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPoint, QRect, Qt
-from PySide6.QtGui import QAction, QResizeEvent
+from PySide6.QtCore import QPoint, QRect, Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
+from faceedit_app.render import Aim
 from faceedit_app.ui.face.viewport import Viewport
 from faceedit_app.ui.look.theme import GAP, MARGIN
-from faceedit_app.ui.look.widgets import icon_button, segments
+from faceedit_app.ui.look.widgets import context_menu, icon_button, segments
+from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
+MENU = (
+    ("reset_camera", *(f"camera_{aim}" for aim in Aim if aim is not Aim.FRONT), "focus_face"),
+    ("show_edited", "show_tracked", "show_both", "show_difference"),
+    ("copy_picture", "save_picture"),
+)
+
 
 class FacePane(QWidget):
-    """Shows the frame under the playhead, as edited or as tracked."""
+    """Shows the frame under the playhead, as edited or as tracked.
 
-    def __init__(
-        self,
-        document: Document,
-        timeline: Timeline,
-        show_edited: QAction,
-        show_tracked: QAction,
-        show_both: QAction,
-        show_difference: QAction,
-        reset_camera: QAction,
-    ) -> None:
+    Signals:
+        switched(): another face, a tint, or none is shown.
+    """
+
+    switched = Signal()
+
+    def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
-        self._document, self._timeline = document, timeline
-        self._show_edited, self._show_tracked = show_edited, show_tracked
-        self._show_both, self._show_difference = show_both, show_difference
+        self._actions, self._document, self._timeline = actions, document, timeline
         self._tracked, self._glancing, self._both = False, False, False
         self._difference = False
         self.viewport = Viewport(self)
@@ -39,19 +42,24 @@ class FacePane(QWidget):
         self._overlay = QWidget(self)
         row = QHBoxLayout(self._overlay)
         row.setContentsMargins(MARGIN, MARGIN, MARGIN, 0)
-        which = segments((show_edited, "Edited"), (show_tracked, "Tracked"), (show_both, "Both"))
+        which = segments(
+            (actions["show_edited"], "Edited"),
+            (actions["show_tracked"], "Tracked"),
+            (actions["show_both"], "Both"),
+        )
         row.addWidget(which)
         row.addStretch()
-        camera = icon_button(reset_camera)
+        camera = icon_button(actions["reset_camera"])
         row.addWidget(camera)
         self._switches = (which, camera)
         self.viewport.covered_by = (*self._switches, self.viewport.legend)
         # Only its buttons take the mouse: the face between them can be turned.
         self._overlay.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+        self.viewport.opened.connect(self.switched)
+        self.viewport.menu_asked.connect(self._show_menu)
         timeline.playhead_moved.connect(self.refresh)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
-        self._sync()
 
     @property
     def shows_tracked(self) -> bool:
@@ -61,7 +69,7 @@ class FacePane(QWidget):
     def set_tracked(self, tracked: bool) -> None:
         """Show the face as tracked, or as edited."""
         self._tracked, self._both = tracked, False
-        self._sync()
+        self._switched()
 
     @property
     def shows_both(self) -> bool:
@@ -71,7 +79,7 @@ class FacePane(QWidget):
     def show_both(self) -> None:
         """Show the face as tracked beside the edited one."""
         self._tracked, self._both = False, True
-        self._sync()
+        self._switched()
 
     @property
     def shows_difference(self) -> bool:
@@ -83,18 +91,15 @@ class FacePane(QWidget):
         self._difference = wanted
         if wanted:
             self._tracked = False
-        self._sync()
+        self._switched()
 
     def glance(self, glancing: bool) -> None:
         """Show the face as tracked for as long as a key is held."""
         self._glancing = glancing
-        self._sync()
+        self._switched()
 
-    def _sync(self) -> None:
-        self._show_tracked.setChecked(self.shows_tracked)
-        self._show_edited.setChecked(not (self.shows_tracked or self.shows_both))
-        self._show_both.setChecked(self.shows_both)
-        self._show_difference.setChecked(self._difference)
+    def _switched(self) -> None:
+        self.switched.emit()
         self.refresh()
 
     def refresh(self) -> None:
@@ -111,6 +116,11 @@ class FacePane(QWidget):
                 beside=tracked if self.shows_both else None,
                 against=tracked if compares else None,
             )
+
+    def _show_menu(self, at: QPoint) -> None:
+        """What can be done with the face."""
+        groups = [[self._actions[name] for name in group] for group in MENU]
+        context_menu(self, *groups).popup(at)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the switches at the top, and the legend between or below them."""

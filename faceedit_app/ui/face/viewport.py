@@ -1,4 +1,4 @@
-"""The picture of the face: camera by mouse, drawn only when something changed."""
+"""The view of the face: the picture on the screen, drawn when something changed; the mouse."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import time
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, cast
 
-import numpy as np
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QCloseEvent,
     QColor,
+    QContextMenuEvent,
     QFocusEvent,
     QImage,
     QKeyEvent,
@@ -24,21 +24,18 @@ from PySide6.QtGui import (
     QResizeEvent,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QLabel, QSizePolicy, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QSizePolicy, QWidget
 
-from faceedit_app import render
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.render.difference import tint_of
+from faceedit_app.render import Aim, Camera
 from faceedit_app.ui.face.camera_keys import moved_by_key
-from faceedit_app.ui.face.difference_legend import Legend
-from faceedit_app.ui.look.palette import ACCENT, BORDER, PANEL, TEXT
+from faceedit_app.ui.face.difference_legend import DifferenceLegend
+from faceedit_app.ui.face.face_picture import FacePicture, Size, paint_names
+from faceedit_app.ui.look.palette import ACCENT, PANEL
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from faceedit_app.core.arrays import Floats
     from faceedit_app.core.rig import Rig
-    from faceedit_app.render import FaceRenderer
 
 IDLE_MS = 150  # after so long without a change the picture is drawn with smooth edges
 ORBIT = 0.008  # radians per pixel
@@ -53,7 +50,14 @@ class Viewport(QWidget):
 
     Drawing happens in `paintEvent`, so any number of changes in one turn of the event loop
     costs one picture, and a hidden viewport costs none.
+
+    Signals:
+        opened(): there is a face to see, or no longer.
+        menu_asked(QPoint): for a context menu, at a place of the screen.
     """
+
+    opened = Signal()
+    menu_asked = Signal(QPoint)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -66,18 +70,12 @@ class Viewport(QWidget):
         self._note.setObjectName("caption")
         # The remedy is a command to be copied.
         self._note.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.legend = Legend(self)
-        self._rig: Rig | None = None
-        self._renderer: FaceRenderer | None = None
-        self._weights: Floats | None = None
-        self._beside: Floats | None = None
-        self._against: Floats | None = None
-        self._camera = render.Camera()
-        self._is_home = True
-        self._image: QImage | None = None
-        self._buffer: NDArray[np.uint8] | None = None
-        self._stale, self._smooth, self._hurried = True, True, False
-        self._scale = 1.0
+        self.legend = DifferenceLegend(self)
+        self._picture = FacePicture()
+        self._aim: Aim | None = Aim.FRONT  # None once the user has turned the view
+        self._stale, self._smooth = True, True
+        self._scale = 1.0  # of a rough picture's pixels
+        self._pressed: QPointF | None = None  # where a press was that moved nothing yet
         self._grabbed: QPointF | None = None
         self._idle = QTimer(self, singleShot=True, interval=IDLE_MS)
         self._idle.timeout.connect(self._refine)
@@ -96,20 +94,15 @@ class Viewport(QWidget):
 
     def open(self, rig: Rig) -> None:
         """Start drawing a character; where that is impossible, say why instead."""
-        self.close_renderer()
-        if self._rig is not None and self._rig is not rig:
-            # Another character's weights mean nothing here.
-            self._weights = self._beside = self._against = None
-        self._rig = rig
         self.legend.open(rig)
         try:
-            width, height = self._pixels()
-            self._renderer = render.open_renderer(rig, width, height)
+            self._picture.open(rig, self._pixels())
             self._say("")
         except FaceEditError as error:
             self._say(str(error))
         self._explain()
         self.reset_camera()
+        self.opened.emit()
 
     @property
     def message(self) -> str:
@@ -123,7 +116,7 @@ class Viewport(QWidget):
     @property
     def can_draw(self) -> bool:
         """Whether there is a face to see."""
-        return self._renderer is not None
+        return self._picture.can_draw
 
     def show_weights(
         self,
@@ -137,20 +130,21 @@ class Viewport(QWidget):
             beside: of a second face, at the left of the first and seen from the same side.
             against: of a face that the first is tinted by its distance from.
         """
-        was_pair = self._beside is not None
-        self._weights, self._beside, self._against = weights, beside, against
+        was_pair = self._picture.is_pair
+        self._picture.show(weights, beside, against)
         self._explain()
-        if was_pair is not (beside is not None) and self._is_home:
-            self.reset_camera()
+        if was_pair is not self._picture.is_pair:
+            self._frame()
         self.redraw()
 
     def _explain(self) -> None:
         """Say what the tint means while there is one."""
-        self.legend.setVisible(self._against is not None and self.can_draw)
+        self.legend.setVisible(self._picture.is_tinted and self.can_draw)
 
     def redraw(self) -> None:
         """Draw soon: roughly now, smoothly when nothing has changed for a moment."""
-        self._stale, self._smooth, self._hurried = True, False, False
+        self._stale, self._smooth = True, False
+        self._picture.forget_begun()
         self._idle.start()
         self.update(self._uncovered())
 
@@ -169,48 +163,31 @@ class Viewport(QWidget):
 
     def hurry(self) -> None:
         """Have the picture drawn while the rest of the window is painted, not after it."""
-        if not self._stale or self._smooth or self._beside is not None or not self.isVisible():
-            return
-        if self._renderer is None or self._rig is None:
-            return
-        with contextlib.suppress(Exception):  # painting meets it again, and says so
-            self._renderer.resize(*self._picture_size())
-            vertices, tint = self._first(self._rig)
-            self._renderer.begin(vertices, self._camera, smooth=False, tint=tint)
-            self._hurried = True
-
-    def _picture_size(self) -> tuple[int, int]:
-        scale = 1.0 if self._smooth else self._scale
-        width, height = (max(1, round(n * scale)) for n in self._pixels())
-        return width, height
-
-    def _first(self, rig: Rig) -> tuple[Floats, Floats | None]:
-        """The vertices (V, 3) of the face and, where it is tinted, by how much (V,)."""
-        vertices = rig.neutral if self._weights is None else rig.vertices(self._weights)
-        if self._against is None:
-            return vertices, None
-        return vertices, tint_of(vertices, rig.vertices(self._against))
-
-    def reset_camera(self) -> None:
-        """Look from the front again."""
-        if self._rig is not None:
-            self._camera = render.default_camera(self._rig, self._aspect())
-        self._is_home = True
-        self.redraw()
-
-    @property
-    def camera(self) -> render.Camera:
-        """Where the face is looked at from."""
-        return self._camera
+        if self._stale and not self._smooth and self.isVisible():
+            with contextlib.suppress(Exception):  # painting meets it again, and says so
+                self._picture.begin(self._picture_size())
 
     def close_renderer(self) -> None:
         """Free the graphics memory."""
-        renderer, self._renderer = self._renderer, None
-        self._image = self._buffer = None
-        if renderer is not None:
-            with contextlib.suppress(Exception):  # a context that is lost cannot be freed
-                renderer.close()
+        self._picture.close()
         self._explain()
+        self.opened.emit()
+
+    def picture(self) -> QImage | None:
+        """A copy of what is shown, with the names and the legend upon it; None without a face."""
+        self._stale = self._smooth = True
+        self._draw()
+        if self._picture.image is None:
+            return None
+        image = self._picture.image.copy()
+        image.setDevicePixelRatio(self.devicePixelRatioF())
+        with QPainter(image) as painter:
+            painter.setFont(self.font())
+            if self._picture.is_pair:
+                paint_names(painter, self.rect())
+            if not self.legend.isHidden():
+                painter.drawPixmap(self.legend.pos(), self.legend.grab())
+        return image
 
     # --- drawing -----------------------------------------------------------------------------
 
@@ -230,61 +207,30 @@ class Viewport(QWidget):
             painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
 
     def _paint_picture(self, painter: QPainter) -> None:
-        if self._image is not None:
-            if self._image.size() == QSize(*self._pixels()):
-                painter.drawImage(self.rect(), self._image)  # pixel by pixel
-            else:
-                painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
-                painter.drawImage(QRectF(self.rect()), self._image)
-            if self._beside is not None:
-                self._paint_names(painter)
+        image = self._picture.image
+        if image is None:
+            painter.fillRect(self.rect(), QColor(PANEL))
             return
-        painter.fillRect(self.rect(), QColor(PANEL))
-
-    def _paint_names(self, painter: QPainter) -> None:
-        """Which of two faces is which."""
-        half, height = self.width() // 2, self.height()
-        painter.fillRect(half, 0, 1, height, QColor(BORDER))
-        painter.setPen(QColor(TEXT))
-        for x, name in ((0, "Tracked"), (half, "Edited")):
-            room = QRect(x, height - 34, half, 24)
-            painter.drawText(room, Qt.AlignmentFlag.AlignCenter, name)
-
-    def _faces(self, renderer: FaceRenderer, rig: Rig, size: tuple[int, int]) -> NDArray[np.uint8]:
-        """(H, W, 4) the picture: one face, or two beside each other."""
-        if self._hurried and self._beside is None and not self._smooth:
-            self._hurried = False
-            return renderer.finish()
-        width, height = size
-        shown = [self._first(rig)]
-        if self._beside is not None:
-            shown.insert(0, (rig.vertices(self._beside), None))
-        renderer.resize(max(width // len(shown), 1), height)
-        pictures = []
-        for vertices, tint in shown:
-            pixels = renderer.draw(vertices, self._camera, smooth=self._smooth, tint=tint)
-            if len(shown) == 1:
-                return pixels
-            pictures.append(pixels.copy())  # the renderer may draw the next one into it
-        return np.ascontiguousarray(np.concatenate(pictures, axis=1))
+        if image.size() == QSize(*self._pixels()):
+            painter.drawImage(self.rect(), image)  # pixel by pixel
+        else:
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+            painter.drawImage(QRectF(self.rect()), image)
+        if self._picture.is_pair:
+            paint_names(painter, self.rect())
 
     def _draw(self) -> None:
-        if self._renderer is None or self._rig is None:
+        if not self.can_draw:
             return
         began = time.perf_counter()
         try:
-            pixels = self._faces(self._renderer, self._rig, self._picture_size())
+            self._picture.draw(self._picture_size(), self._smooth)
         except Exception as error:  # drivers and PyOpenGL raise all kinds
             logging.getLogger("faceedit").warning("drawing failed", exc_info=True)
             self.close_renderer()
             known = isinstance(error, FaceEditError)
             self._say(str(error) if known else f"The face cannot be drawn: {error}")
             return
-        self._buffer = pixels  # the image is a view of it
-        height, width = pixels.shape[:2]
-        self._image = QImage(
-            pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
-        )
         self._stale = False
         self.draws += 1
         if not self._smooth:
@@ -292,9 +238,8 @@ class Viewport(QWidget):
         self._spare.start()
 
     def _prepare(self) -> None:
-        if self._renderer is not None and not self._hurried:
-            with contextlib.suppress(Exception):  # painting meets it again, and says so
-                self._renderer.prepare()
+        with contextlib.suppress(Exception):  # painting meets it again, and says so
+            self._picture.prepare()
 
     def _adapt(self, seconds: float) -> None:
         """Trade resolution for speed while things move, on computers that draw slowly."""
@@ -310,26 +255,55 @@ class Viewport(QWidget):
         self._stale = self._smooth = True
         self.update()
 
-    def _pixels(self) -> tuple[int, int]:
+    def _pixels(self) -> Size:
         ratio = self.devicePixelRatioF()
         return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
 
-    def _aspect(self) -> float:
-        faces = 1 if self._beside is None else 2
-        return self.width() / faces / max(1, self.height())
+    def _picture_size(self) -> Size:
+        scale = 1.0 if self._smooth else self._scale
+        width, height = (max(1, round(n * scale)) for n in self._pixels())
+        return width, height
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the framing until the user has chosen another one."""
         self._note.setGeometry(self.rect().adjusted(32, 48, -32, -32))
-        if self._is_home:
-            self.reset_camera()
+        self._frame()
         self.redraw()
 
     # --- camera ------------------------------------------------------------------------------
 
+    @property
+    def camera(self) -> Camera:
+        """Where the face is looked at from."""
+        return self._picture.camera
+
+    def reset_camera(self) -> None:
+        """Look from the front again."""
+        self.aim(Aim.FRONT)
+
+    def aim(self, aim: Aim) -> None:
+        """Point the camera, and keep it framed until the user turns the view."""
+        self._aim = aim
+        self._frame()
+        self.redraw()
+
+    def _frame(self) -> None:
+        if self._aim is not None:
+            self._picture.aim(self._aim, self.width() / max(1, self.height()))
+
+    def _look(self, camera: Camera) -> None:
+        self._picture.camera, self._aim = camera, None
+        self.redraw()
+
+    def _metres(self) -> float:
+        """Of a pixel, at the face."""
+        return self.camera.distance * 0.39 / max(1, self.height())
+
+    # --- mouse -------------------------------------------------------------------------------
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Grab the view."""
-        self._grabbed = event.position()
+        self._grabbed = self._pressed = event.position()
         self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -338,38 +312,51 @@ class Viewport(QWidget):
             self.let_go()
         if self._grabbed is None:
             return
+        if self._is_click(event.position()) and event.buttons() & Qt.MouseButton.RightButton:
+            return  # it may become a click, for the menu
+        self._pressed = None
         moved = event.position() - self._grabbed
         self._grabbed = event.position()
         if event.buttons() & Qt.MouseButton.LeftButton:
-            self._look(self._camera.orbit(-moved.x() * ORBIT, moved.y() * ORBIT))
+            self._look(self.camera.orbit(-moved.x() * ORBIT, moved.y() * ORBIT))
         elif event.buttons():
             metres = self._metres()
-            self._look(self._camera.pan(-moved.x() * metres, moved.y() * metres))
+            self._look(self.camera.pan(-moved.x() * metres, moved.y() * metres))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let go of the view."""
+        """Let go of the view; a click with the right button asks for the menu."""
+        clicked = self._is_click(event.position())
         if not event.buttons():
             self.let_go()
+        if clicked and event.button() == Qt.MouseButton.RightButton:
+            self.menu_asked.emit(event.globalPosition().toPoint())
+
+    def _is_click(self, at: QPointF) -> bool:
+        """Whether nothing was dragged since the press."""
+        near = QApplication.startDragDistance()
+        return self._pressed is not None and (at - self._pressed).manhattanLength() < near
 
     def let_go(self) -> None:
         """The view is no longer turned."""
-        self._grabbed = None
+        self._grabbed = self._pressed = None
         self.unsetCursor()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """The menu by its key; that of the mouse comes with the release, as a drag may follow."""
+        if event.reason() != QContextMenuEvent.Reason.Mouse:
+            self.menu_asked.emit(self.mapToGlobal(self.rect().center()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Back to the front."""
-        self.reset_camera()
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.reset_camera()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom."""
         notches = event.angleDelta().y() / 120
         if notches:
-            self._look(self._camera.zoom(ZOOM_STEP**notches))
+            self._look(self.camera.zoom(ZOOM_STEP**notches))
         event.accept()
-
-    def _metres(self) -> float:
-        """Of a pixel, at the face."""
-        return self._camera.distance * 0.39 / max(1, self.height())
 
     # --- keys --------------------------------------------------------------------------------
 
@@ -378,7 +365,7 @@ class Viewport(QWidget):
         if (
             event.type() == QEvent.Type.ShortcutOverride
             and isinstance(event, QKeyEvent)
-            and moved_by_key(self._camera, event, self._metres()) is not None
+            and moved_by_key(self.camera, event, self._metres()) is not None
         ):
             event.accept()
             return True
@@ -386,7 +373,7 @@ class Viewport(QWidget):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Look around: see `camera_keys`."""
-        camera = moved_by_key(self._camera, event, self._metres())
+        camera = moved_by_key(self.camera, event, self._metres())
         if camera is not None:
             self._look(camera)
         else:
@@ -401,10 +388,6 @@ class Viewport(QWidget):
         """And that it has not."""
         super().focusOutEvent(event)
         self.update()
-
-    def _look(self, camera: render.Camera) -> None:
-        self._camera, self._is_home = camera, False
-        self.redraw()
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Free what the picture is drawn with."""

@@ -40,6 +40,11 @@ class GestureSlider(QSlider):
         self._is_dropped = self.isSliderDown()
         self.setSliderDown(False)
 
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """A new drag; the release of a dropped one may have been lost to another window."""
+        self._is_dropped = False
+        super().mousePressEvent(event)
+
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Bring the handle along, unless its drag was dropped."""
         if not self._is_dropped:

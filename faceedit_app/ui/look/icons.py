@@ -1,30 +1,50 @@
-"""Our own icons: strokes and shapes on a 16 by 16 grid, drawn sharp at any scale."""
+"""The icons: the SVG files in `icons/`, drawn in the window's colours and sharp on every screen.
+
+Each is drawn on a grid of 16 by 16 units in `currentColor`, which becomes the colour asked for.
+`faceedit.svg` is the application's own icon, in colours of its own.
+"""
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QIcon, QPainter, QPainterPath, QPen, QPixmap
+from functools import cache
+from pathlib import Path
 
-from faceedit_app.ui.look.drawings import DRAWINGS, GRID, Drawing
-from faceedit_app.ui.look.palette import ACCENT, BACKGROUND, FAINT, ORANGE, TEXT
+from PySide6.QtCore import QByteArray, Qt
+from PySide6.QtGui import QGuiApplication, QIcon, QPainter, QPixmap
+from PySide6.QtSvg import QSvgRenderer
 
-_SCALES = (1.0, 1.25, 1.5, 2.0, 3.0)
-_STROKE = 1.5
-APP_GRID = 64
+from faceedit_app.ui.look.palette import FAINT, TEXT
+
+SIZE = 16  # of an icon on a button, in units of the window
+APP_ICON = "faceedit"
+_FOLDER = Path(__file__).parent / "icons"
+_APP_SIZES = (16, 24, 32, 48, 64, 128, 256)
 
 
 def icon(name: str, color: str = TEXT) -> QIcon:
     """The icon of that name, with a paler one for disabled controls."""
     out = QIcon()
     for mode, ink in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, FAINT)):
-        for scale in _SCALES:
-            out.addPixmap(_pixmap(DRAWINGS[name], ink, scale), mode)
+        for ratio in _ratios():
+            out.addPixmap(picture(name, ink, SIZE, ratio), mode)
     return out
 
 
 def picture(name: str, color: str, size: int, ratio: float) -> QPixmap:
-    """The icon at another size than the usual, for a screen with `ratio` pixels per unit."""
-    pixmap = _pixmap(DRAWINGS[name], color, size * ratio / GRID)
+    """The icon of that name as a picture.
+
+    Args:
+        name: of its file, without the ending.
+        color: of what is drawn in `currentColor`.
+        size: width and height in units of the window.
+        ratio: pixels of the screen per unit.
+    """
+    pixmap = QPixmap(round(size * ratio), round(size * ratio))
+    pixmap.fill(Qt.GlobalColor.transparent)
+    with QPainter(pixmap) as painter:
+        QSvgRenderer(QByteArray(_source(name).replace("currentColor", color).encode())).render(
+            painter
+        )
     pixmap.setDevicePixelRatio(ratio)
     return pixmap
 
@@ -32,50 +52,21 @@ def picture(name: str, color: str, size: int, ratio: float) -> QPixmap:
 def app_icon() -> QIcon:
     """FaceEdit's own icon."""
     out = QIcon()
-    for size in (16, 24, 32, 48, 64, 128, 256):
-        pixmap = QPixmap(size, size)
-        pixmap.fill(Qt.GlobalColor.transparent)
-        painter = QPainter(pixmap)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.scale(size / APP_GRID, size / APP_GRID)
-        paint_app_icon(painter)
-        painter.end()
-        out.addPixmap(pixmap)
+    for size in _APP_SIZES:
+        out.addPixmap(picture(APP_ICON, "", size, 1.0))
     return out
 
 
-def paint_app_icon(painter: QPainter) -> None:
-    """A curve, its edit, and the point that is dragged, on a grid of `APP_GRID` units."""
-    painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(QColor(BACKGROUND))
-    painter.drawRoundedRect(QRectF(2, 2, 60, 60), 14, 14)
-    painter.setBrush(Qt.BrushStyle.NoBrush)
-    for color, lift in ((FAINT, 0.0), (ACCENT, 20.0)):
-        path = QPainterPath(QPointF(8, 44))
-        path.cubicTo(24, 44, 22, 36 - lift, 32, 36 - lift)
-        path.cubicTo(42, 36 - lift, 40, 44, 56, 44)
-        pen = QPen(QColor(color), 5)
-        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-        painter.setPen(pen)
-        painter.drawPath(path)
-    painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(QColor(ORANGE))
-    painter.drawEllipse(QPointF(32, 16), 6.5, 6.5)
+def icon_file(name: str) -> Path:
+    """The file of an icon."""
+    return _FOLDER / f"{name}.svg"
 
 
-def _pixmap(drawing: Drawing, color: str, scale: float) -> QPixmap:
-    pixmap = QPixmap(round(GRID * scale), round(GRID * scale))
-    pixmap.fill(Qt.GlobalColor.transparent)
-    filled, stroked = QPainterPath(), QPainterPath()
-    drawing(filled, stroked)
-    painter = QPainter(pixmap)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.scale(scale, scale)
-    painter.fillPath(filled, QColor(color))
-    pen = QPen(QColor(color), _STROKE)
-    pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-    pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
-    painter.strokePath(stroked, pen)
-    painter.end()
-    pixmap.setDevicePixelRatio(scale)
-    return pixmap
+@cache
+def _source(name: str) -> str:
+    return icon_file(name).read_text(encoding="utf-8")
+
+
+def _ratios() -> list[float]:
+    """Pixels per unit of all screens, so that none of them shows an icon scaled."""
+    return sorted({1.0, 2.0, *(screen.devicePixelRatio() for screen in QGuiApplication.screens())})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QAction, QColor, QKeyEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import (
@@ -9,12 +11,13 @@ from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
+    QMenu,
     QSizePolicy,
     QToolButton,
     QWidget,
 )
 
-from faceedit_app.ui.look.drawings import GRID
+from faceedit_app.ui.look.icons import SIZE
 from faceedit_app.ui.look.palette import FAINT, TEXT
 from faceedit_app.ui.look.theme import GAP, MARGIN
 
@@ -103,7 +106,7 @@ def icon_button(action: QAction, name: str = "icon", text: str = "") -> QToolBut
         action.setIconText(text)
     button.setObjectName(name)
     button.setDefaultAction(action)
-    button.setIconSize(QSize(GRID, GRID))
+    button.setIconSize(QSize(SIZE, SIZE))
     style = Qt.ToolButtonStyle
     button.setToolButtonStyle(style.ToolButtonTextBesideIcon if text else style.ToolButtonIconOnly)
     button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -120,6 +123,17 @@ def caption(text: str, buddy: QWidget | None = None) -> QLabel:
         label.setToolTip(buddy.toolTip())
         buddy.setAccessibleName(text)
     return label
+
+
+def context_menu(parent: QWidget, *groups: Iterable[QAction]) -> QMenu:
+    """A menu of actions, with lines between the groups, that is gone when it is closed."""
+    menu = QMenu(parent)
+    menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    for group in groups:
+        if not menu.isEmpty():
+            menu.addSeparator()
+        menu.addActions(list(group))
+    return menu
 
 
 def divider() -> QFrame:

@@ -14,7 +14,7 @@ from faceedit_app.formats.timing import format_time
 from faceedit_app.ui.look.palette import MUTED, PANEL
 from faceedit_app.ui.look.theme import MARGIN
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class Screen(QWidget):
     arrived = Signal(int)
     broken = Signal(object)
 
-    def __init__(self, media: Media, timeline: Timeline, parent: QWidget | None = None) -> None:
+    def __init__(self, media: TakeMedia, timeline: Timeline, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._media, self._timeline = media, timeline
         self._projector: Projector | None = None
@@ -154,7 +154,7 @@ class Screen(QWidget):
 class FilmPane(QWidget):
     """The screen, and under it what is shown and where it begins. Hidden without a film."""
 
-    def __init__(self, media: Media, timeline: Timeline) -> None:
+    def __init__(self, media: TakeMedia, timeline: Timeline) -> None:
         super().__init__()
         self._media = media
         self.screen_ = Screen(media, timeline)

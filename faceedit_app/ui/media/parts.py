@@ -8,10 +8,9 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QMenu, QSizePolicy, QToolButton
 
-from faceedit_app.ui.look.drawings import GRID
-from faceedit_app.ui.look.icons import icon
+from faceedit_app.ui.look.icons import SIZE, icon
 from faceedit_app.ui.look.palette import MUTED
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
 _LEAST = 48  # pixels below which a name is not begun
@@ -80,7 +79,7 @@ class Name(QLabel):
 
 
 def placing_actions(
-    menu: QMenu, media: Media, move: Callable[[float], None], timeline: Timeline
+    menu: QMenu, media: TakeMedia, move: Callable[[float], None], timeline: Timeline
 ) -> None:
     """The places that a sound or a film is put to by one click."""
 
@@ -100,6 +99,6 @@ def remove_button(what: str) -> QToolButton:
     button.setToolTip(f"Remove {what}")
     button.setAccessibleName(f"Remove {what}")
     button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-    button.setIconSize(QSize(GRID, GRID))
+    button.setIconSize(QSize(SIZE, SIZE))
     button.setFixedSize(26, 26)
     return button

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.errors import Unavailable
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.timeline import Timeline
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from faceedit_app.media.sound import Sound
 
 
-class Sounding(QObject):
+class SoundPlayer(QObject):
     """The voice of playback. Where there is no sound device, playback goes on in silence.
 
     Signals:
@@ -29,7 +29,7 @@ class Sounding(QObject):
     settled = Signal()
 
     def __init__(
-        self, media: Media, timeline: Timeline, playback: Playback, background: Background
+        self, media: TakeMedia, timeline: Timeline, playback: Playback, background: Background
     ) -> None:
         super().__init__(media)
         self._media, self._timeline, self._playback = media, timeline, playback

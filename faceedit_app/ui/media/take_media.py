@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.editing.edits.media import Media as Kept
-from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.formats.timecode import time_of_day
 from faceedit_app.media import beside
 from faceedit_app.ui.state.background import Background
@@ -42,9 +41,9 @@ class Placed(Generic[Item]):
     offset: float
 
     @property
-    def kept(self) -> Kept:
+    def kept(self) -> MediaFile:
         """What a project keeps of it."""
-        return Kept(self.path, self.offset)
+        return MediaFile(self.path, self.offset)
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class _Found:
     errors: tuple[FaceEditError, ...]
 
 
-class Media(QObject):
+class TakeMedia(QObject):
     """Holds at most one sound and one film, reads them in the background and places them.
 
     A film brings its own sound, unless a sound file is there. Sound and picture of one film are
@@ -72,7 +71,7 @@ class Media(QObject):
         placed(): an offset changed.
         turned(): the film is mirrored, or no longer.
         acted(): a gesture of the user's is over: something was added, removed or put elsewhere.
-        told(str): something went well, for the status bar.
+        message(str): something went well, for the status bar.
         failed(object): a FaceEditError about a file that the user named.
         missed(object): a FaceEditError about a file that was found or remembered.
     """
@@ -82,7 +81,7 @@ class Media(QObject):
     placed = Signal()
     turned = Signal()
     acted = Signal()
-    told = Signal(str)
+    message = Signal(str)
     failed = Signal(object)
     missed = Signal(object)
 
@@ -94,7 +93,7 @@ class Media(QObject):
         self.base = Placement()
         self.is_held = self.mirrored = False
         # What is wanted and is not there, or not yet: it must not be lost by saving.
-        self._kept: dict[Kind, Kept] = {}
+        self._kept: dict[Kind, MediaFile] = {}
         self._began: float | None = None
         self._found = ""  # what to say when all is read
         self._job = 0  # what is read for an earlier take is not wanted any more
@@ -104,7 +103,7 @@ class Media(QObject):
     def placement(self) -> Placement:
         """Which sound and film there are, or are still being read, and where."""
 
-        def kept(kind: Kind, placed: Placed[Any] | None) -> Kept | None:
+        def kept(kind: Kind, placed: Placed[Any] | None) -> MediaFile | None:
             return self._kept.get(kind) if placed is None else placed.kept
 
         return Placement(kept("sound", self.sound), kept("film", self.film))
@@ -126,7 +125,9 @@ class Media(QObject):
         sound, film = beside(take.absolute())
         found = [path for path in (film, sound) if path is not None]
         heard = sound or film
-        self.base = Placement(Kept(heard) if heard else None, Kept(film) if film else None)
+        self.base = Placement(
+            MediaFile(heard) if heard else None, MediaFile(film) if film else None
+        )
         self.show(self.base if placement is None else placement, placement is None)
         if found and placement is None:
             names = " and ".join(path.name for path in found)
@@ -143,7 +144,7 @@ class Media(QObject):
                 and what cannot be read was not wanted.
         """
         new: dict[Kind, Placed[Any] | None] = {"sound": self.sound, "film": self.film}
-        unread: list[tuple[Kind, Kept]] = []
+        unread: list[tuple[Kind, MediaFile]] = []
         for kind in KINDS:
             want, there = getattr(wanted, kind), new[kind]
             if getattr(self.placement, kind) == want:
@@ -169,7 +170,7 @@ class Media(QObject):
 
     # --- read --------------------------------------------------------------------------------
 
-    def _read(self, kind: Kind, entry: Kept, beside_take: bool) -> None:
+    def _read(self, kind: Kind, entry: MediaFile, beside_take: bool) -> None:
         """Bring a wanted file, unless it is wanted no more when it has been read."""
         path, job = entry.path, self._job
         if not path.is_file():
@@ -218,7 +219,7 @@ class Media(QObject):
         for kind in KINDS:
             entry = getattr(self.base, kind)
             if entry is not None and entry.path == path:
-                self.base = replace(self.base, **{kind: Kept(path, offset)})
+                self.base = replace(self.base, **{kind: MediaFile(path, offset)})
 
     def _by_clock(self, item: Film | Sound) -> float:
         """Where film or sound begins in the take if both tell the time of day, else at 0."""
@@ -239,7 +240,7 @@ class Media(QObject):
     def _tell(self) -> None:
         """What is there now, when the last file is read."""
         if not self.pending and self._found:
-            self.told.emit(self._found)
+            self.message.emit(self._found)
             self._found = ""
 
     def _run(
@@ -267,7 +268,7 @@ class Media(QObject):
     def add(self, path: Path) -> None:
         """Read a file that the user named; what is in it takes the place of its like at once."""
         path, job = path.absolute(), self._job
-        self.told.emit(f"Opening {path.name}…")
+        self.message.emit(f"Opening {path.name}…")
 
         def read() -> _Found:
             has_sound, has_film = _contents(path)
@@ -287,7 +288,7 @@ class Media(QObject):
                 self.failed.emit(error)
             if found.film is not None or found.sound is not None:
                 self._add(path, found)
-                self.told.emit(f"Added {path.name}")
+                self.message.emit(f"Added {path.name}")
                 self.acted.emit()
 
         self._run(read, done, self.failed.emit)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 
 from faceedit_app.editing.edits.media import Placement, describe_change
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.document import Document
 
 if TYPE_CHECKING:  # the window is there before the solver is imported
@@ -19,7 +19,7 @@ _NUMBERS = "offset"  # merge key: the arrows and wheel ticks of an offset's numb
 class MediaSteps(QObject):
     """Takes the media's placement to the session, and brings the session's back to the media."""
 
-    def __init__(self, document: Document, media: Media) -> None:
+    def __init__(self, document: Document, media: TakeMedia) -> None:
         super().__init__(document)
         self._document, self._media = document, media
         self._is_previewed = False  # a drag of ours is what the session previews

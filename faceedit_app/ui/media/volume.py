@@ -10,16 +10,16 @@ from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.look.palette import MUTED
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import icon_button
-from faceedit_app.ui.media.sound_player import Sounding
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.sound_player import SoundPlayer
+from faceedit_app.ui.media.take_media import TakeMedia
 
 
 class Volume(QWidget):
     """Stands in the transport."""
 
-    def __init__(self, mute: QAction, media: Media, sounding: Sounding) -> None:
+    def __init__(self, mute: QAction, media: TakeMedia, sound_player: SoundPlayer) -> None:
         super().__init__()
-        self._media, self._sounding, self._mute = media, sounding, mute
+        self._media, self._sound_player, self._mute = media, sound_player, mute
         self._tip = mute.toolTip()
         self._icons = {False: icon("sound"), True: icon("muted", MUTED)}
         self.button = icon_button(mute)
@@ -30,22 +30,22 @@ class Volume(QWidget):
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.slider.setAccessibleName("Volume")
         self.slider.setToolTip("Volume of the take's sound")
-        self.slider.valueChanged.connect(lambda value: sounding.set_volume(value / 100))
+        self.slider.valueChanged.connect(lambda value: sound_player.set_volume(value / 100))
         row = QHBoxLayout(self)
         row.setContentsMargins(GAP, 0, 0, 0)
         row.setSpacing(2)
         row.addWidget(self.button)
         row.addWidget(self.slider)
         media.sound_changed.connect(self._show)
-        sounding.changed.connect(self._show)
+        sound_player.changed.connect(self._show)
         self._show()
 
     def _show(self) -> None:
-        sounding = self._sounding
+        sound_player = self._sound_player
         self.setVisible(self._media.sound is not None)
-        silent = sounding.muted or sounding.volume == 0 or bool(sounding.problem)
+        silent = sound_player.muted or sound_player.volume == 0 or bool(sound_player.problem)
         self._mute.setIcon(self._icons[silent])
-        self._mute.setToolTip(sounding.problem or self._tip)
-        self.slider.setEnabled(not sounding.problem)
+        self._mute.setToolTip(sound_player.problem or self._tip)
+        self.slider.setEnabled(not sound_player.problem)
         with QSignalBlocker(self.slider):
-            self.slider.setValue(round(100 * sounding.volume))
+            self.slider.setValue(round(100 * sound_player.volume))

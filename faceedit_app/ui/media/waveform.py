@@ -22,14 +22,14 @@ from faceedit_app.ui.curves.gestures import Pan, Span
 from faceedit_app.ui.curves.paint import turn_wheel
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
-HEIGHT = 58  # pixels of the strip
+HEIGHT = 58  # pixels of the row
 FINE = 0.1  # of the pointer's way, with Shift
 _INK = "#8fb3a6"  # of the waveform: none of the curves' colours
-_LOUD = 0.99  # share of the sound that fits into the strip's height
-_QUIETEST = 0.05  # of full: a sound with less is not blown up to fill the strip
+_LOUD = 0.99  # share of the sound that fits into the row's height
+_QUIETEST = 0.05  # of full: a sound with less is not blown up to fill the row
 _TIP = (
     "The take's sound. Drag to scrub.\n"
     "Alt+drag moves it in time, with Shift ten times finer; so does the number at the left."
@@ -39,7 +39,7 @@ _TIP = (
 class Waveform(QWidget):
     """The sound's loudness over the visible time; scrubs as the ruler does."""
 
-    def __init__(self, media: Media, timeline: Timeline, parent: QWidget | None = None) -> None:
+    def __init__(self, media: TakeMedia, timeline: Timeline, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._media, self._timeline = media, timeline
         self._drag: Pan | None = None
@@ -215,7 +215,7 @@ class Waveform(QWidget):
         sound_menu(self, self._media, self._timeline).popup(event.globalPos())
 
 
-def sound_menu(parent: QWidget, media: Media, timeline: Timeline) -> QMenu:
+def sound_menu(parent: QWidget, media: TakeMedia, timeline: Timeline) -> QMenu:
     """Place the sound, or remove it."""
     menu = QMenu(parent)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -225,10 +225,10 @@ def sound_menu(parent: QWidget, media: Media, timeline: Timeline) -> QMenu:
     return menu
 
 
-class SoundStrip(QWidget):
+class SoundRow(QWidget):
     """The waveform with its head; as wide as the plots and theirs. Hidden without a sound."""
 
-    def __init__(self, media: Media, timeline: Timeline) -> None:
+    def __init__(self, media: TakeMedia, timeline: Timeline) -> None:
         super().__init__()
         self._media = media
         self.name = Name()
@@ -256,7 +256,7 @@ class SoundStrip(QWidget):
         row.addWidget(head)
         row.addWidget(self.waveform, 1)
         self.setFixedHeight(HEIGHT + 2 * style.ROW_GAP)
-        self.setObjectName("sound_strip")
+        self.setObjectName("sound_row")
         media.sound_changed.connect(self._show)
         media.placed.connect(self._show)
         self._show()

@@ -1,4 +1,4 @@
-"""The page with an open take: strip, curves and face side by side, transport."""
+"""The page with an open take: settings, curves and face side by side, transport."""
 
 from __future__ import annotations
 
@@ -15,22 +15,23 @@ from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.face.pane import FacePane
 from faceedit_app.ui.media.film_pane import FilmPane
-from faceedit_app.ui.media.sound_player import Sounding
-from faceedit_app.ui.media.take_media import Media
+from faceedit_app.ui.media.sound_player import SoundPlayer
+from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
-from faceedit_app.ui.media.waveform import SoundStrip
+from faceedit_app.ui.media.waveform import SoundRow
+from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.proposal_bar import ProposalBar
-from faceedit_app.ui.page.settings_bar import SettingsStrip
+from faceedit_app.ui.page.settings_bar import SettingsBar
 from faceedit_app.ui.page.toolbar import ToolBar
 from faceedit_app.ui.page.transport import Transport
 from faceedit_app.ui.state.actions import Actions
-from faceedit_app.ui.state.background_solving import Solving
+from faceedit_app.ui.state.background_solving import BackgroundSolving
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tooling
+from faceedit_app.ui.state.tools import Tools
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
 _SIDE = (560, 170)  # of the height beside the curves: face, edits
@@ -45,73 +46,67 @@ class Editor(QWidget):
         document: Document,
         timeline: Timeline,
         playback: Playback,
-        tooling: Tooling,
-        media: Media,
-        sounding: Sounding,
+        tools: Tools,
+        media: TakeMedia,
+        sound_player: SoundPlayer,
     ) -> None:
         super().__init__()
         self._document, self._timeline, self._playback = document, timeline, playback
-        self.strip = SettingsStrip(actions, document)
-        self.tools = ToolBar(actions, tooling)
-        self.curves = CurvesPanel(timeline, tooling)
-        self.face = FacePane(
-            document,
-            timeline,
-            actions["show_edited"],
-            actions["show_tracked"],
-            actions["show_both"],
-            actions["show_difference"],
-            actions["reset_camera"],
-        )
-        self.transport = Transport(actions, timeline, playback)
-        self.transport.extras.addWidget(Volume(actions["mute"], media, sounding))
-        self.panes = QSplitter(Qt.Orientation.Horizontal)
-        self.panes.setChildrenCollapsible(False)
-        self.panes.setHandleWidth(6)
-        self.sound = SoundStrip(media, timeline)
-        self.panes.addWidget(_stacked(self.curves, self.sound))
-        self.problems = ProblemsBar(document, timeline)
+        self.settings_bar = SettingsBar(actions, document)
+        self.tool_bar = ToolBar(actions, tools)
         self.proposal = ProposalBar(actions, document)
+        self.curves = CurvesPanel(timeline, tools)
+        self.problems = ProblemsBar(document, timeline)
         self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
-        self.edits = EditsPanel(actions, document, timeline)
-        self.side = QSplitter(Qt.Orientation.Vertical)
-        self.side.setChildrenCollapsible(False)
-        self.side.setHandleWidth(6)
+        self.sound = SoundRow(media, timeline)
         self.film = FilmPane(media, timeline)
-        self.stage = QSplitter(Qt.Orientation.Horizontal)
-        self.stage.setChildrenCollapsible(False)
-        self.stage.setHandleWidth(6)
-        self.stage.addWidget(self.film)
-        self.stage.addWidget(self.face)
-        self.side.addWidget(self.stage)
-        self.side.addWidget(self.edits)
+        self.face = FacePane(actions, document, timeline)
+        self.edits = EditsPanel(actions, document, timeline)
+        self.transport = Transport(actions, timeline, playback)
+        self.transport.extras.addWidget(Volume(actions["mute"], media, sound_player))
+        self.solving = BackgroundSolving(document, timeline, self)
+        self._lay_out()
+        self.hints = HintLayer(self, self._first_steps())
+        self._connect(actions)
+
+    def _lay_out(self) -> None:
+        self.stage = _splitter(Qt.Orientation.Horizontal, self.film, self.face)
+        self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.edits)
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)
-        self.panes.addWidget(self.side)
+        self.panes = _splitter(
+            Qt.Orientation.Horizontal, _stacked(self.curves, self.sound), self.side
+        )
         self.panes.setSizes(_SHARES)
         self.panes.setStretchFactor(0, 3)
         self.panes.setStretchFactor(1, 2)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
-        column.addWidget(self.strip)
+        column.addWidget(self.settings_bar)
         # A proposal lies over the tools: below them it would push curves and face about.
         row = QGridLayout()
-        row.addWidget(self.tools, 0, 0)
+        row.addWidget(self.tool_bar, 0, 0)
         row.addWidget(self.proposal, 0, 0)
         column.addLayout(row)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
-        self.hints = HintLayer(self, self._first_steps())
-        self.solving = Solving(document, timeline, self)
-        self.solving.advanced.connect(self._previewed)
-        self.solving.finished.connect(self._solved)
+
+    def _connect(self, actions: Actions) -> None:
+        document = self._document
         document.changed.connect(self.curves.refresh)
-        self.edits.reshaping = lambda: self.curves.is_reshaping
         document.previewed.connect(self._previewed)
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
         self.curves.fields.left.connect(document.seal)
+        self.edits.reshaping = lambda: self.curves.is_reshaping
+        self.solving.advanced.connect(self._previewed)
+        self.solving.finished.connect(self._solved)
+        self.edits.selected.connect(actions.refresh)
+        self.problems.found.connect(actions.refresh)
+        self.proposal.toggled.connect(actions.refresh)
+        self.face.switched.connect(actions.refresh)
+        connect_menus(self.curves, actions)
 
     def _first_steps(self) -> tuple[Step, ...]:
         return (
@@ -127,7 +122,7 @@ class Editor(QWidget):
                 "Close lips, Blink and Smile are one click. Marks under the curves show lips that"
                 " stay open, half blinks and shaking: press ↓ to go to the next one and P to see"
                 " the fix before you accept it.",
-                (self.tools,),
+                (self.tool_bar,),
             ),
             Step(
                 "3  Change your mind, then export",
@@ -148,7 +143,7 @@ class Editor(QWidget):
         self.transport.set_clip(clip)
         self.problems.restart()
         self.solving.watch()
-        self.strip.sync()
+        self.settings_bar.sync()
         self.edits.refresh()
         self.face.refresh()
 
@@ -156,7 +151,7 @@ class Editor(QWidget):
         """Esc: no more hints, no drag of a slider, nothing proposed; False if there was none."""
         return (
             self.hints.finish()
-            or self.strip.cancel()
+            or self.settings_bar.cancel()
             or self.edits.cancel()
             or self.proposal.discard()
         )
@@ -170,7 +165,7 @@ class Editor(QWidget):
 
     def settle(self) -> None:
         """Bring gestures on the sliders to their end."""
-        self.strip.settle()
+        self.settings_bar.settle()
         self.edits.settle()
 
     def _previewed(self) -> None:
@@ -186,7 +181,7 @@ class Editor(QWidget):
     def _solved(self) -> None:
         """All of a wide edit is computed."""
         self._previewed()
-        self.strip.sync()
+        self.settings_bar.sync()
 
     def _reshape(self) -> None:
         """The edges of the selected edit are its range's."""
@@ -204,3 +199,13 @@ def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
     column.addWidget(stretched, 1)
     column.addWidget(fixed)
     return box
+
+
+def _splitter(orientation: Qt.Orientation, *parts: QWidget) -> QSplitter:
+    """Parts that share their room as the user wants."""
+    splitter = QSplitter(orientation)
+    splitter.setChildrenCollapsible(False)
+    splitter.setHandleWidth(6)
+    for part in parts:
+        splitter.addWidget(part)
+    return splitter

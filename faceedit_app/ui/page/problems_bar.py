@@ -136,6 +136,12 @@ class ProblemsBar(QWidget):
             counts[problem.kind] += 1
         return "\n".join(f"{n} × {NAMES[kind]}" for kind, n in counts.items() if n)
 
+    @property
+    def current_problem(self) -> Problem | None:
+        """The one under the playhead."""
+        known = self.current is not None and self.current < len(self.problems)
+        return self.problems[self.current] if known and self.current is not None else None
+
     def step(self, by: int) -> int | None:
         """The problem after or before the playhead; past the last comes the first."""
         if not self.problems:
@@ -257,7 +263,7 @@ class ProblemsHead(QWidget):
 
     def __init__(self, actions: Actions, bar: ProblemsBar) -> None:
         super().__init__()
-        self._actions, self._bar = actions, bar
+        self._bar = bar
         self.count = QLabel()
         self.count.setObjectName("caption")
         self.count.setFont(style.scaled_font(self, 0.88))
@@ -274,17 +280,11 @@ class ProblemsHead(QWidget):
 
     def sync(self) -> None:
         """Show what was found."""
-        problems, current = self._bar.problems, self._bar.current
-        count = len(problems)
+        count = len(self._bar.problems)
         words = "problem" if count == 1 else "problems"
         none = "No problems" if self._bar.is_searched else "Looking …"
         self.count.setText(f"{count} {words}" if count else none)
         self.count.setToolTip(self._bar.summary)
-        for name in ("previous_problem", "next_problem"):
-            self._actions[name].setEnabled(bool(problems))
-        fixable = current is not None and current < count and bool(problems[current].fix)
-        self._actions["fix_problem"].setEnabled(fixable)
-        self._actions["fix_all"].setEnabled(any(problem.fix for problem in problems))
 
 
 def _middle(problem: Problem) -> float:

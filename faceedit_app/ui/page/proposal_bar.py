@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout
 
 from faceedit_app.ui.look.theme import GAP, MARGIN
@@ -17,11 +18,17 @@ if TYPE_CHECKING:
 
 
 class ProposalBar(QFrame):
-    """Curves and face show what is proposed; any other gesture drops it."""
+    """Curves and face show what is proposed; any other gesture drops it.
+
+    Signals:
+        toggled(): something is proposed, or no longer.
+    """
+
+    toggled = Signal()
 
     def __init__(self, actions: Actions, document: Document) -> None:
         super().__init__()
-        self._actions, self._document = actions, document
+        self._document = document
         self._showing = False  # what is previewed now is ours
         self._name = ""
         self.setObjectName("proposal")
@@ -48,7 +55,7 @@ class ProposalBar(QFrame):
         self._name = name
         self.text.setText(text)
         self.text.setToolTip(text)
-        self._enable(True)
+        self._show(True)
         self._showing = True
         self._document.preview(*edits)
         self._showing = False
@@ -77,9 +84,8 @@ class ProposalBar(QFrame):
             self.discard()
 
     def _close(self) -> None:
-        self._enable(False)
+        self._show(False)
 
-    def _enable(self, is_open: bool) -> None:
+    def _show(self, is_open: bool) -> None:
         self.setVisible(is_open)
-        for name in ("accept_fix", "discard_fix"):
-            self._actions[name].setEnabled(is_open)
+        self.toggled.emit()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.formats.timing import counted
@@ -12,7 +11,6 @@ from faceedit_app.ui.page.setting_slider import SettingSlider
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 
-_LONGEST_NAME = 40  # letters of a step's name in the menu
 PRESERVE_TIP = (
     "Preserve the take: only what your edits reach changes,\n"
     "every other frame stays exactly as recorded."
@@ -31,15 +29,12 @@ REACH_TIP = (
 )
 
 
-class SettingsStrip(QWidget):
+class SettingsBar(QWidget):
     """Undo, redo, reset; mode, naturalness and reach; how much was edited."""
 
     def __init__(self, actions: Actions, document: Document) -> None:
         super().__init__()
         self._document, self._actions = document, actions
-        modes = QActionGroup(self)  # one of the two is always checked
-        for mode in ("preserve", "resynthesize"):
-            modes.addAction(actions[mode])
         actions["preserve"].setToolTip(PRESERVE_TIP)
         actions["resynthesize"].setToolTip(RESYNTHESIZE_TIP)
         self.sliders = (
@@ -92,28 +87,9 @@ class SettingsStrip(QWidget):
 
     def sync(self) -> None:
         """Show what the open take is answered by."""
-        session = self._document.session
-        self._actions["undo"].setEnabled(session is not None and session.can_undo)
-        self._actions["redo"].setEnabled(session is not None and session.can_redo)
-        self._name("undo", "" if session is None else session.undo_name)
-        self._name("redo", "" if session is None else session.redo_name)
-        has_edits = session is not None and bool(session.edits)
-        for name in ("reset_range", "reset_curve"):
-            self._actions[name].setEnabled(has_edits)
-        resynthesizes = session is not None and session.settings.mode == "resynthesize"
-        self._actions["preserve"].setChecked(not resynthesizes)
-        self._actions["resynthesize"].setChecked(resynthesizes)
         for slider in self.sliders:
             slider.sync()
         self._count()
-
-    def _name(self, command: str, step: str) -> None:
-        """Say in the menu which step Undo or Redo is about, if there is one."""
-        step = " ".join(step.split())  # users name edits as they like, and a tab is a column here
-        if len(step) > _LONGEST_NAME:
-            step = step[: _LONGEST_NAME - 1].rstrip() + "…"
-        text = f"&{command.capitalize()} {step.replace('&', '&&')}"
-        self._actions[command].setText(text.rstrip())
 
     def _count(self) -> None:
         session, text = self._document.session, ""

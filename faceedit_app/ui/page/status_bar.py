@@ -13,7 +13,7 @@ from faceedit_app.formats.timing import counted, format_rate, format_time, gap_n
 _DOT = "   ·   "
 
 
-class StatusLine(QStatusBar):
+class StatusBar(QStatusBar):
     """Facts at the left, the state of the networks at the right.
 
     Signals:

@@ -43,7 +43,6 @@ class Transport(QWidget):
         timeline.playhead_moved.connect(self._show_time)
         timeline.clock.changed.connect(self._show_unit)
         playback.playing_changed.connect(lambda playing: self._play.setIcon(self._icons[playing]))
-        playback.loop_changed.connect(actions["loop"].setChecked)
         self.set_clip(None)
 
     def _lay_out(self, actions: Actions) -> None:

@@ -1,40 +1,18 @@
-"""Opens the window."""
+"""Opens the window and keeps it open."""
 
 from __future__ import annotations
 
-import gc
 import os
 import signal
-import sys
 from pathlib import Path
 
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from faceedit_app import __version__
-from faceedit_app.ui.look.theme import apply_theme
-from faceedit_app.ui.start import crash
+from faceedit_app.ui.start import crash, smoke
+from faceedit_app.ui.start.application import application, keep_for_good
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.preferences import Store
-
-
-def application() -> QApplication:
-    """The one Qt application of this process, dressed."""
-    existing = QApplication.instance()
-    app = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])
-    app.setApplicationName("FaceEdit")
-    app.setApplicationVersion(__version__)
-    app.setDesktopFileName("faceedit")
-    apply_theme(app)
-    return app
-
-
-def keep_for_good() -> None:
-    """Take what the start has made out of Python's search for garbage: it lives to the end.
-
-    The search stops the window, for 40 ms where all modules are looked through, else for 10.
-    """
-    gc.freeze()
+from faceedit_app.ui.state.preferences import Preferences
 
 
 def run(take: Path | None, demo: bool = False) -> int:
@@ -50,12 +28,10 @@ def run(take: Path | None, demo: bool = False) -> int:
     app = application()
     crash.install()
     _quit_on_interrupt(app)
-    window = MainWindow(Store())
+    window = MainWindow(Preferences())
     window.settled.connect(keep_for_good)
     window.after_first_paint(lambda: window.start(take, demo))
-    if folder := os.environ.get("FACEEDIT_SMOKE"):  # a test of an installed FaceEdit
-        from faceedit_app.ui.start import smoke
-
+    if folder := os.environ.get(smoke.VARIABLE):
         smoke.play(window, Path(folder))
     window.show()
     return app.exec()

@@ -6,19 +6,17 @@ import os
 import tempfile
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-import numpy as np
+from PySide6.QtCore import QSettings
+from PySide6.QtWidgets import QApplication
 
-from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.errors import FileError, Unavailable
-
-if TYPE_CHECKING:
-    from PySide6.QtWidgets import QApplication
-
-    from faceedit_app.editing.edits.edit import Edit
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.editing.session import EditSession
+from faceedit_app.render.snapshot import snapshot, write_png
+from faceedit_app.ui.start.application import application
+from faceedit_app.ui.start.sample_edit import sample_edit
+from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.preferences import Preferences
 
 SIZE = (1440, 900)
 FACE_SIZE = (800, 900)
@@ -45,8 +43,6 @@ def run_headless(output: Path) -> list[Path]:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(output, f"cannot be made ({reason})", "choose another folder") from error
-    from faceedit_app.ui.start.app import application
-
     app = application()
     with tempfile.TemporaryDirectory() as folder:
         window = _open_window(Path(folder) / "settings.ini")
@@ -57,12 +53,7 @@ def run_headless(output: Path) -> list[Path]:
 
 
 def _open_window(settings: Path) -> MainWindow:
-    from PySide6.QtCore import QSettings
-
-    from faceedit_app.ui.start.window import MainWindow
-    from faceedit_app.ui.state.preferences import Store
-
-    window = MainWindow(Store(QSettings(str(settings), QSettings.Format.IniFormat)))
+    window = MainWindow(Preferences(QSettings(str(settings), QSettings.Format.IniFormat)))
     window.resize(*SIZE)
     window.show()
     window.open_demo_now()
@@ -87,18 +78,6 @@ def _work(app: QApplication, window: MainWindow, output: Path) -> list[Path]:
     return [take, edits, *written]
 
 
-def sample_edit(session: EditSession) -> Edit:
-    """Opens the mouth wider at an ordinary moment in the middle of the take."""
-    from faceedit_app.editing.edits.edit import Edit, Op
-
-    times = session.take.clip.times
-    opening = session.tracked[:, CONTROL_INDEX[LIP_OPENING]]
-    inner = slice(len(times) // 4, max(3 * len(times) // 4, len(times) // 4 + 1))
-    ordinary = int(np.argmin(np.abs(opening[inner] - np.median(opening))))
-    moment = float(times[inner][ordinary])
-    return Edit((LIP_OPENING,), Op.OFFSET, moment - 0.15, moment + 0.15, 0.25, 10.0)
-
-
 def _grab(app: QApplication, window: MainWindow, path: Path) -> Path:
     until = time.monotonic() + _IDLE
     while time.monotonic() < until:
@@ -110,8 +89,6 @@ def _grab(app: QApplication, window: MainWindow, path: Path) -> Path:
 
 
 def _face(session: EditSession, frame: int, path: Path) -> list[Path]:
-    from faceedit_app.render.snapshot import snapshot, write_png
-
     try:
         write_png(path, snapshot(session.rig, session.rig_weights(frame), *FACE_SIZE))
     except Unavailable:

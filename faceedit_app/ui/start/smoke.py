@@ -17,7 +17,7 @@ from PySide6.QtCore import QEvent, QObject, QTimer
 from PySide6.QtWidgets import QApplication
 
 from faceedit_app import __version__
-from faceedit_app.ui.start.headless import sample_edit
+from faceedit_app.ui.start.sample_edit import sample_edit
 from faceedit_app.ui.start.window import MainWindow
 
 VARIABLE = "FACEEDIT_SMOKE"

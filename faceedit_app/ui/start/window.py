@@ -2,53 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QTimer, Signal
-from PySide6.QtGui import (
-    QCloseEvent,
-    QShowEvent,
-)
+from PySide6.QtGui import QCloseEvent, QShowEvent
 from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import DEMO_TAKE, shipped
+from faceedit_app.core.rig import Rig
 from faceedit_app.media import is_media
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.commands.edit import EditCommands
-from faceedit_app.ui.commands.file import DEMO, FileCommands
-from faceedit_app.ui.commands.fix import FixCommands
-from faceedit_app.ui.commands.media import MediaCommands
-from faceedit_app.ui.commands.project import ProjectCommands
-from faceedit_app.ui.commands.view import ViewCommands
+from faceedit_app.ui.commands.menus import Commands
+from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.icons import app_icon
-from faceedit_app.ui.media.sound_player import Sounding
-from faceedit_app.ui.media.take_media import Media
-from faceedit_app.ui.media.undo import MediaSteps
 from faceedit_app.ui.page.banner import Banner
 from faceedit_app.ui.page.keys import KeyArbiter
 from faceedit_app.ui.page.start_page import StartPage
-from faceedit_app.ui.page.status_bar import StatusLine
+from faceedit_app.ui.page.status_bar import StatusBar
+from faceedit_app.ui.start.recovery import offer_recovery
 from faceedit_app.ui.start.window_base import WindowBase
-from faceedit_app.ui.state import background as loading
+from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.actions import Actions
-from faceedit_app.ui.state.document import Document
-from faceedit_app.ui.state.playback import Playback
-from faceedit_app.ui.state.preferences import Store
-from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tooling
+from faceedit_app.ui.state.preferences import Preferences
 
-if TYPE_CHECKING:
-    from faceedit_app.core.rig import Rig
+if TYPE_CHECKING:  # both bring much along; the window is there before them
     from faceedit_app.networks.engine import Engine
-    from faceedit_app.ui.curves import CurvesPanel
     from faceedit_app.ui.page.editor import Editor
 
 _FIRST_SIZE = (1440, 900)
-_TOLD_MS = 6000
+_MESSAGE_MS = 6000
 
 
 class MainWindow(WindowBase):
@@ -60,82 +45,26 @@ class MainWindow(WindowBase):
 
     settled = Signal()
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, preferences: Preferences) -> None:
         super().__init__()
-        self._store = store
-        self._rig: Rig | None = None
-        self._face_wanted = False
-        self._journal_note = ""  # that was told
-        self.editor: Editor | None = None
-        self.document = Document(self)
-        self.timeline = Timeline(self)
-        self.playback = Playback(self.timeline, parent=self)
-        self.tooling = Tooling(self)
-        self._background = loading.Background(self)
-        self.files = FileCommands(self, self.document, store, self._background)
-        self.edits = EditCommands(
-            self.document,
-            self.timeline,
-            self.playback,
-            self._curves,
-            self._settle,
-            lambda: self.editor is not None and self.editor.drop(),
-        )
-        self.fixes = FixCommands(
-            self, self.document, self.timeline, lambda: self.editor, self.edits.finish
-        )
-        self.views = ViewCommands(
-            self,
-            self.tooling,
-            self.timeline.clock,
-            lambda: self.editor,
-            lambda: self._rig,
-            self.edits.finish,
-            store,
-        )
-        self.media = Media(self._background, self)
-        self.media_steps = MediaSteps(self.document, self.media)
-        self.sounding = Sounding(self.media, self.timeline, self.playback, self._background)
-        self.media_commands = MediaCommands(self, self.media, self.sounding, store)
-        self.projects = ProjectCommands(
-            self, self.document, self.timeline, self.media, self.files, self._background, store
-        )
-        self.actions_ = Actions(self, self._handlers())
+        self.workspace = workspace = Workspace(self, preferences)
+        self.document, self.timeline = workspace.document, workspace.timeline
+        self.playback, self.tools = workspace.playback, workspace.tools
+        self.media, self.sound_player = workspace.media, workspace.sound_player
+        self._preferences, self._background = preferences, workspace.background
+        self._can_draw = False  # once the renderer is prepared
+        self._journal_note = ""  # as it was shown last
+        self._lacks_said: set[str] = set()  # of the open take
+        self.commands = Commands(workspace)
+        self.actions_ = Actions(self, self.document, self.commands.menus())
         self.start_page = StartPage(self.actions_)
         self.banner = Banner()
-        self.status = StatusLine()
+        self.status = StatusBar()
         self.keys = KeyArbiter(self)
         self._show_error = partial(dialogs.show_error, self)
         self._lay_out()
         self._connect()
-
-    def _handlers(self) -> dict[str, Callable[[], None]]:
-        files = self.files
-        return (
-            self.edits.handlers()
-            | self.fixes.handlers()
-            | self.views.handlers()
-            | {
-                **self.media_commands.handlers(),
-                "open": files.ask_open,
-                "open_demo": files.open_demo,
-                "export": self._finished(files.ask_export),
-                "save": self._finished(self.projects.save),
-                "save_as": self._finished(self.projects.save_as),
-                "save_edits": self._finished(files.ask_save_edits),
-                "load_edits": files.ask_load_edits,
-                "quit": self._finished(self.close),
-            }
-        )
-
-    def _finished(self, work: Callable[[], bool]) -> Callable[[], None]:
-        """Something to do when no gesture is in progress any more."""
-
-        def do() -> None:
-            self.edits.finish()
-            work()
-
-        return do
+        self._refresh_actions()
 
     def _lay_out(self) -> None:
         self.setWindowTitle("FaceEdit")
@@ -151,9 +80,9 @@ class MainWindow(WindowBase):
         self.setCentralWidget(central)
         self.setStatusBar(self.status)
         self.setMinimumSize(1000, 600)
-        if not self._store.restore_window(self):
+        if not self._preferences.restore_window(self):
             self._take_first_size()
-        self.start_page.show_recent(self._store.recent())
+        self.start_page.show_recent(self._preferences.recent())
 
     def _take_first_size(self) -> None:
         """As large as is useful, or as fits on the screen with the title bar."""
@@ -162,42 +91,54 @@ class MainWindow(WindowBase):
         self.resize(min(_FIRST_SIZE[0], room.width()), min(_FIRST_SIZE[1], height))
 
     def _connect(self) -> None:
+        workspace, opener, media = self.workspace, self.workspace.opener, self.media
         self.document.opened.connect(self._opened)
         self.document.changed.connect(self._mark_modified)
+        self.document.changed.connect(self._warn_of_lacks)
         self.document.saved.connect(self._mark_modified)
-        self.projects.warned.connect(self.banner.say)
-        self.files.reading.connect(self._say_reading)
-        self.files.character_loaded.connect(self._character_loaded)
-        self.media.failed.connect(self._show_error)
-        self.media.missed.connect(lambda error: self.banner.say(str(error), str(error)))
-        self.media_commands.attach(self.actions_)
-        self.start_page.chosen.connect(self.files.open_if_saved)
-        menu = self.actions_.recent_menu
-        menu.aboutToShow.connect(lambda: self.files.fill_recent(menu))
-        show_unit = partial(self.views.show_unit, self.actions_)
-        self.timeline.clock.changed.connect(show_unit)
-        show_unit()
-        presets = self.actions_.presets_menu
-        presets.aboutToShow.connect(lambda: self.fixes.fill_presets(presets))
-        for teller in (self.files, self.projects, self.media, self.fixes):
-            teller.told.connect(lambda text: self.status.showMessage(text, _TOLD_MS))
-        self.keys.glancing.connect(self.views.glance)
+        opener.reading.connect(self._say_reading)
+        opener.character_loaded.connect(self._prepare_face)
+        for message in (workspace.message, media.message):
+            message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
+        workspace.warning.connect(self.banner.say)
+        media.failed.connect(self._show_error)
+        media.missed.connect(lambda error: self.banner.say(str(error), str(error)))
+        self.start_page.chosen.connect(self.commands.file.open_if_saved)
+        self.keys.glancing.connect(self.commands.view.glance)
+
+    def _refresh_actions(self) -> None:
+        """Have menus and buttons show what is possible and what is on, now and after changes."""
+        media = self.media
+        for changed in (
+            self.document.opened,
+            self.document.changed,
+            self.tools.changed,
+            self.timeline.clock.changed,
+            self.playback.loop_changed,
+            media.sound_changed,
+            media.film_changed,
+            media.turned,
+            self.sound_player.changed,
+        ):
+            changed.connect(self.actions_.refresh)
 
     # --- start -------------------------------------------------------------------------------
+
+    @property
+    def editor(self) -> Editor | None:
+        """The page with curves and face, once it is built."""
+        return self.workspace.page
 
     def start(self, take: Path | None = None, demo: bool = False) -> None:
         """Begin with what takes long; call it when the window is on the screen."""
         self.document.keeps_journal = True
-
-        def open_wanted() -> None:
+        if not offer_recovery(self.workspace):
             if take is not None:
-                self.files.open(take)
+                self.commands.file.open(take)
             elif demo:
-                self.files.open_demo()
-
-        self.projects.offer_recovery(open_wanted)
-        if not self.files.is_reading:
-            self.files.load_character()
+                self.commands.file.open_demo()
+        if not self.workspace.opener.is_reading:
+            self.workspace.opener.load_character()
         self.build_editor()
 
     def open_demo_now(self) -> None:
@@ -212,54 +153,55 @@ class MainWindow(WindowBase):
             self.status.set_networks("ready")
         except FaceEditError as error:
             self._do_without_engine(error)
-        self.document.adopt(loading.open_session(shipped(DEMO), rig))
+        self.document.adopt(loading.open_session(shipped(DEMO_TAKE), rig))
         self.build_editor().face.viewport.open(rig)
 
     def build_editor(self) -> Editor:
         """The page with curves and face, made when it is first needed."""
-        if self.editor is None:
-            from faceedit_app.ui.page.editor import Editor
+        if self.workspace.page is not None:
+            return self.workspace.page
+        from faceedit_app.ui.page.editor import Editor  # pyqtgraph, once the window is painted
 
-            self.editor = Editor(
-                self.actions_,
-                self.document,
-                self.timeline,
-                self.playback,
-                self.tooling,
-                self.media,
-                self.sounding,
-            )
-            self._pages.addWidget(self.editor)
-            self.editor.problems.picked.connect(self.fixes.go_to)
-            self.editor.hints.closed.connect(self.editor.curves.setFocus)
-            self._store.restore_panes(self.editor.panes, self.editor.side)
-            self.editor.face.show_difference(self._store.difference())
-            solving = self.editor.solving
-            solving.advanced.connect(self.status.show_work)
-            solving.finished.connect(self.status.show_work)
-            self.status.cancelled.connect(solving.cancel)
-        return self.editor
+        page = self.workspace.page = Editor(
+            self.actions_,
+            self.document,
+            self.timeline,
+            self.playback,
+            self.tools,
+            self.media,
+            self.sound_player,
+        )
+        self._pages.addWidget(page)
+        self._preferences.restore_panes(page.panes, page.side)
+        page.problems.picked.connect(self.commands.fix.go_to)
+        page.hints.closed.connect(page.curves.setFocus)
+        page.solving.advanced.connect(self.status.show_work)
+        page.solving.finished.connect(self.status.show_work)
+        self.status.cancelled.connect(page.solving.cancel)
+        page.face.show_difference(self._preferences.difference())
+        self.actions_.refresh()
+        return page
 
-    def _character_loaded(self, rig: Rig) -> None:
-        self._rig = rig
+    def _prepare_face(self, rig: Rig) -> None:
+        """The character is there: have it drawn, then load the networks."""
         if rig.missing_note:
             self.banner.say(rig.missing_note)
-        self._background.run(
-            loading.prepare_renderer, lambda _: self._want_face(rig), self._show_error
-        )
 
-    def _want_face(self, rig: Rig) -> None:
-        """The face is drawn as soon as there is a take to see it in."""
-        self._face_wanted = True
-        self._open_face()
-        self._background.run(
-            lambda: loading.load_engine(rig), self._use_engine, self._do_without_engine
-        )
+        def prepared(_: None) -> None:
+            self._can_draw = True
+            self._open_face()
+            self._background.run(
+                lambda: loading.load_engine(rig), self._use_engine, self._do_without_engine
+            )
+
+        self._background.run(loading.prepare_renderer, prepared, self._show_error)
 
     def _open_face(self) -> None:
-        if self._face_wanted and self.document.session is not None and self._rig is not None:
-            self._face_wanted = False
-            self.build_editor().face.viewport.open(self._rig)
+        """Begin to draw the face as soon as there is a take to see it in."""
+        rig = self.workspace.rig
+        if self._can_draw and self.document.session is not None and rig is not None:
+            self._can_draw = False
+            self.build_editor().face.viewport.open(rig)
 
     def _use_engine(self, engine: Engine) -> None:
         self.document.use_engine(engine)
@@ -280,21 +222,32 @@ class MainWindow(WindowBase):
     def _opened(self) -> None:
         session = self.document.session
         assert session is not None
+        self._lacks_said.clear()
         self.playback.pause()
-        editor = self.build_editor()
-        self.actions_.enable_for_take(True)
-        editor.open()
+        page = self.build_editor()
+        page.open()
         self.status.set_take(session.take)
-        self._pages.setCurrentWidget(editor)
-        editor.curves.setFocus()
+        self._pages.setCurrentWidget(page)
+        page.curves.setFocus()
         self._mark_modified()
+        self._warn_of_lacks()
         self._open_face()
-        if self.document.keeps_journal and self._store.hints_wanted():
-            self._store.set_hints_seen()
-            QTimer.singleShot(0, editor.hints.begin)  # once all has its place
-        self.media_commands.follow(session.take, session.state.media)
-        if problem := self._store.problem():
+        if self.document.keeps_journal and self._preferences.hints_wanted():
+            self._preferences.set_hints_seen()
+            QTimer.singleShot(0, page.hints.begin)  # once all has its place
+        self.commands.take.follow(session.take, session.state.media)
+        if problem := self._preferences.problem():
             self.banner.say(problem, problem)
+
+    def _warn_of_lacks(self) -> None:
+        """Say once a take which of its edits its channels cannot answer."""
+        session = self.document.session
+        if session is None or not session.lacks:
+            return
+        edited = {control for edit in session.edits for control in edit.controls}
+        for control in [name for name in session.lacks if name in edited - self._lacks_said]:
+            self._lacks_said.add(control)
+            self.banner.say(str(session.lacks[control]))
 
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path
@@ -315,14 +268,6 @@ class MainWindow(WindowBase):
         else:
             self.status.clearMessage()
 
-    def _curves(self) -> CurvesPanel | None:
-        return self.editor.curves if self.editor is not None else None
-
-    def _settle(self) -> None:
-        self.media_steps.settle()
-        if self.editor is not None:
-            self.editor.settle()
-
     # --- window events -----------------------------------------------------------------------
 
     def let_go(self) -> None:
@@ -338,14 +283,16 @@ class MainWindow(WindowBase):
         """Open a take, load edits, add sound or film."""
         media = [path for path in paths if is_media(path)]
         path = next((path for path in paths if path not in media), None)
-        has_take = self.document.session is not None
-        self.media_commands.drop(media, path is not None, has_take)
+        self.commands.take.drop(media, opens_take=path is not None)
         if path is None:
             return
-        if path.suffix.lower() == ".json" and has_take:
-            self.files.load_edits(path)
+        from faceedit_app.formats.registry import is_take  # not needed before the window is up
+
+        is_open = self.document.session is not None
+        if path.suffix.lower() == ".json" and is_open and not is_take(path):
+            self.commands.file.load_edits(path)
         else:
-            self.files.open_if_saved(path)
+            self.commands.file.open_if_saved(path)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Have the keys arrive somewhere from the start."""
@@ -354,21 +301,15 @@ class MainWindow(WindowBase):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about edits, remember the layout, stop what is running."""
-        self.edits.finish()
-        if not self.files.may_close():
+        self.workspace.finish()
+        if not self.commands.file.may_close():
             event.ignore()
             return
         if self.editor is not None:
-            self._store.save_layout(self, self.editor.panes, self.editor.side)
+            self._preferences.save_layout(self, self.editor.panes, self.editor.side)
         self.leave()
         super().closeEvent(event)
 
     def leave(self) -> None:
         """Stop what is running and free the graphics memory."""
-        self.playback.pause()
-        self.sounding.close()
-        self.media.clear()
-        self._background.close()
-        self.document.close_journal()
-        if self.editor is not None:
-            self.editor.face.viewport.close_renderer()
+        self.workspace.close()

@@ -1,71 +1,15 @@
-"""What takes long, away from the window: reading takes, the character, the networks.
-
-The imports stand inside the functions because they are what takes long: the solver, the networks
-and pyrender are first imported here, in a thread, while the window is already up.
-"""
+"""Runs what takes long beside the window."""
 
 from __future__ import annotations
 
 import contextlib
-import importlib
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
 
-if TYPE_CHECKING:
-    from faceedit_app.core.rig import Rig
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.networks.engine import Engine
-
 Result = TypeVar("Result")
-
-
-def load_character() -> Rig:
-    """The shipped character.
-
-    Raises:
-        FileError: it is missing or damaged.
-    """
-    from faceedit_app.editing.opening import shipped_rig
-
-    return shipped_rig()
-
-
-def open_session(path: Path, rig: Rig) -> EditSession:
-    """Read a take, to be edited without networks until they are loaded.
-
-    Raises:
-        FileError: it is no take, or a damaged one.
-    """
-    from faceedit_app.editing import opening
-
-    return opening.open_session(path, rig)
-
-
-def prepare_renderer() -> None:
-    """Import what drawing needs, so that the first picture does not stop the window for long."""
-    from faceedit_app.render import contexts
-
-    try:
-        contexts.choose_backend()  # before OpenGL is imported
-        contexts.lean_pyrender()
-        importlib.import_module("faceedit_app.render.studio")
-    except Exception:  # drivers and PyOpenGL raise all kinds
-        return  # opening the renderer meets it again, and says so where it can be shown
-
-
-def load_engine(rig: Rig) -> Engine:
-    """The shipped networks.
-
-    Raises:
-        FileError: they are missing or damaged, or for another character.
-    """
-    from faceedit_app.editing.opening import load_engine
-
-    return load_engine(rig)
 
 
 class Background(QObject):

@@ -15,7 +15,7 @@ REDRAW = 0.1  # seconds between two pictures of what is done
 QUIET = 0.3  # seconds of work that are not worth mentioning
 
 
-class Solving(QObject):
+class BackgroundSolving(QObject):
     """Watches the open take: what is on screen is computed first, the rest in the background.
 
     Signals:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:  # the window is there before the solver and the networks are 
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
     from faceedit_app.editing.files.journal import Journal
-    from faceedit_app.editing.files.project import View
+    from faceedit_app.editing.files.project import ViewState
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
 
@@ -76,7 +76,7 @@ class Document(QObject):
         """Write down every step from now on; what is not saved yet, at once."""
         from faceedit_app.editing.files.journal import Journal
 
-        self._journal = Journal(session.take.path, self.project)
+        self._journal = Journal(session.take.path, self.project, fps=session.take.fps)
         session.stepped.connect(self._journal.record)
         if not session.is_exported:
             self._journal.record(session.state)
@@ -151,7 +151,7 @@ class Document(QObject):
             self.session.export(path)
             self._is_saved()
 
-    def save_project(self, path: Path, view: View, media: Placement) -> None:
+    def save_project(self, path: Path, view: ViewState, media: Placement) -> None:
         """Write take, edits, view, sound and film as one project.
 
         Raises:
@@ -165,7 +165,8 @@ class Document(QObject):
         take = session.take.path.absolute()
         # Of the take as it was opened: the file may be gone by now, or exported over.
         mark = session.fingerprint
-        project = Project(take, mark, session.state, view, media.sound, media.film)
+        parts = (view, media.sound, media.film, session.take.fps)
+        project = Project(take, mark, session.state, *parts)
         write_project(path, project)
         session.mark_saved()
         self.project = path

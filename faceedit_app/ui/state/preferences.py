@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMainWindow, QSplitter
 RECENT = 8
 
 
-class Store:
+class Preferences:
     """The user's settings; pass another QSettings to keep tests and headless runs apart."""
 
     def __init__(self, settings: QSettings | None = None) -> None:

@@ -21,7 +21,7 @@ class Tool(StrEnum):
     RESTORE = "restore"
 
 
-class Tooling(QObject):
+class Tools(QObject):
     """The present choice of tools; views follow it.
 
     Signals:

@@ -1,0 +1,300 @@
+"""`faceedit character`: what a character can do, and whether its lips and lids close."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Optional
+
+import typer
+
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.optional import require
+
+if TYPE_CHECKING:
+    from faceedit_app.characters.fitted import FittedCharacter
+    from faceedit_app.core.arrays import Doubles
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.formats.take import Take
+    from faceedit_app.networks.engine import Engine
+
+app = typer.Typer(help="Look at a character of your own.", no_args_is_help=True)
+
+CharacterArgument = Annotated[
+    Path, typer.Argument(help="A GLB, glTF, VRM, binary FBX or OBJ, or a folder of OBJ.")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+@app.command()
+def inspect(
+    file: CharacterArgument,
+    as_json: JsonOption = False,
+    write_map: Annotated[
+        bool,
+        typer.Option(
+            "--write-map", help="Write its map beside it, to be edited by hand; none is replaced."
+        ),
+    ] = False,
+) -> None:
+    """Show which of its shapes are used, which are missing or dead, and where its points are."""
+    from faceedit_app.characters import map_file
+    from faceedit_app.characters.fitted import open_character
+
+    fitted = open_character(file)
+    if write_map:
+        path = map_file.map_path(file)
+        if path.exists():
+            raise FileError(path, "exists", "edit it, or delete it first")
+        map_file.write_map(path, fitted.whole_map)
+    print(json.dumps(_facts(fitted), indent=2) if as_json else _text(fitted))
+
+
+@app.command()
+def seal(
+    file: CharacterArgument,
+    takes: Annotated[list[Path], typer.Argument(help="Takes, such as Live Link Face CSVs.")],
+    as_json: JsonOption = False,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("-o", "--output", help="Folder for the takes with lips and lids closed."),
+    ] = None,
+    models: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--models", help="Folder of models; those that ship with FaceEdit if absent."),
+    ] = None,
+) -> None:
+    """Measure how often lips and lids stay open on it where they are shut on FaceEdit's own.
+
+    Says it before and after closing them by the smallest believable change.
+    """
+    import numpy as np
+
+    from faceedit_app.characters.closure import Gaps, closure, together
+    from faceedit_app.core.arkit import ARKIT_INDEX
+    from faceedit_app.editing.opening import load_engine, shipped_rig
+    from faceedit_app.editing.solving.closing import Closing
+    from faceedit_app.formats.opening import open_take, write_take
+
+    theirs, ours = rig_of(file), shipped_rig()
+    covariances = _covariances(load_engine(ours, models))
+    on_ours, on_theirs = Gaps.of(ours), Gaps.of(theirs)
+    own, before, after, changed = [], [], [], []
+    _check_output(output, takes)
+    for path in takes:
+        take = open_take(path)
+        closing = Closing(ours, theirs, frozenset(take.clip.channels), covariances)
+        weights = take.clip.arkit_weights()
+        closed = closing(weights)
+        own.append(on_ours.measure(weights))
+        before.append(on_theirs.measure(weights))
+        after.append(on_theirs.measure(closed))
+        changed.append(np.abs(closed - weights))
+        if output is not None:
+            columns = [ARKIT_INDEX[channel] for channel in take.clip.channels]
+            write_take(output / path.name, take, np.ascontiguousarray(closed[:, columns]))
+    shut = together(own)
+    figures = {
+        name: vars(closure(shut, together(gaps)))
+        for name, gaps in (("before", before), ("after", after))
+    }
+    moved = np.concatenate(changed)
+    medians = {
+        channel: round(_median(moved[:, ARKIT_INDEX[channel]]), 4)
+        for channel in ("jawOpen", "mouthClose", "eyeBlinkLeft", "eyeBlinkRight")
+    }
+    facts = {
+        "character": str(file),
+        "takes": [str(path) for path in takes],
+        "frames": len(shut),
+        "changed_frames": int((moved > 0).any(axis=1).sum()),
+        "median_change": medians,
+        **{
+            share: {when: figures[when][share] for when in figures}
+            for share in ("lips_open_share", "lids_open_share")
+        },
+        **figures,
+    }
+    print(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
+
+
+@app.command()
+def make(
+    scan: Annotated[Path, typer.Argument(help="OBJ, PLY, STL or GLB of a neutral face.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The new character (GLB).")],
+    points: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Where points are on the scan (JSON); see docs/characters.md."),
+    ] = None,
+    landmarker: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="MediaPipe's face_landmarker.task, which finds them on a picture."),
+    ] = None,
+) -> None:
+    """Give a head without blendshapes all 52, from FaceEdit's own character."""
+    from faceedit_app.characters.glb import write_rig
+    from faceedit_app.characters.making import Template
+    from faceedit_app.characters.making import make as make_head
+    from faceedit_app.characters.scans import read_scan
+    from faceedit_app.editing.opening import shipped_rig
+    from faceedit_app.scan_landmarks import find_landmarks, read_points
+
+    require("rtree", extra="scans")
+    template, head = Template.of(shipped_rig()), read_scan(scan)
+    if points is not None:
+        landmarks = template.landmarks(read_points(points))
+    else:
+        landmarks = find_landmarks(template, head, scan, landmarker)
+    made = make_head(template, head, landmarks, output.stem)
+    write_rig(output, made.rig)
+    middle, most = made.distance_to(head)
+    for sentence in head.remarks:
+        print(f"{scan}: {sentence}", file=sys.stderr)
+    print(
+        f"{output}: {len(landmarks.positions)} landmarks; the skin of the face is {middle:.2f} mm "
+        f"from the scan (95 % within {most:.2f} mm)"
+    )
+
+
+def rig_of(path: Path) -> Rig:
+    """The rig of a user's character; what has to be said of it goes to standard error.
+
+    Raises:
+        FileError: it cannot be read, or is no face.
+    """
+    from faceedit_app.characters.fitted import open_character
+
+    fitted = open_character(path)
+    for sentence in (*fitted.checklist.remarks, *fitted.checklist.doubts):
+        print(f"{path}: {sentence}", file=sys.stderr)
+    return fitted.rig
+
+
+def export_closed(session: EditSession, path: Path, output: Path, engine: Engine) -> None:
+    """Export a take with lips and lids closed on a character where edits have changed it.
+
+    Raises:
+        FileError: the character cannot be read, or the take cannot be written.
+    """
+    import numpy as np
+
+    from faceedit_app.core.arkit import ARKIT_INDEX
+    from faceedit_app.editing.solving.closing import Closing
+    from faceedit_app.formats.opening import write_take
+
+    take: Take = session.take
+    session.live.work()
+    channels = frozenset(take.clip.channels)
+    closing = Closing(session.rig, rig_of(path), channels, _covariances(engine))
+    tracked = take.clip.arkit_weights()
+    closed = closing.where_edited(tracked, session.weights, take.clip.times)
+    columns = [ARKIT_INDEX[channel] for channel in take.clip.channels]
+    write_take(output, take, np.ascontiguousarray(closed[:, columns]))
+
+
+def _covariances(engine: Engine) -> dict[str, Doubles]:
+    return {region: model.description.covariance for region, model in engine.models.items()}
+
+
+def _check_output(output: Path | None, takes: Iterable[Path]) -> None:
+    """See that writing into a folder replaces no take."""
+    if output is None:
+        return
+    if not output.is_dir():
+        raise FaceEditError(f"--output {output}: is no folder; create it first")
+    names: set[str] = set()
+    for path in takes:
+        if (output / path.name).exists() or path.name in names:
+            raise FileError(output / path.name, "exists", "choose another folder")
+        names.add(path.name)
+
+
+def _median(values: Any) -> float:
+    import numpy as np
+
+    moved = values[values > 0]
+    return float(np.median(moved)) if len(moved) else 0.0
+
+
+def _facts(fitted: FittedCharacter) -> dict[str, Any]:
+    """What `inspect --json` prints."""
+    check, character = fitted.checklist, fitted.character
+    millimetres = 1000.0 * fitted.rig.neutral
+    return {
+        "file": str(character.path),
+        "format": character.format,
+        "attribution": character.attribution,
+        "vertices": character.vertex_count,
+        "triangles": character.triangle_count,
+        "scale_mm": round(1000.0 * fitted.frame.scale, 6),
+        "matched": {channel: list(names) for channel, names in check.matched.items()},
+        "missing": list(check.missing),
+        "dead": list(check.dead),
+        "several": {channel: list(names) for channel, names in check.several.items()},
+        "unknown": list(check.unknown),
+        "lost": list(check.lost),
+        "points": {
+            name: {
+                "part": fitted.places[name].part,
+                "vertex": fitted.places[name].vertex,
+                "mm": [round(float(x), 2) for x in millimetres[vertex]],
+            }
+            for name, vertex in fitted.points.items()
+        },
+        "doubts": list(check.doubts),
+        "remarks": list(check.remarks),
+    }
+
+
+def _text(fitted: FittedCharacter) -> str:
+    check, character = fitted.checklist, fitted.character
+    total = len(check.matched) + len(check.missing)
+    lines = [
+        f"{character.path}: {character.format}, {character.vertex_count} vertices, "
+        f"{character.triangle_count} triangles, one unit is {1000 * fitted.frame.scale:.4g} mm",
+        f"Shapes: {len(check.matched)} of ARKit's {total} matched",
+    ]
+    for title, names in (
+        ("Missing", check.missing),
+        ("Dead (they move the skin by less than 0.3 mm)", check.dead),
+        ("Made of several", [f"{c} = {' + '.join(n)}" for c, n in check.several.items()]),
+        ("Not used", check.unknown),
+        ("Not quite what they stand for", check.lost),
+    ):
+        if names:
+            lines.append(f"{title}: {', '.join(names)}")
+    lines.append("Points, in mm from between the eyes (left is the character's):")
+    for name, vertex in fitted.points.items():
+        x, y, z = 1000.0 * fitted.rig.neutral[vertex]
+        place = fitted.places[name]
+        label = name.replace("_", " ")
+        lines.append(
+            f"  {label:19}{x:7.1f}{y:7.1f}{z:7.1f}   vertex {place.vertex} of {place.part}"
+        )
+    lines += [f"Doubtful: {sentence}" for sentence in check.doubts]
+    lines += [f"Note: {sentence}" for sentence in check.remarks]
+    return "\n".join(_plain(line) for line in lines)
+
+
+def _seal_text(facts: dict[str, Any]) -> str:
+    before, after = facts["before"], facts["after"]
+    lines = [f"{facts['character']}: {facts['frames']} frames of {len(facts['takes'])} takes"]
+    for what, thing in (("lips", "Lips"), ("lids", "Lids")):
+        lines.append(
+            f"{thing}, {before[f'{what}_frames']} times shut on FaceEdit's own character: open on "
+            f"{100 * before[f'{what}_open_share']:.1f} % before, "
+            f"{100 * after[f'{what}_open_share']:.1f} % after closing; within 0.5 mm on "
+            f"{100 * before[f'{what}_within_share']:.1f} % before, "
+            f"{100 * after[f'{what}_within_share']:.1f} % after"
+        )
+    moved = ", ".join(f"{name} {value:.3f}" for name, value in facts["median_change"].items())
+    lines.append(f"Closing changed {facts['changed_frames']} frames; median change: {moved}")
+    return "\n".join(_plain(line) for line in lines)
+
+
+def _plain(line: str) -> str:
+    """A line without what a terminal would take for a command: names come from files."""
+    return "".join(c if c.isprintable() else "?" for c in line)

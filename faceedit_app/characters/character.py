@@ -1,0 +1,144 @@
+"""A character as its file has it: parts with morph targets, before anything is fitted to a face."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arrays import Floats, Indices
+
+Faces = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A picture in the file, not decoded yet.
+
+    Attributes:
+        name: for messages.
+        content: the picture file's bytes: PNG, JPEG, WebP or KTX2.
+    """
+
+    name: str
+    content: bytes = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """How a part is drawn.
+
+    Attributes:
+        name: of the material.
+        color: linear RGBA, 0..1, that multiplies colours and texture.
+        texture: its base colour (sRGB), which the part's `uv` places.
+        roughness, metallic: 0..1.
+        cutoff: a pixel with less alpha is not drawn; 0 for opaque surfaces.
+    """
+
+    name: str = ""
+    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    texture: Texture | None = None
+    roughness: float = 0.6
+    metallic: float = 0.0
+    cutoff: float = 0.0
+
+
+@dataclass(frozen=True)
+class Part:
+    """One mesh with one material, where it is in the scene at rest.
+
+    Attributes:
+        name: unique in the character.
+        neutral: (V, 3) float32, in the file's unit and axes.
+        faces: (F, 3) int32, counter-clockwise seen from outside.
+        targets: morph targets by name, (V, 3) float32 displacements at weight 1.
+        uv: (V, 2) float32; (0, 0) is the upper left corner of the texture.
+        colors: (V, 4) float32, linear RGBA.
+        surface: how it is drawn.
+    """
+
+    name: str
+    neutral: Floats
+    faces: Faces
+    targets: Mapping[str, Floats] = field(default_factory=dict)
+    uv: Floats | None = None
+    colors: Floats | None = None
+    surface: Surface = field(default_factory=Surface)
+
+    def only(self, kept: Indices) -> Part:
+        """The part with some of its vertices (in order), which its faces must not go beyond."""
+        if len(kept) == len(self.neutral):
+            return self
+        place = np.zeros(len(self.neutral), np.int32)
+        place[kept] = np.arange(len(kept), dtype=np.int32)
+        return replace(
+            self,
+            neutral=self.neutral[kept],
+            faces=place[self.faces],
+            targets={name: moves[kept] for name, moves in self.targets.items()},
+            uv=None if self.uv is None else self.uv[kept],
+            colors=None if self.colors is None else self.colors[kept],
+        )
+
+
+@dataclass(frozen=True)
+class Place:
+    """A vertex of a character's file: which one of which part."""
+
+    part: str
+    vertex: int
+
+
+@dataclass(frozen=True)
+class Character:
+    """What a character file holds.
+
+    Attributes:
+        path: the file or folder.
+        format: as the user knows it, such as `VRM 0`.
+        parts: at least one; those that share a morph target move together.
+        remarks: sentences on what could not be read or was changed while reading.
+        attribution: author and licence, where the file says so.
+        points: where the file says that control points are; FaceEdit's own files do.
+    """
+
+    path: Path
+    format: str
+    parts: tuple[Part, ...]
+    remarks: tuple[str, ...] = ()
+    attribution: str = ""
+    points: Mapping[str, Place] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Shown to the user."""
+        return self.path.stem if self.path.suffix else self.path.name
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """The names of all morph targets, each once, in the file's order."""
+        return tuple(dict.fromkeys(name for part in self.parts for name in part.targets))
+
+    @property
+    def vertex_count(self) -> int:
+        """Vertices of all parts."""
+        return sum(len(part.neutral) for part in self.parts)
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles of all parts."""
+        return sum(len(part.faces) for part in self.parts)
+
+
+def unique_names(names: list[str]) -> list[str]:
+    """The names, of which a second `Head` becomes `Head (2)`."""
+    seen: dict[str, int] = {}
+    out = []
+    for name in names:
+        seen[name] = seen.get(name, 0) + 1
+        out.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return out

@@ -1,0 +1,121 @@
+"""What a character can and cannot do, before it is used: its shapes, its points, its faults."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from faceedit_app.characters.names import Match, is_without_channel
+from faceedit_app.characters.points import Face, Points
+
+DEAD = 0.3  # mm; a shape that moves nothing farther is not seen
+# These move eyeballs, tongue or brows, which are often meshes of their own.
+_OWN_MESH = ("eyeLook", "tongue", "brow")
+# Of what adult faces and drawn ones have, with room on both sides, mm.
+_PLAUSIBLE = {
+    ("inner_upper_lip", "inner_lower_lip"): (0.0, 8.0, "the inner lips"),
+    ("left_mouth_corner", "right_mouth_corner"): (15.0, 80.0, "the mouth corners"),
+    ("left_upper_lid", "left_lower_lid"): (3.0, 40.0, "the left lids"),
+    ("right_upper_lid", "right_lower_lid"): (3.0, 40.0, "the right lids"),
+    ("nose_bridge", "upper_lip"): (20.0, 80.0, "nose bridge and upper lip"),
+    ("chin", "lower_lip"): (5.0, 45.0, "chin and lower lip"),
+}
+_OPENS, _SHUT, _WIDENS = 5.0, 2.5, 0.5  # mm
+
+
+@dataclass(frozen=True)
+class Checklist:
+    """What opening a character tells the user.
+
+    Attributes:
+        matched: the names that make each channel.
+        missing: channels that nothing makes.
+        dead: channels whose shapes move the skin by less than 0.3 mm.
+        several: channels that more than one shape makes.
+        unknown: shapes that no channel uses.
+        lost: sentences on shapes that stand for channels which they do not quite fit.
+        doubts: sentences on points that were not found, or may be wrong.
+        remarks: sentences on what was changed or could not be read.
+    """
+
+    matched: Mapping[str, Sequence[str]]
+    missing: Sequence[str]
+    dead: Sequence[str]
+    several: Mapping[str, Sequence[str]]
+    unknown: Sequence[str]
+    lost: Sequence[str]
+    doubts: Sequence[str]
+    remarks: Sequence[str]
+
+
+def make_checklist(
+    match: Match, face: Face, points: Points, problems: Sequence[str], remarks: Sequence[str]
+) -> Checklist:
+    """Look at a character.
+
+    Args:
+        problems: sentences on points that were not found.
+        remarks: sentences from reading and putting it together.
+    """
+    return Checklist(
+        matched=match.matched,
+        missing=match.missing,
+        dead=dead_channels(face),
+        several=match.several,
+        unknown=tuple(name for name in match.unknown if not is_without_channel(name)),
+        lost=match.lost,
+        doubts=(*problems, *doubts(face, points)),
+        remarks=tuple(remarks),
+    )
+
+
+def dead_channels(face: Face) -> tuple[str, ...]:
+    """Channels that have shapes which nobody would see."""
+    dead = []
+    for channel in face.moves:
+        amount = face.amount(channel)
+        if not channel.startswith(_OWN_MESH):
+            amount = amount[face.skin]
+        if amount.max(initial=0.0) < DEAD:
+            dead.append(channel)
+    return tuple(dead)
+
+
+def doubts(face: Face, points: Points) -> list[str]:
+    """Sentences on points that do not behave as on a face."""
+    found = []
+
+    def apart(a: str, b: str, *channels: str) -> float:
+        moved = sum((face.move(channel) for channel in channels), face.places)
+        return float(np.linalg.norm(moved[points[a]] - moved[points[b]]))
+
+    for (a, b), (low, high, what) in _PLAUSIBLE.items():
+        if a in points and b in points and not low <= apart(a, b) <= high:
+            found.append(f"{what} are {apart(a, b):.1f} mm apart, which is not likely")
+    lips = ("inner_upper_lip", "inner_lower_lip")
+    if all(name in points for name in lips):
+        rest = apart(*lips)
+        opened = apart(*lips, "jawOpen")
+        if opened - rest < _OPENS:
+            found.append(f"jawOpen parts the lips by only {opened - rest:.1f} mm")
+        shut = apart(*lips, "jawOpen", "mouthClose")
+        if "mouthClose" in face.moves and shut - rest > _SHUT:
+            found.append(f"mouthClose leaves the lips {shut:.1f} mm apart when the jaw is open")
+    for side in ("left", "right"):
+        lids = f"{side}_upper_lid", f"{side}_lower_lid"
+        if all(name in points for name in lids):
+            left = apart(*lids, f"eyeBlink{side.capitalize()}")
+            if left > _SHUT:
+                found.append(f"the {side} eye does not close: eyeBlink leaves {left:.1f} mm")
+    corners = "left_mouth_corner", "right_mouth_corner"
+    smiles = "mouthSmileLeft", "mouthSmileRight"
+    if all(name in points for name in corners) and set(smiles) <= set(face.moves):
+        wider = apart(*corners, *smiles) - apart(*corners)
+        if wider < _WIDENS:
+            found.append("a smile does not widen the mouth, whose corners may be wrong")
+        middle = [face.places[points[name], 0] - face.middle for name in corners]
+        if not middle[0] > 0 > middle[1] or abs(sum(middle)) > 10:
+            found.append("the mouth corners are not on both sides of the midline")
+    return found

@@ -1,0 +1,182 @@
+"""Where the face of a character is, how large and which way up, found from its own shapes.
+
+Files are in metres, centimetres or anything else, with any axis upwards. The two shapes that close
+the eyes say where the eyes are, and those of the mouth where the mouth is: the eyes lie 63 mm
+apart, up is from the mouth to the eyes, and forward is where the mouth is seen from inside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from faceedit_app.characters.character import Character
+from faceedit_app.characters.names import Half, Share
+from faceedit_app.core.arrays import Bools, Doubles, Indices
+from faceedit_app.core.errors import FileError
+
+Shares = Mapping[str, Sequence[Share]]
+
+EYES_APART = 63.0  # mm, the mean of adults
+_EYES = ("eyeBlinkLeft", "eyeBlinkRight")
+_MOUTH = (
+    *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
+    *("mouthRollLower", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthLowerDownLeft"),
+    *("mouthLowerDownRight", "mouthStretchLeft", "mouthStretchRight"),
+)
+_HEAD = 2.5  # eye distances around the eyes that belong to the head
+_UPRIGHT = 0.85  # cosine to one of the file's axes from which on that axis is up
+_LEVEL = 0.9976  # cosine of 4 degrees, for the axis through the eyes
+
+
+@dataclass(frozen=True)
+class FaceFrame:
+    """From the file's coordinates to the face's: metres, X the character's left, Y up, Z forward.
+
+    Attributes:
+        axes: (3, 3), rows X, Y and Z in the file's coordinates.
+        origin: (3,) in the file's coordinates: midway between the eyes.
+        scale: metres per unit of the file.
+        swapped: the shapes that are called left move the character's right side.
+    """
+
+    axes: Doubles
+    origin: Doubles
+    scale: float
+    swapped: bool = False
+
+    def places(self, points: NDArray[np.floating]) -> Doubles:
+        """Points (..., 3) of the file in the face's coordinates."""
+        return self.moves(points - self.origin)
+
+    def moves(self, vectors: NDArray[np.floating]) -> Doubles:
+        """Vectors (..., 3) of the file in the face's coordinates."""
+        turned: Doubles = (vectors @ self.axes.T) * self.scale
+        return turned
+
+
+def find_frame(
+    character: Character, shares: Shares, target: Callable[[int, str], NDArray[np.float32] | None]
+) -> FaceFrame:
+    """Find the face of a character.
+
+    Args:
+        shares: what each channel is made of.
+        target: the displacements (V, 3) of a part under a name or its other spellings.
+
+    Raises:
+        FileError: no shape closes one of the eyes, or none moves the mouth.
+    """
+    path = character.path
+    points = np.concatenate([part.neutral for part in character.parts]).astype(np.float64)
+
+    def amount(channels: Sequence[str]) -> Doubles:
+        """(V,) how far vertices are moved by channels, each of which counts alike."""
+        total = np.zeros(len(points))
+        for channel in channels:
+            moves = [_moves(character, i, shares.get(channel, ()), target) for i in parts]
+            one = np.linalg.norm(np.concatenate(moves), axis=1)
+            total += one / max(float(one.max(initial=0.0)), 1e-12)
+        return total
+
+    parts = range(len(character.parts))
+    _need_eyes(path, shares)
+    left, right = (amount([channel]) for channel in _EYES)
+    mouth = amount([c for c in _MOUTH if c in shares])
+    if not mouth.any():
+        mouth = amount(["jawOpen"])
+    for name, moved in (("left eye", left), ("right eye", right), ("mouth", mouth)):
+        if not moved.any():
+            raise FileError(path, f"its shapes for the {name} move nothing", "export them again")
+    # A vertex counts once, however often seams of texture and normals repeat it.
+    kept = _each_once(points, left + right + mouth > 0)
+    points, left, right, mouth = points[kept], left[kept], right[kept], mouth[kept]
+    is_one = any(share.half != Half.WHOLE for c in _EYES for share in shares[c])
+    centres = _two_eyes(points, left) if is_one else (_centre(points, left), _centre(points, right))
+    return _frame(path, points, centres, _centre(points, mouth), named=not is_one)
+
+
+def _each_once(points: Doubles, moved: Bools) -> Indices:
+    """Which vertices to count: one of those that are moved and lie in one place, and all others."""
+    rows = np.flatnonzero(moved)
+    first = trimesh.grouping.unique_rows(points[rows] / np.ptp(points[rows], axis=0).max(), 6)[0]
+    kept: Indices = np.concatenate((rows[first], np.flatnonzero(~moved)))
+    return kept
+
+
+def _moves(
+    character: Character,
+    part: int,
+    shares: Sequence[Share],
+    target: Callable[[int, str], NDArray[np.float32] | None],
+) -> Doubles:
+    total = np.zeros(character.parts[part].neutral.shape)
+    for share in shares:
+        moves = target(part, share.name)
+        if moves is not None:
+            total += share.weight * moves
+    return total
+
+
+def _need_eyes(path: object, shares: Shares) -> None:
+    missing = [channel for channel in _EYES if not shares.get(channel)]
+    if not missing:
+        return
+    if len(missing) == 1:
+        side = missing[0].removeprefix("eyeBlink").lower()
+        problem = f"has no shape that closes the {side} eye ({missing[0]})"
+    else:
+        problem = "has no shapes that close the eyes (eyeBlinkLeft, eyeBlinkRight)"
+    raise FileError(str(path), problem, "name or add them, or say in its map which they are")
+
+
+def _centre(points: Doubles, amount: Doubles) -> Doubles:
+    centre: Doubles = (points * amount[:, None]).sum(axis=0) / amount.sum()
+    return centre
+
+
+def _two_eyes(points: Doubles, amount: Doubles) -> tuple[Doubles, Doubles]:
+    """The two eyes that one shape closes: what it moves lies in two heaps."""
+    centre = _centre(points, amount)
+    spread = (points - centre) * np.sqrt(amount)[:, None]
+    across = np.linalg.svd(spread, full_matrices=False)[2][0]
+    side = (points - centre) @ across
+    one, other = (_centre(points, np.where(s * side > 0, amount, 1e-12)) for s in (1, -1))
+    return one, other
+
+
+def _frame(
+    path: object, points: Doubles, eyes: tuple[Doubles, Doubles], mouth: Doubles, named: bool
+) -> FaceFrame:
+    middle, across = (eyes[0] + eyes[1]) / 2, eyes[0] - eyes[1]
+    apart = float(np.linalg.norm(across))
+    if not np.isfinite(apart) or apart < 1e-9:
+        raise FileError(str(path), "its two eyes are in one place", "check its eyeBlink shapes")
+    x = _snapped(across / apart, _LEVEL)
+    up = middle - mouth
+    up -= x * (up @ x)
+    if np.linalg.norm(up) < 0.2 * apart:
+        raise FileError(str(path), "its mouth is not below its eyes", "check its mouth shapes")
+    y = _snapped(up / np.linalg.norm(up), _UPRIGHT)
+    y -= x * (y @ x)
+    y /= np.linalg.norm(y)
+    z = np.cross(x, y)
+    head = points[np.linalg.norm(points - middle, axis=1) < _HEAD * apart]
+    backwards = bool((mouth - head.mean(axis=0)) @ z < 0)
+    if backwards:  # left and right are the other way about
+        x, z = -x, -z
+    return FaceFrame(np.stack((x, y, z)), middle, EYES_APART / 1000.0 / apart, backwards and named)
+
+
+def _snapped(axis: Doubles, nearness: float) -> Doubles:
+    """An axis of the file where the given one is near it: heads stand upright in their files."""
+    largest = int(np.abs(axis).argmax())
+    if abs(axis[largest]) < nearness:
+        return axis.copy()
+    snapped = np.zeros(3)
+    snapped[largest] = np.sign(axis[largest])
+    return snapped

@@ -1,0 +1,379 @@
+"""Characters from binary FBX files."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.characters.bounded import (
+    MOST_TARGETS,
+    MOST_VERTICES,
+    Damaged,
+    check_targets,
+    finite,
+    read_file,
+)
+from faceedit_app.characters.character import Character, Part, Surface, Texture, unique_names
+from faceedit_app.characters.fbx_tree import Record, read_tree
+from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.core.errors import FileError
+
+_ORDERS = ("XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX")  # of RotationOrder 0 to 5
+
+
+def read_fbx(path: Path) -> Character:
+    """Read a binary FBX file.
+
+    Raises:
+        FileError: it cannot be read, or holds no mesh.
+        Damaged: it contradicts itself.
+    """
+    scene = _Scene(path, read_tree(path))
+    parts = scene.parts()
+    if not parts:
+        raise FileError(path, "holds no triangles", "export the mesh of the head")
+    return Character(path, "FBX", tuple(parts))
+
+
+class _Scene:
+    """The objects of a file, and what is connected to what."""
+
+    def __init__(self, path: Path, tree: Record) -> None:
+        self._path = path
+        self._objects: dict[int, Record] = {}
+        objects = tree.first("Objects")
+        for record in objects.children if objects else ():
+            if record.values and isinstance(record.values[0], int):
+                self._objects[record.values[0]] = record
+        self._children: dict[int, list[tuple[int, str]]] = defaultdict(list)
+        self._parents: dict[int, list[int]] = defaultdict(list)
+        connections = tree.first("Connections")
+        for record in connections.all("C") if connections else ():
+            if len(record.values) < 3 or not all(isinstance(v, int) for v in record.values[1:3]):
+                continue
+            child, parent = record.values[1:3]
+            use = record.values[3] if len(record.values) > 3 else ""
+            self._children[parent].append((child, str(use)))
+            self._parents[child].append(parent)
+        self._textures: dict[int, Texture | None] = {}
+
+    def parts(self) -> list[Part]:
+        """Every mesh, one part for each of its materials."""
+        meshes = [
+            (number, record)
+            for number, record in self._objects.items()
+            if record.name == "Geometry" and _kind(record) == "Mesh"
+        ]
+        sizes = [len(self._vertices(record)) for _, record in meshes]
+        counts = [sum(1 for _ in self._channels(number)) for number, _ in meshes]
+        if max(counts, default=0) > MOST_TARGETS:
+            raise Damaged(f"{max(counts)} morph targets are more than {MOST_TARGETS}")
+        check_targets(sizes, counts)
+        parts = [part for number, record in meshes for part in self._mesh(number, record)]
+        names = unique_names([part.name for part in parts])
+        return [replace(part, name=name) for part, name in zip(parts, names, strict=True)]
+
+    def _mesh(self, number: int, geometry: Record) -> Iterator[Part]:
+        vertices = self._vertices(geometry)
+        model = next((p for p in self._parents[number] if self._is(p, "Model")), None)
+        place = self._place(model)
+        corners, owners, triangles = _triangles(geometry, len(vertices))
+        if not len(triangles):
+            return
+        uv = _uv(geometry, len(corners))
+        # A vertex is one point of the texture: where corners disagree, it becomes several.
+        keys = corners[:, None] if uv is None else np.column_stack((corners, _ranks(uv)))
+        _, first, vertex_of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        points, vertex_of = corners[first], vertex_of.ravel()
+        linear = place[:3, :3]
+        flipped = np.linalg.det(linear) < 0
+        faces = vertex_of[triangles].astype(np.int32)
+        targets = {
+            name: (moves[points] @ linear.T).astype(np.float32)
+            for name, moves in self._targets(number, len(vertices))
+        }
+        whole = Part(
+            name=_label(self._objects[model]) if model is not None else "mesh",
+            neutral=(vertices[points] @ linear.T + place[:3, 3]).astype(np.float32),
+            faces=np.ascontiguousarray(faces[:, ::-1]) if flipped else faces,
+            targets=targets,
+            uv=None if uv is None else uv[first].astype(np.float32),
+        )
+        surfaces = self._surfaces(model)
+        chosen = _materials(geometry, int(owners.max()) + 1)[owners]
+        for material in np.unique(chosen):
+            mine = whole.faces[chosen == material]
+            surface = surfaces[material] if 0 <= material < len(surfaces) else Surface()
+            part = replace(whole, faces=mine, surface=surface)
+            yield part.only(np.unique(mine).astype(np.intp))
+
+    def _vertices(self, geometry: Record) -> Doubles:
+        vertices = geometry.array("Vertices")
+        if vertices is None or len(vertices) % 3 or len(vertices) > 3 * MOST_VERTICES:
+            raise (
+                Damaged("a mesh has no vertices")
+                if vertices is None
+                else Damaged("a mesh has too many vertices, or part of one")
+            )
+        return finite(vertices.astype(np.float64).reshape(-1, 3), "vertices")
+
+    def _channels(self, geometry: int) -> Iterator[tuple[str, Record]]:
+        """Name and full shape of each blendshape channel of a mesh."""
+        for deformer in self._under(geometry, "Deformer", "BlendShape"):
+            for channel in self._under(deformer, "Deformer", "BlendShapeChannel"):
+                shapes = list(self._under(channel, "Geometry", "Shape"))
+                if shapes:  # the last is the full one, those before it are in between
+                    yield _label(self._objects[channel]), self._objects[shapes[-1]]
+
+    def _targets(self, geometry: int, count: int) -> Iterator[tuple[str, Doubles]]:
+        seen = set()
+        for name, shape in self._channels(geometry):
+            if name in seen:
+                continue
+            seen.add(name)
+            moves = np.zeros((count, 3))
+            rows, values = shape.array("Indexes"), shape.array("Vertices")
+            if rows is not None and values is not None and len(rows):
+                if rows.min() < 0 or rows.max() >= count or len(values) != 3 * len(rows):
+                    raise Damaged("a morph target names a vertex which is not there")
+                moves[rows] = finite(values.reshape(-1, 3), "a morph target's vertices")
+            yield name, moves
+
+    def _under(self, number: int, name: str, kind: str) -> Iterator[int]:
+        """What is connected to an object, of one kind."""
+        for child, _ in self._children[number]:
+            record = self._objects.get(child)
+            if record is not None and record.name == name and _kind(record) == kind:
+                yield child
+
+    def _is(self, number: int, name: str) -> bool:
+        return number in self._objects and self._objects[number].name == name
+
+    def _place(self, model: int | None) -> Doubles:
+        """Local to world of a model at rest, with what moves its geometry alone, (4, 4)."""
+        if model is None:
+            return np.eye(4)
+        properties = _properties(self._objects[model])
+        place = self._node_place(model) @ _composed(
+            properties, "GeometricTranslation", "GeometricRotation", "GeometricScaling"
+        )
+        return finite(place, "a model's place")
+
+    def _node_place(self, model: int) -> Doubles:
+        place = np.eye(4)
+        seen: set[int] = set()
+        at: int | None = model
+        while at is not None and at not in seen:
+            seen.add(at)
+            place = _local(_properties(self._objects[at])) @ place
+            at = next((p for p in self._parents[at] if self._is(p, "Model")), None)
+        return place
+
+    def _surfaces(self, model: int | None) -> list[Surface]:
+        if model is None:
+            return []
+        return [
+            self._surface(child)
+            for child, _ in self._children[model]
+            if self._is(child, "Material")
+        ]
+
+    def _surface(self, number: int) -> Surface:
+        record = self._objects[number]
+        properties = _properties(record)
+        red, green, blue = np.clip(_vector(properties, "DiffuseColor", (0.8, 0.8, 0.8)), 0, 1)
+        uses = ("DiffuseColor", "Diffuse", "Maya|baseColor", "3dsMax|Parameters|base_color_map")
+        texture = next(
+            (
+                self._texture(child)
+                for child, use in self._children[number]
+                if use in uses and self._is(child, "Texture")
+            ),
+            None,
+        )
+        color = (1.0, 1.0, 1.0, 1.0) if texture else (float(red), float(green), float(blue), 1.0)
+        return Surface(_label(record), color, texture)
+
+    def _texture(self, number: int) -> Texture:
+        """A texture that is inside the file, or beside it."""
+        if number in self._textures:
+            return self._textures[number] or Texture("picture", b"")
+        record = self._objects[number]
+        names = [record.text("RelativeFilename"), record.text("FileName")]
+        content = b""
+        for child, _ in self._children[number]:
+            if self._is(child, "Video"):
+                video = self._objects[child].first("Content")
+                if video and video.values and isinstance(video.values[0], bytes):
+                    content = video.values[0]
+        for name in names:
+            if not content and name:
+                content = self._beside(name)
+        shown = PureWindowsPath(names[0] or names[1] or "picture").name
+        self._textures[number] = Texture(shown[:60], content)
+        return self._textures[number] or Texture(shown[:60], b"")
+
+    def _beside(self, name: str) -> bytes:
+        """A picture by its path relative to the file, or by its bare name in the same folder."""
+        relative = PurePosixPath(*PureWindowsPath(name).parts)
+        places = [] if relative.is_absolute() or PureWindowsPath(name).drive else [relative]
+        for place in (*places, PurePosixPath(relative.name)):
+            try:
+                return read_file(self._path.parent / place)
+            except FileError:
+                continue
+        return b""
+
+
+def _kind(record: Record) -> str:
+    return str(record.values[2]) if len(record.values) > 2 else ""
+
+
+def _label(record: Record) -> str:
+    """The name of an object, which the file follows by what kind it is of."""
+    name = str(record.values[1]) if len(record.values) > 1 else ""
+    return name.split("\x00")[0][:200] or "mesh"
+
+
+def _properties(record: Record) -> dict[str, tuple[Any, ...]]:
+    table = record.first("Properties70")
+    return {str(p.values[0]): p.values[4:] for p in (table.all("P") if table else ()) if p.values}
+
+
+def _vector(
+    properties: dict[str, tuple[Any, ...]], name: str, default: tuple[float, float, float]
+) -> Doubles:
+    values = properties.get(name, default)
+    if len(values) < 3 or not all(isinstance(v, (int, float)) for v in values[:3]):
+        return np.array(default)
+    return finite(np.array(values[:3], np.float64), name)
+
+
+def _local(properties: dict[str, tuple[Any, ...]]) -> Doubles:
+    """A model's own transform, as the FBX SDK composes it.
+
+    Translation, rotation pivot and offset, pre- and post-rotation, scaling pivot and offset.
+    """
+    order = properties.get("RotationOrder", (0,))
+    which = order[0] if order and isinstance(order[0], int) and 0 <= order[0] < 6 else 0
+    zero, one = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    pivot, scaling_pivot = (_vector(properties, n, zero) for n in ("RotationPivot", "ScalingPivot"))
+    rotation = _rotation(_vector(properties, "Lcl Rotation", zero), _ORDERS[which])
+    before = _rotation(_vector(properties, "PreRotation", zero), "XYZ")
+    after = _rotation(_vector(properties, "PostRotation", zero), "XYZ")
+    scale = np.diag((*_vector(properties, "Lcl Scaling", one), 1.0))
+    steps = (
+        _shift(_vector(properties, "Lcl Translation", zero)),
+        _shift(_vector(properties, "RotationOffset", zero)),
+        _shift(pivot),
+        before,
+        rotation,
+        after.T,
+        _shift(-pivot),
+        _shift(_vector(properties, "ScalingOffset", zero)),
+        _shift(scaling_pivot),
+        scale,
+        _shift(-scaling_pivot),
+    )
+    place = np.eye(4)
+    for step in steps:
+        place = place @ step
+    return place
+
+
+def _composed(
+    properties: dict[str, tuple[Any, ...]], translation: str, rotation: str, scaling: str
+) -> Doubles:
+    zero, one = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    turned = _shift(_vector(properties, translation, zero)) @ _rotation(
+        _vector(properties, rotation, zero), "XYZ"
+    )
+    place: Doubles = turned @ np.diag((*_vector(properties, scaling, one), 1.0))
+    return place
+
+
+def _shift(by: Doubles) -> Doubles:
+    place = np.eye(4)
+    place[:3, 3] = by
+    return place
+
+
+def _rotation(degrees: Doubles, order: str) -> Doubles:
+    """(4, 4) of Euler angles about the fixed axes, in the order in which they are applied."""
+    place = np.eye(4)
+    for axis in order:
+        number = "XYZ".index(axis)
+        angle = np.radians(degrees[number])
+        a, b = [(1, 2), (2, 0), (0, 1)][number]
+        turn = np.eye(4)
+        turn[a, a] = turn[b, b] = np.cos(angle)
+        turn[a, b], turn[b, a] = -np.sin(angle), np.sin(angle)
+        place = turn @ place
+    return place
+
+
+def _triangles(
+    geometry: Record, count: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """The corners of a mesh's polygons, cut into triangles.
+
+    Returns:
+        corners: (C,) vertex of each polygon corner.
+        owners: (F,) polygon of each triangle.
+        triangles: (F, 3) which corners.
+    """
+    stored = geometry.array("PolygonVertexIndex")
+    if stored is None or not len(stored):
+        nothing = np.zeros(0, np.int64)
+        return nothing, nothing, np.zeros((0, 3), np.int64)
+    stored = stored.astype(np.int64)
+    ends = np.flatnonzero(stored < 0)
+    corners = np.where(stored < 0, -1 - stored, stored)
+    if not len(ends) or ends[-1] != len(stored) - 1 or corners.max() >= count:
+        raise Damaged("a polygon names a vertex which is not there")
+    starts = np.r_[0, ends[:-1] + 1]
+    sizes = np.maximum(ends - starts - 1, 0)  # triangles of each polygon
+    owners = np.repeat(np.arange(len(sizes)), sizes)
+    within = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    first = starts[owners]
+    return corners, owners, np.stack((first, first + within + 1, first + within + 2), axis=1)
+
+
+def _uv(geometry: Record, corners: int) -> Floats | None:
+    """(C, 2) texture coordinates of the corners, (0, 0) at the upper left of the picture."""
+    layer = geometry.first("LayerElementUV")
+    values = layer.array("UV") if layer else None
+    if layer is None or values is None or len(values) % 2 or not len(values):
+        return None
+    values = finite(values.reshape(-1, 2), "texture coordinates")
+    if layer.text("MappingInformationType") != "ByPolygonVertex":
+        return None
+    index = layer.array("UVIndex")
+    rows = np.arange(corners) if index is None else index
+    if len(rows) != corners or rows.max() >= len(values):
+        return None
+    placed: Floats = values[np.maximum(rows, 0)].astype(np.float32)
+    placed[:, 1] = 1.0 - placed[:, 1]
+    return placed
+
+
+def _ranks(uv: Floats) -> NDArray[np.int64]:
+    """The same number for the same coordinates."""
+    rounded = np.round(uv * 65536).astype(np.int64)
+    return np.unique(rounded, axis=0, return_inverse=True)[1].ravel()
+
+
+def _materials(geometry: Record, polygons: int) -> NDArray[np.int64]:
+    """(P,) which material of its model each polygon has."""
+    layer = geometry.first("LayerElementMaterial")
+    values = layer.array("Materials") if layer else None
+    if layer is None or values is None or len(values) != polygons:
+        first = int(values[0]) if values is not None and len(values) else 0
+        return np.full(polygons, first, np.int64)
+    return values.astype(np.int64)

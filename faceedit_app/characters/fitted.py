@@ -1,0 +1,271 @@
+"""A character fitted to FaceEdit: its rig, and what is known of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.characters.assembly import Assembler, Assembly
+from faceedit_app.characters.character import Character, Part, Place, Surface
+from faceedit_app.characters.checklist import Checklist, make_checklist
+from faceedit_app.characters.face_frame import FaceFrame, find_frame
+from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
+from faceedit_app.characters.names import Match, match_channels
+from faceedit_app.characters.pictures import Unreadable, decode
+from faceedit_app.characters.points import PAIRS, POINTS, Face, Points, find_points
+from faceedit_app.characters.registry import read_character
+from faceedit_app.characters.welding import Weld, weld
+from faceedit_app.core.arrays import Bools, Floats, Pixels
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.errors import FileError
+from faceedit_app.core.rig import Material, Rig
+
+# What a surface is, by a word in the name of its part or material; the first that fits.
+_SURFACES = {
+    "lash": "lashes",
+    "brow": "brows",
+    "hair": "hair",
+    "beard": "hair",
+    "teeth": "teeth",
+    "tooth": "teeth",
+    "tongue": "tongue",
+    "gum": "gums",
+    "eye": "sclera",
+    "cornea": "sclera",
+    "iris": "iris",
+}
+_CLAY = (0.52, 0.44, 0.4, 1.0)  # where a file says nothing of colour
+_SKIN_SHARE = 0.5  # of a part's vertices that makes it skin
+_FEWEST = 3  # matched channels with which a face can be edited at all
+
+
+@dataclass(frozen=True)
+class FittedCharacter:
+    """A character that can be shown and measured.
+
+    Attributes:
+        character: as its file has it.
+        rig: for the view and the solver; its controls are measured between `points`.
+        frame: how the file's coordinates become the rig's.
+        match: what each channel is made of, the user's map included.
+        points: the twelve points as vertices of the rig, those that were found.
+        places: the same as vertices of the file.
+        checklist: what it can and cannot do.
+        mapping: what the user has said of it.
+    """
+
+    character: Character
+    rig: Rig
+    frame: FaceFrame
+    match: Match
+    points: Points
+    places: dict[str, Place]
+    checklist: Checklist
+    mapping: CharacterMap
+
+    @property
+    def whole_map(self) -> CharacterMap:
+        """Everything that a map can say, as it is now: to be edited by hand."""
+        return CharacterMap(dict(self.match.shares), dict(self.places))
+
+
+def open_character(path: Path | str) -> FittedCharacter:
+    """Open a character with the map that lies beside it, if there is one.
+
+    Raises:
+        FileError: either cannot be read, or it is no face.
+    """
+    path = Path(path)
+    character = read_character(path)
+    return fit(character, read_map(map_path(path)))
+
+
+def fit(character: Character, mapping: CharacterMap | None = None) -> FittedCharacter:
+    """Fit a character.
+
+    Args:
+        mapping: what the user has said of it.
+
+    Raises:
+        FileError: it has no shapes, or FaceEdit can make no face of them.
+    """
+    mapping = mapping or CharacterMap()
+    _need_shapes(character)
+    match = mapping.applied(match_channels(character.targets))
+    _need_match(character, match)
+    assembler = Assembler(character, match.shares, match.alike)
+    frame = find_frame(character, match.shares, assembler.target)
+    assembly = assembler.assemble(frame)
+    welded = weld(assembly)
+    face = Face.of(assembly, welded)
+    found, problems = find_points(face)
+    known = {name: p for name, p in character.points.items() if name not in mapping.points}
+    found |= _placed(character, known, assembly, welded, strict=False)
+    found |= _placed(character, mapping.points, assembly, welded)
+    found = {name: found[name] for name in POINTS if name in found}
+    remarks = [*character.remarks, *assembler.remarks]
+    if frame.swapped:
+        remarks.append("left and right of its shapes were the wrong way about, and are swapped")
+    rig, faults = _rig(character, assembly, welded, face, found)
+    checklist = make_checklist(match, face, found, problems, [*remarks, *faults])
+    points = {name: int(welded.first[number]) for name, number in found.items()}
+    places = {
+        name: Place(character.parts[assembly.part_of[vertex]].name, int(assembly.vertex_of[vertex]))
+        for name, vertex in points.items()
+    }
+    return FittedCharacter(character, rig, frame, match, points, places, checklist, mapping)
+
+
+def _need_shapes(character: Character) -> None:
+    if not character.targets:
+        raise FileError(
+            character.path,
+            "has no blendshapes",
+            "export it with its morph targets (shape keys)",
+        )
+
+
+def _need_match(character: Character, match: Match) -> None:
+    if len(match.matched) >= _FEWEST:
+        return
+    names = character.targets
+    shown = ", ".join(name[:30] for name in names[:3]) + (" …" if len(names) > 3 else "")
+    raise FileError(
+        character.path,
+        f"none of its {len(names)} shapes has a name that FaceEdit knows ({shown})",
+        f"rename them as in ARKit, or say what they are in {map_path(character.path).name}",
+    )
+
+
+def _placed(
+    character: Character,
+    places: Mapping[str, Place],
+    assembly: Assembly,
+    welded: Weld,
+    strict: bool = True,
+) -> Points:
+    """Points that the user or the file has put somewhere, as welded vertices.
+
+    Args:
+        strict: complain of a place which is not there.
+    """
+    numbers = {part.name: number for number, part in enumerate(character.parts)}
+    points = {}
+    for name, place in places.items():
+        part = numbers.get(place.part, -1)
+        rows = np.flatnonzero((assembly.part_of == part) & (assembly.vertex_of == place.vertex))
+        if len(rows):
+            points[name] = int(welded.number[rows[0]])
+        elif strict:
+            raise FileError(
+                map_path(character.path),
+                f"puts {name} on vertex {place.vertex} of {place.part[:40]}, which is not there",
+                "choose another vertex, or take the line out",
+            )
+    return points
+
+
+def _rig(
+    character: Character, assembly: Assembly, welded: Weld, face: Face, points: Points
+) -> tuple[Rig, list[str]]:
+    """The rig, and sentences on what could not be drawn as the file has it."""
+    skin = face.skin[welded.number]
+    textures, numbers, faults = _textures(assembly.parts)
+    materials, runs, stop = [], [], 0
+    colors, uv = [], []
+    start = 0
+    faces = _outwards(assembly, welded, face)
+    for number, (part, run) in enumerate(zip(assembly.parts, assembly.runs, strict=True)):
+        rows = slice(start, start + len(part.neutral))
+        start = rows.stop
+        is_bare = part.surface == Surface(part.surface.name) and part.colors is None
+        tint = np.array(_CLAY if is_bare else part.surface.color, np.float32)
+        own = np.ones((len(part.neutral), 4), np.float32) if part.colors is None else part.colors
+        colors.append(own * tint)
+        uv.append(np.zeros((len(part.neutral), 2), np.float32) if part.uv is None else part.uv)
+        if numbers[number] is None and part.surface.cutoff > float(colors[-1][:, 3].max()):
+            continue  # it cannot be seen, such as a cornea
+        mine = faces[run[0] : run[1]]
+        runs.append(mine)
+        materials.append(
+            Material(
+                part.surface.name or part.name,
+                stop,
+                stop + len(mine),
+                part.surface.roughness,
+                part.surface.metallic,
+                _surface(part, skin[rows]),
+                numbers[number],
+                part.surface.cutoff,
+            )
+        )
+        stop += len(mine)
+    pairs = np.full((len(CONTROL_IDS), 2), -1, np.int32)
+    for control, a, b in PAIRS:
+        if a in points and b in points:
+            pairs[CONTROL_IDS.index(control)] = welded.first[[points[a], points[b]]]
+    rig = Rig(
+        neutral=assembly.neutral,
+        faces=np.concatenate(runs),
+        channels=assembly.channels,
+        deltas=assembly.deltas,
+        colors=np.concatenate(colors),
+        materials=tuple(materials),
+        control_pairs=pairs,
+        name=character.name,
+        attribution=character.attribution,
+        uv=np.concatenate(uv) if textures else None,
+        textures=tuple(textures),
+        shading_groups=welded.number.astype(np.int32),
+    )
+    return rig, faults
+
+
+def _textures(parts: Sequence[Part]) -> tuple[list[Pixels], list[int | None], list[str]]:
+    """The pictures, which one each part has, and sentences on those that cannot be read."""
+    pictures: list[Pixels] = []
+    known: dict[bytes, int | None] = {}
+    numbers: list[int | None] = []
+    faults: list[str] = []
+    for part in parts:
+        texture = part.surface.texture
+        if texture is None or part.uv is None:
+            numbers.append(None)
+            continue
+        if texture.content not in known:
+            try:
+                pictures.append(decode(texture))
+                known[texture.content] = len(pictures) - 1
+            except Unreadable as error:
+                known[texture.content] = None
+                faults.append(str(error))
+        numbers.append(known[texture.content])
+    return pictures, numbers, faults
+
+
+def _surface(part: Part, skin: Bools) -> str:
+    words = f"{part.name} {part.surface.name}".casefold()
+    for word, surface in _SURFACES.items():
+        if word in words:
+            return surface
+    return "skin" if skin.mean() > _SKIN_SHARE else ""
+
+
+def _outwards(assembly: Assembly, welded: Weld, face: Face) -> NDArray[np.int32]:
+    """The triangles, turned over where the face shows its back: some files are mirrored."""
+    corners = assembly.neutral[assembly.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lips = np.where(face.skin, face.lips, 0.0)[welded.number][assembly.faces].mean(axis=1)
+    if float(normals[:, 2].astype(np.float64) @ lips) >= 0:
+        return assembly.faces
+    turned: NDArray[np.int32] = np.ascontiguousarray(assembly.faces[:, ::-1])
+    return turned
+
+
+def points_in_millimetres(fitted: FittedCharacter) -> dict[str, Floats]:
+    """Where each point is at rest, (3,) mm, from between the eyes."""
+    return {name: 1000.0 * fitted.rig.neutral[v] for name, v in fitted.points.items()}

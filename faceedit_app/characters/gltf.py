@@ -1,0 +1,378 @@
+"""Characters from GLB and glTF files: every mesh where it is in the scene at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.characters.bounded import (
+    MOST_TARGETS,
+    Damaged,
+    check_targets,
+    finite,
+    indices_within,
+    whole,
+)
+from faceedit_app.characters.character import Character, Part, Place, Surface, unique_names
+from faceedit_app.characters.gltf_buffers import Document, Json
+from faceedit_app.characters.gltf_surfaces import placed_uv, surface_of
+from faceedit_app.characters.points import PAIRS
+from faceedit_app.core.arrays import Doubles, Floats, Indices
+from faceedit_app.core.errors import FileError
+
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A primitive in the scene, not read yet.
+
+    Attributes:
+        name: unique in the file.
+    node, mesh: their numbers in the file.
+        place: local to world, (4, 4).
+        primitive: its JSON.
+        names: of its morph targets.
+    """
+
+    name: str
+    node: int
+    mesh: int
+    place: Doubles
+    primitive: Json
+    names: tuple[str, ...]
+
+
+def read_gltf(path: Path) -> Character:
+    """Read a GLB or glTF file.
+
+    Raises:
+        FileError: it cannot be read, or holds no mesh.
+        Damaged: it contradicts itself.
+    """
+    document = Document(path)
+    placed = read_parts(document)
+    parts = tuple(part for _, part, _ in placed)
+    points = _own_points(document, placed)
+    return Character(path, "glTF", parts, attribution=_attribution(document), points=points)
+
+
+def read_parts(document: Document) -> list[tuple[Placed, Part, Indices]]:
+    """All meshes of the scene, with where they stand in the file and which vertices they keep.
+
+    Raises:
+        FileError: there is none.
+        Damaged: the file contradicts itself.
+    """
+    scene = Scene(document)
+    placed = scene.primitives()
+    # Primitives may share one set of vertices, of which each keeps what it uses.
+    shared = {p.primitive["attributes"]["POSITION"]: p for p in placed}
+    counts = [document.count(position) for position in shared]
+    check_targets(counts, [len(p.names) for p in shared.values()])
+    parts = [(p, *read) for p in placed if (read := scene.part(p)) is not None]
+    if not parts:
+        raise FileError(document.path, "holds no triangles", "export the mesh of the head")
+    return parts
+
+
+class Scene:
+    """The nodes of a document, with their places worked out."""
+
+    def __init__(self, document: Document) -> None:
+        self.document = document
+        self.nodes = document.all("nodes")
+        self.places = _places(self.nodes)
+        self._surfaces: dict[int, Surface] = {}
+
+    def primitives(self) -> list[Placed]:
+        """What is drawn, in the order of the nodes."""
+        found: list[Placed] = []
+        for number in self._drawn():
+            node = self.nodes[number]
+            if node.get("mesh") is None:
+                continue
+            mesh = self.document.entry("meshes", node["mesh"])
+            label = str(node.get("name") or mesh.get("name") or "mesh")[:60]
+            for primitive in mesh["primitives"]:
+                if primitive.get("mode", _TRIANGLES) not in (_TRIANGLES, _STRIP, _FAN):
+                    continue
+                names = target_names(self.document, mesh, primitive)
+                place = self.places[number]
+                found.append(Placed(label, number, node["mesh"], place, primitive, names))
+        labels = unique_names([placed.name for placed in found])
+        return [replace(p, name=name) for p, name in zip(found, labels, strict=True)]
+
+    def _drawn(self) -> list[int]:
+        """The nodes of the scene that is shown; all where the file does not say."""
+        scenes = self.document.all("scenes")
+        if not scenes:
+            return list(range(len(self.nodes)))
+        scene = self.document.entry("scenes", self.document.json.get("scene", 0))
+        seen: set[int] = set()
+        waiting = list(scene.get("nodes", []))
+        while waiting:
+            number = whole(waiting.pop(), "the number of a node", len(self.nodes) - 1)
+            if number not in seen:
+                seen.add(number)
+                waiting += self.nodes[number].get("children") or []
+        return sorted(seen)
+
+    def part(self, placed: Placed) -> tuple[Part, Indices] | None:
+        """Read a primitive, and which of its vertices are used; None if it has no triangles."""
+        document, primitive = self.document, placed.primitive
+        attributes = primitive["attributes"]
+        if not document.is_backed(attributes["POSITION"]) and not _is_draco(primitive):
+            raise Damaged("a mesh has no positions")
+        arrays, triangles = self._arrays(primitive)
+        neutral = arrays["POSITION"].astype(np.float64)
+        if triangles is None:
+            triangles = _triangles(np.arange(len(neutral)), primitive.get("mode", _TRIANGLES))
+        faces = indices_within(triangles, len(neutral))
+        if not len(faces):
+            return None
+        linear, offset = self._skinned(placed, arrays, len(neutral))
+        if np.linalg.det(np.atleast_3d(linear).reshape(-1, 3, 3)[0]) < 0:  # mirrored
+            faces = np.ascontiguousarray(faces[:, ::-1])
+        part = Part(
+            name=placed.name,
+            neutral=(_turned(linear, neutral) + offset).astype(np.float32),
+            faces=faces,
+            uv=placed_uv(self._material(primitive.get("material")), arrays),
+            colors=_colors(arrays.get("COLOR_0")),
+            surface=self._surface(primitive.get("material")),
+        )
+        kept = np.unique(faces).astype(np.intp)
+        targets = self._targets(placed, linear, len(neutral), kept)
+        return replace(part.only(kept), targets=targets), kept
+
+    def _arrays(self, primitive: Json) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64] | None]:
+        """Attributes by name and (F, 3) triangles; None where vertices are simply in order."""
+        document, attributes = self.document, primitive["attributes"]
+        if _is_draco(primitive):
+            return _draco(document, primitive)
+        arrays = {}
+        for name, index in attributes.items():
+            if name in ("POSITION", "WEIGHTS_0", "COLOR_0") or name.startswith("TEXCOORD_"):
+                arrays[name] = document.array(index)
+            elif name == "JOINTS_0":
+                arrays[name] = document.array(index, normalize=False)
+        count = len(arrays["POSITION"])
+        if any(len(array) != count for array in arrays.values()):
+            raise Damaged("a mesh has more of one attribute than of another")
+        if primitive.get("indices") is None:
+            return arrays, None
+        indices = document.array(primitive["indices"], normalize=False)
+        if indices.dtype.kind != "u":
+            raise Damaged("a triangle names a vertex which is not there")
+        return arrays, _triangles(indices[:, 0], primitive.get("mode", _TRIANGLES))
+
+    def _skinned(
+        self, placed: Placed, arrays: Mapping[str, NDArray[Any]], count: int
+    ) -> tuple[Doubles, Doubles]:
+        """How vertices get to where they are: (3, 3) or (V, 3, 3) and (3,) or (V, 3).
+
+        A quantised mesh has its scale in the inverse bind matrices, so that this cannot be left
+        out even where nothing is posed.
+        """
+        skin_index = self.nodes[placed.node].get("skin")
+        if skin_index is None or "JOINTS_0" not in arrays or "WEIGHTS_0" not in arrays:
+            return placed.place[:3, :3], placed.place[:3, 3]
+        skin = self.document.entry("skins", skin_index)
+        joints = [whole(j, "a joint", len(self.nodes) - 1) for j in skin["joints"]]
+        inverse = np.tile(np.eye(4), (len(joints), 1, 1))
+        if skin.get("inverseBindMatrices") is not None:
+            stored = self.document.array(skin["inverseBindMatrices"]).astype(np.float64)
+            if stored.shape[1] != 16 or len(stored) < len(joints):
+                raise Damaged("a skin has too few matrices")
+            inverse = stored[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
+        moves = np.stack([self.places[j] for j in joints]) @ inverse
+        which = arrays["JOINTS_0"].astype(np.intp)
+        if which.size and which.max() >= len(joints):
+            raise Damaged("a vertex names a joint which is not there")
+        weights = arrays["WEIGHTS_0"].astype(np.float64)
+        weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-9)
+        place = np.zeros((count, 3, 4))
+        for column in range(which.shape[1]):
+            place += weights[:, column, None, None] * moves[which[:, column], :3]
+        return place[:, :, :3], place[:, :, 3]
+
+    def _targets(
+        self, placed: Placed, linear: Doubles, count: int, kept: Indices
+    ) -> dict[str, Floats]:
+        """The displacements of the kept vertices; `count` is how many there are."""
+        linear = linear if linear.ndim == 2 else linear[kept]
+        targets: dict[str, Floats] = {}
+        for name, target in zip(placed.names, placed.primitive.get("targets") or [], strict=True):
+            if target.get("POSITION") is None or name in targets:
+                continue
+            moves = self.document.array(target["POSITION"])
+            if moves.shape != (count, 3):
+                raise Damaged("a morph target has another number of vertices than its mesh")
+            moved = moves if len(kept) == count else moves[kept]
+            targets[name] = _turned(linear, moved).astype(np.float32, copy=False)
+        return targets
+
+    def _material(self, index: Any) -> Json:
+        if index is None:
+            return {}
+        return self.document.entry("materials", index)
+
+    def _surface(self, index: Any) -> Surface:
+        if index not in self._surfaces:
+            self._surfaces[index] = surface_of(self.document, self._material(index))
+        return self._surfaces[index]
+
+
+def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, ...]:
+    """The names of a primitive's morph targets.
+
+    They stand in the extras of the mesh or the primitive, or are the accessors' own.
+    """
+    targets = primitive.get("targets") or []
+    if len(targets) > MOST_TARGETS:
+        raise Damaged(f"{len(targets)} morph targets are more than {MOST_TARGETS}")
+    for extras in (mesh.get("extras"), primitive.get("extras")):
+        names = extras.get("targetNames") if isinstance(extras, dict) else None
+        if isinstance(names, list) and len(names) >= len(targets):
+            return tuple(str(name)[:200] for name in names[: len(targets)])
+    found = []
+    for number, target in enumerate(targets):
+        accessors, index = document.all("accessors"), target.get("POSITION")
+        inside = isinstance(index, int) and 0 <= index < len(accessors)
+        name = accessors[index].get("name") if inside else None
+        found.append(str(name or f"target_{number}")[:200])
+    return tuple(found)
+
+
+def _places(nodes: list[Any]) -> list[Doubles]:
+    """Local to world of every node, (4, 4) each."""
+    parents: dict[int, int] = {}
+    for number, node in enumerate(nodes):
+        for child in node.get("children") or []:
+            parents[whole(child, "the number of a node", len(nodes) - 1)] = number
+    own = [_own_place(node) for node in nodes]
+    places: list[Doubles | None] = [None] * len(nodes)
+    for number in range(len(nodes)):
+        chain = []
+        at: int | None = number
+        while at is not None and places[at] is None:
+            chain.append(at)
+            if len(chain) > len(nodes):
+                raise Damaged("its nodes go round in a circle")
+            at = parents.get(at)
+        for at in reversed(chain):
+            above = places[parents[at]] if at in parents else None
+            places[at] = own[at] if above is None else above @ own[at]
+    return [place for place in places if place is not None]
+
+
+def _own_place(node: Json) -> Doubles:
+    """A node's transform; matrices and quaternions are as the specification has them."""
+    if node.get("matrix") is not None:
+        return finite(np.array(node["matrix"], np.float64).reshape(4, 4).T, "a node's matrix")
+    x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), np.float64)
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    place = np.eye(4)
+    place[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), np.float64)
+    place[:3, 3] = node.get("translation", (0, 0, 0))
+    return finite(place, "a node's place")
+
+
+def _turned(linear: Doubles, vectors: Doubles) -> Doubles:
+    """(V, 3) vectors by one matrix, or by one each."""
+    if linear.ndim == 2:
+        # Most meshes stand where they are drawn, and products with a small matrix are slow.
+        return vectors if np.array_equal(linear, np.eye(3)) else vectors @ linear.T
+    turned: Doubles = np.einsum("vij,vj->vi", linear, vectors)
+    return turned
+
+
+def _triangles(indices: NDArray[Any], mode: int) -> NDArray[np.int64]:
+    indices = indices.astype(np.int64)
+    if mode == _STRIP:
+        triples = np.stack((indices[:-2], indices[1:-1], indices[2:]), axis=1)
+        triples[1::2] = triples[1::2][:, ::-1]
+        return triples
+    if mode == _FAN:
+        first = np.full(max(len(indices) - 2, 0), indices[0] if len(indices) else 0)
+        return np.stack((first, indices[1:-1], indices[2:]), axis=1)
+    return indices[: len(indices) // 3 * 3].reshape(-1, 3)
+
+
+def _is_draco(primitive: Json) -> bool:
+    return "KHR_draco_mesh_compression" in (primitive.get("extensions") or {})
+
+
+def _draco(
+    document: Document, primitive: Json
+) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
+    """A primitive that Draco has compressed."""
+    packed = primitive["extensions"]["KHR_draco_mesh_compression"]
+    data = document.bytes_of(packed["bufferView"])
+    try:
+        import DracoPy
+    except ImportError as error:
+        raise FileError(
+            document.path, "is compressed (Draco)", "pip install DracoPy, or export without it"
+        ) from error
+    try:
+        mesh = DracoPy.decode(data)
+    except Exception as error:  # it raises several kinds of its own
+        raise Damaged("a mesh that Draco compressed cannot be decoded") from error
+    count = document.count(primitive["attributes"]["POSITION"])
+    if len(mesh.points) != count:
+        raise Damaged("a mesh that Draco compressed has another number of vertices")
+    arrays: dict[str, NDArray[Any]] = {}
+    by_id = {attribute["unique_id"]: attribute["data"] for attribute in mesh.attributes}
+    for name, number in packed["attributes"].items():
+        if number in by_id:
+            arrays[name] = np.asarray(by_id[number])
+    arrays["POSITION"] = finite(np.asarray(mesh.points, np.float32), "positions")
+    return arrays, np.asarray(mesh.faces, np.int64).reshape(-1, 3)
+
+
+def _colors(stored: NDArray[Any] | None) -> Floats | None:
+    """(V, 4) float32 of a colour attribute with or without alpha."""
+    if stored is None or stored.shape[1] not in (3, 4):
+        return None
+    colors = np.ones((len(stored), 4), np.float32)
+    colors[:, : stored.shape[1]] = np.clip(stored, 0.0, 1.0)
+    return colors
+
+
+def _own_points(
+    document: Document, placed: Sequence[tuple[Placed, Part, Indices]]
+) -> dict[str, Place]:
+    """The control points of a file that FaceEdit wrote; they stand in the extras of its mesh."""
+    found: dict[str, Place] = {}
+    for one, part, kept in placed:
+        extras = document.entry("meshes", one.mesh).get("extras")
+        controls = extras.get("controls") if isinstance(extras, dict) else None
+        if not isinstance(controls, dict):
+            continue
+        for control, first, second in PAIRS:
+            pair = controls.get(control)
+            if not isinstance(pair, list) or len(pair) != 2:
+                continue
+            for name, vertex in zip((first, second), pair, strict=True):
+                rows = np.flatnonzero(kept == (vertex if isinstance(vertex, int) else -1))
+                if len(rows):
+                    found.setdefault(name, Place(part.name, int(rows[0])))
+    return found
+
+
+def _attribution(document: Document) -> str:
+    asset = document.json.get("asset") or {}
+    return str(asset.get("copyright") or "")[:300]

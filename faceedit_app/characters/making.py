@@ -1,0 +1,257 @@
+"""Blendshapes for a head that has none (paper, section 2).
+
+Our character is the template: its skin is fitted to the scan, its mouth, teeth, eyes and hair are
+carried along, its shapes are transferred, and lids and lips are trimmed until they meet where they
+meet on the template.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.interpolate import RBFInterpolator
+from trimesh.registration import procrustes
+
+from faceedit_app.characters.points import PAIRS
+from faceedit_app.characters.registration import Fitted, Landmarks, carry, distances, register
+from faceedit_app.characters.scans import Scan
+from faceedit_app.characters.transfer import Transfer
+from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.rig import Rig
+
+_SKIN = ("skin", "lips")  # materials of the template that a scan shows
+_EYES = ("sclera", "iris", "pupil")
+_MM = 1000.0
+_STILL = 1e-4  # mm that no shape moves a vertex
+_ANCHORS = 1200
+_COLOR_FROM = 6.0  # mm from the scan within which colours are taken from it
+_FRONT, _UNDER_CHIN = -20.0, 15.0  # mm; what lies farther back, or lower, is no face
+_SHUT = 0.5  # of what the template's own blink leaves open
+_MOST_TRIM = 6.0  # mm; more is no trimming
+
+
+@dataclass(frozen=True)
+class Template:
+    """The skin of a character as one welded mesh in millimetres.
+
+    Attributes:
+        rig: the character.
+        vertices: (W, 3).
+        faces: (F, 3).
+        moves: (K, W, 3) of each channel.
+        vertex_of: (V,) for each vertex of the rig its welded one, -1 for what is not skin.
+        points: welded vertices of the twelve points.
+    """
+
+    rig: Rig
+    vertices: Doubles
+    faces: NDArray[np.int64]
+    moves: Doubles
+    vertex_of: Indices
+    points: Mapping[str, int]
+
+    @classmethod
+    def of(cls, rig: Rig) -> Template:
+        """The template that a character is."""
+        faces = np.concatenate(
+            [rig.faces[m.start : m.stop] for m in rig.materials if m.name in _SKIN]
+        )
+        keys = np.round(rig.neutral[faces.ravel()] * 1e6).astype(np.int64)
+        _, first, number = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        vertex_of = np.full(len(rig.neutral), -1, np.intp)
+        vertex_of[faces.ravel()] = number.ravel()
+        kept = faces.ravel()[first]
+        points = {
+            name: int(vertex_of[rig.control_pairs[CONTROL_IDS.index(control), end]])
+            for control, *names in PAIRS
+            for end, name in enumerate(names)
+        }
+        return cls(
+            rig,
+            _MM * rig.neutral[kept].astype(np.float64),
+            number.reshape(-1, 3),
+            _MM * rig.deltas[:, kept].astype(np.float64),
+            vertex_of,
+            points,
+        )
+
+    def landmarks(self, points: Mapping[str, Doubles]) -> Landmarks:
+        """Landmarks from where some of the twelve points are on a scan, (3,) each."""
+        names = [name for name in self.points if name in points]
+        vertices = [self.points[name] for name in names]
+        positions = np.array([points[name] for name in names], np.float64)
+        return Landmarks.at_vertices(self.faces, vertices, positions)
+
+
+@dataclass(frozen=True)
+class Made:
+    """A head with shapes.
+
+    Attributes:
+        rig: it, in the template's place, size and mesh.
+        skin: (W, 3) mm, its welded skin.
+        moves: (K, W, 3) mm of each channel there.
+        to_scan: (4, 4) from the rig's millimetres to the scan.
+        face: (W,) what of the skin is face: not neck, ears or the back of the head.
+    """
+
+    rig: Rig
+    skin: Doubles
+    moves: Doubles
+    to_scan: Doubles
+    face: Bools
+
+    def distance_to(self, scan: Scan) -> tuple[float, float]:
+        """Median and 95th percentile, mm, of how far the skin of the face is from the scan."""
+        front = self.skin[self.face]
+        scale = float(np.cbrt(np.linalg.det(self.to_scan[:3, :3])))
+        mesh = trimesh.Trimesh(scan.vertices, scan.faces, process=False)
+        far = distances(trimesh.transform_points(front, self.to_scan), mesh) / scale
+        return float(np.median(far)), float(np.percentile(far, 95))
+
+
+def make(template: Template, scan: Scan, landmarks: Landmarks, name: str) -> Made:
+    """Give a scan shapes.
+
+    Args:
+        landmarks: places that the template's skin and the scan share.
+        name: of the new character.
+    """
+    landmarks = landmarks.plausible(template.vertices, template.faces)
+    surface = _surface(scan, landmarks.positions)
+    fitted = register(template.vertices, template.faces, landmarks, surface)
+    back = np.linalg.inv(fitted.similarity)
+    skin = trimesh.transform_points(fitted.vertices, back)
+    here = Fitted(skin, np.eye(4))  # the fit, seen from the template
+    still = np.abs(template.moves).max(axis=(0, 2)) < _STILL
+    transfer = Transfer(template.vertices, skin, template.faces, still)
+    moves = np.stack([transfer(one) for one in template.moves])
+    trim(moves, skin, template)
+    rig = _rig(template, here, moves, scan, fitted, name)
+    chin = template.vertices[template.points["chin"], 1]
+    face = (template.vertices[:, 2] > _FRONT) & (template.vertices[:, 1] > chin - _UNDER_CHIN)
+    return Made(rig, skin, moves, fitted.similarity, face)
+
+
+def trim(moves: Doubles, skin: Doubles, template: Template) -> None:
+    """Have lids and lips meet as they do on the template, in place.
+
+    The shape that closes them is made stronger or weaker where it closes: in proportion to how it
+    moves each vertex, so that its form stays.
+    """
+    index = template.rig.channel_index
+    for lower, upper, channels in (
+        ("left_lower_lid", "left_upper_lid", ("eyeBlinkLeft",)),
+        ("right_lower_lid", "right_upper_lid", ("eyeBlinkRight",)),
+        ("inner_upper_lip", "inner_lower_lip", ("jawOpen", "mouthClose")),
+    ):
+        if any(channel not in index for channel in channels):
+            continue
+        rows = [index[channel] for channel in channels]
+        held, moved = template.points[lower], template.points[upper]
+        wanted = _SHUT * _gap(template.vertices, template.moves[rows], held, moved)
+        have = _gap(skin, moves[rows], held, moved)
+        if len(channels) == 2:  # closed lips are as far apart as they are at rest
+            wanted = skin[moved] - skin[held]
+        lack = wanted - have
+        closing = np.linalg.norm(template.moves[rows[-1]], axis=1)
+        if np.linalg.norm(lack) < _MOST_TRIM and closing[moved] > 0:
+            moves[rows[-1]] += np.minimum(closing / closing[moved], 1.0)[:, None] * lack
+
+
+def _gap(vertices: Doubles, moves: Doubles, held: int, moved: int) -> Doubles:
+    """(3,) from one vertex to another, with shapes at 1."""
+    posed = vertices + moves.sum(axis=0)
+    gap: Doubles = posed[moved] - posed[held]
+    return gap
+
+
+def _surface(scan: Scan, positions: Doubles) -> trimesh.Trimesh:
+    """The connected pieces of a scan that have the points: no eyeballs, hair or table."""
+    mesh = trimesh.Trimesh(scan.vertices, scan.faces, process=False)
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, len(mesh.faces))
+    _, _, triangles = mesh.nearest.on_surface(positions)
+    kept = np.isin(labels, np.unique(labels[triangles]))
+    # What is but a splinter that happens to be nearest to one point is no skin.
+    sizes = np.bincount(labels)
+    kept &= sizes[labels] > 0.02 * len(mesh.faces)
+    if kept.any():
+        mesh.update_faces(kept)
+        mesh.remove_unreferenced_vertices()
+    return mesh
+
+
+def _rig(
+    template: Template, here: Fitted, moves: Doubles, scan: Scan, fitted: Fitted, name: str
+) -> Rig:
+    """The template with another skin, and with what it carries along."""
+    rig = template.rig
+    neutral = _MM * rig.neutral.astype(np.float64)
+    deltas = _MM * rig.deltas.astype(np.float64)
+    is_skin = template.vertex_of >= 0
+    anchors = np.arange(len(template.vertices))
+    others = np.flatnonzero(~is_skin)
+    neutral[others] = carry(here, template.vertices, anchors, neutral[others])
+    for eye in _eyeballs(rig):
+        before = _MM * rig.neutral[eye].astype(np.float64)
+        placed = procrustes(before, neutral[eye], reflection=False)[1]
+        neutral[eye] = placed  # round as it was
+    deltas[:, others] += _carried(template, moves, _MM * rig.neutral[others].astype(np.float64))
+    neutral[is_skin] = here.vertices[template.vertex_of[is_skin]]
+    deltas[:, is_skin] = moves[:, template.vertex_of[is_skin]]
+    return replace(
+        rig,
+        neutral=(neutral / _MM).astype(np.float32),
+        deltas=(deltas / _MM).astype(np.float32),
+        colors=_colors(template, scan, fitted),
+        name=name,
+    )
+
+
+def _eyeballs(rig: Rig) -> Sequence[Indices]:
+    """The vertices of each eye."""
+    faces = [rig.faces[m.start : m.stop] for m in rig.materials if m.name in _EYES]
+    if not faces:
+        return ()
+    vertices = np.unique(np.concatenate(faces))
+    left = rig.neutral[vertices, 0] > 0
+    return tuple(vertices[side].astype(np.intp) for side in (left, ~left) if side.any())
+
+
+def _carried(template: Template, moves: Doubles, others: Doubles) -> Doubles:
+    """(K, N, 3) mm by which shapes of the new skin differ from the template's, beside it."""
+    live = np.abs(template.moves).max(axis=(0, 2)) > _STILL
+    chosen = np.flatnonzero(live)
+    chosen = chosen[:: max(len(chosen) // _ANCHORS, 1)]
+    change = (moves - template.moves)[:, chosen]
+    count = len(change)
+    values = change.transpose(1, 0, 2).reshape(len(chosen), -1)
+    smooth = RBFInterpolator(template.vertices[chosen], values, neighbors=24, kernel="linear")
+    carried: Doubles = smooth(others).reshape(len(others), count, 3).transpose(1, 0, 2)
+    far = np.linalg.norm(others[:, None] - template.vertices[chosen][None, ::8], axis=2).min(axis=1)
+    fading: Doubles = carried * np.clip(1.5 - far / 20.0, 0.0, 1.0)[None, :, None]
+    return fading
+
+
+def _colors(template: Template, scan: Scan, fitted: Fitted) -> Floats:
+    """The template's colours, with those of the scan on its skin."""
+    colors = template.rig.colors.copy()
+    if scan.colors is None:
+        return colors
+    mesh = trimesh.Trimesh(scan.vertices, scan.faces, process=False)
+    places, distance, triangles = mesh.nearest.on_surface(fitted.vertices)
+    weights = trimesh.triangles.points_to_barycentric(mesh.triangles[triangles], places)
+    seen = np.einsum("vk,vkc->vc", weights, scan.colors[scan.faces[triangles]])
+    scale = float(np.cbrt(np.linalg.det(fitted.similarity[:3, :3])))
+    near: Bools = np.asarray(distance < _COLOR_FROM * scale) & (seen[:, 3] > 0.5)
+    skin = np.flatnonzero(template.vertex_of >= 0)
+    rows = template.vertex_of[skin]
+    taken = near[rows]
+    colors[skin[taken], :3] = np.clip(seen[rows[taken], :3], 0.0, 1.0)
+    return colors

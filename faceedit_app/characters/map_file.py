@@ -1,0 +1,128 @@
+"""A character's map: what the user has said of its shapes and points, in a file beside it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from faceedit_app.characters.bounded import read_file
+from faceedit_app.characters.character import Place
+from faceedit_app.characters.names import Half, Match, Share
+from faceedit_app.characters.points import POINTS
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.errors import FileError
+
+ENDING = ".map.json"
+_VERSION = 1
+_LARGEST = 4 << 20  # bytes
+_REMEDY = "correct it, or delete it to have the shapes matched by their names"
+
+
+@dataclass(frozen=True)
+class CharacterMap:
+    """What the user has said; everything else is found.
+
+    Attributes:
+        channels: what a channel is made of, in place of what its name would say; () is nothing.
+        points: where a point is.
+    """
+
+    channels: Mapping[str, tuple[Share, ...]] = field(default_factory=dict)
+    points: Mapping[str, Place] = field(default_factory=dict)
+
+    def applied(self, match: Match) -> Match:
+        """A match with what the user has said of channels."""
+        shares = {c: s for c, s in {**match.shares, **self.channels}.items() if s}
+        used = {share.name for parts in shares.values() for share in parts}
+        gone = {n for c in self.channels for n in match.matched.get(c, ()) if n not in used}
+        unknown = (*(name for name in match.unknown if name not in used), *sorted(gone))
+        return replace(match, shares=shares, unknown=unknown)
+
+
+def map_path(character: Path) -> Path:
+    """Where the map of a character file or folder is: `Head.glb.map.json`."""
+    return character.with_name(character.name + ENDING)
+
+
+def read_map(path: Path) -> CharacterMap | None:
+    """The map in a file; None where there is no such file.
+
+    Raises:
+        FileError: it cannot be read, or says what cannot be.
+    """
+    if not path.exists():
+        return None
+    try:
+        stored = json.loads(read_file(path, _LARGEST))
+    except (ValueError, RecursionError) as error:
+        raise FileError(path, "is no JSON", _REMEDY) from error
+    try:
+        return _parsed(path, stored)
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        raise FileError(path, "is no character map", _REMEDY) from error
+
+
+def write_map(path: Path, mapping: CharacterMap) -> None:
+    """Write a map, whole or not at all.
+
+    Raises:
+        FileError: it cannot be written.
+    """
+    channels = {c: [_stored(share) for share in shares] for c, shares in mapping.channels.items()}
+    points = {n: {"part": p.part, "vertex": p.vertex} for n, p in mapping.points.items()}
+    document = {"faceedit_character_map": _VERSION, "channels": channels, "points": points}
+    text = json.dumps(document, indent=2, ensure_ascii=False)
+    write_atomically(path, text.encode("utf-8", "replace") + b"\n")
+
+
+def _stored(share: Share) -> str | dict[str, Any]:
+    """A share as a person would write it: its name alone where there is no more to say."""
+    if share.weight == 1.0 and share.half is Half.WHOLE:
+        return share.name
+    stored: dict[str, Any] = {"shape": share.name}
+    if share.weight != 1.0:
+        stored["weight"] = share.weight
+    if share.half is not Half.WHOLE:
+        stored["half"] = str(share.half)
+    return stored
+
+
+def _parsed(path: Path, stored: Any) -> CharacterMap:
+    version = stored["faceedit_character_map"]
+    if version != _VERSION:
+        raise FileError(path, f"is of version {str(version)[:20]}", "update FaceEdit")
+    channels = {}
+    for channel, shares in stored.get("channels", {}).items():
+        if channel not in ARKIT_INDEX:
+            raise FileError(path, f"names the channel {channel[:60]}, which ARKit lacks", _REMEDY)
+        given = [shares] if isinstance(shares, (str, dict)) else list(shares or ())
+        channels[channel] = tuple(_share(path, share) for share in given)
+    points = {}
+    for name, place in stored.get("points", {}).items():
+        if name not in POINTS:
+            problem = f"names the point {name[:60]}, which is none of {', '.join(POINTS)}"
+            raise FileError(path, problem, _REMEDY)
+        vertex = place["vertex"]
+        if isinstance(vertex, bool) or not isinstance(vertex, int):
+            raise ValueError(vertex)
+        points[name] = Place(str(place["part"]), vertex)
+    return CharacterMap(channels, points)
+
+
+def _share(path: Path, stored: Any) -> Share:
+    if isinstance(stored, str):
+        return Share(stored)
+    weight = float(stored.get("weight", 1.0))
+    if not math.isfinite(weight) or abs(weight) > 100:
+        raise FileError(path, f"has the weight {weight:g}", "use one from -100 to 100")
+    half = stored.get("half", "")
+    if half not in tuple(Half):
+        raise FileError(
+            path, f"has the half {str(half)[:20]}", f"use {', '.join(filter(None, Half))}"
+        )
+    return Share(str(stored["shape"]), weight, Half(half))

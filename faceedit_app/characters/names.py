@@ -1,0 +1,375 @@
+"""Which of a character's shapes make which ARKit channels, by rules.
+
+`core.names` knows the names that takes and characters share. Characters have more: one shape has
+many spellings: `eyeBlinkLeft`, `EyeBlink_L`, `blendShape1.eyeBlink.L`,
+`A14_Eye_Blink_Left`, `head_ARKit_eyeBlinkLeft`. A name is split into words; what is said of the
+file rather than of the face is left out; the side goes to the end; and the rest is looked up.
+
+Some characters have fewer shapes than ARKit, and some have more. `browInnerUp_L` and
+`browInnerUp_R` together make one channel; one `Blink` is cut into two. What fits the channel less
+well (the visemes of a VRM) is used only where nothing better does, and `Match.lost` says so.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.names import canonical_channel
+
+
+class Half(StrEnum):
+    """The part of a shape that a channel takes; left and right are the character's."""
+
+    WHOLE = ""
+    LEFT = "left"
+    RIGHT = "right"
+    UPPER = "upper"
+    LOWER = "lower"
+    UPPER_LEFT = "upper left"
+    UPPER_RIGHT = "upper right"
+    LOWER_LEFT = "lower left"
+    LOWER_RIGHT = "lower right"
+
+
+@dataclass(frozen=True)
+class Share:
+    """What one shape adds to a channel.
+
+    Attributes:
+        name: the shape, as its file spells it.
+        weight: by how much its movement is multiplied.
+        half: which part of it counts.
+    """
+
+    name: str
+    weight: float = 1.0
+    half: Half = Half.WHOLE
+
+
+@dataclass(frozen=True)
+class Match:
+    """Which shapes make which channels.
+
+    Attributes:
+        shares: for each channel that can be made, what it is made of.
+        unknown: names that no channel uses.
+        alike: other spellings of a name that is used, as several meshes of a character have them.
+        lost: sentences on what does not fit the channel it is used for.
+    """
+
+    shares: Mapping[str, tuple[Share, ...]]
+    unknown: tuple[str, ...] = ()
+    alike: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    lost: tuple[str, ...] = ()
+
+    @property
+    def matched(self) -> dict[str, tuple[str, ...]]:
+        """The names that make each channel, in ARKit's order."""
+        return {
+            c: tuple(s.name for s in self.shares[c]) for c in ARKIT_CHANNELS if self.shares.get(c)
+        }
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Channels that nothing makes."""
+        return tuple(c for c in ARKIT_CHANNELS if not self.shares.get(c))
+
+    @property
+    def several(self) -> dict[str, tuple[str, ...]]:
+        """Channels that more than one shape makes."""
+        return {channel: names for channel, names in self.matched.items() if len(names) > 1}
+
+
+# --- words ------------------------------------------------------------------------------------
+
+_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W\d_A-Za-z]+|\d+")
+_NUMBERED = re.compile(r"^[A-Za-z]?\d{1,3}[ _-]+(?=[A-Za-z])")  # A14_Eye_Blink_Left
+_COPY = re.compile(r"\.\d{3}$")  # Blender's second jawOpen is jawOpen.001
+_SIDES = dict.fromkeys(("l", "lt", "lf", "lft", "left"), "left") | dict.fromkeys(
+    ("r", "rt", "rg", "rgt", "right"), "right"
+)
+# Words that are about the file, not about the face.
+_NOISE = re.compile(
+    r"blendshapes?|blend|shapes?|bsh?|key|morph(er)?|targets?|face|facial|facs?|jnt|head|arkit|ark?|"
+    r"kit|apple|ctrls?|controls?|exp(ressions?)?|mesh|geo|body|avatar|skin|char(acter)?|genesis|"
+    r"(fe)?male"
+)
+_FACE = re.compile(r"brows?|cheeks?|eyes?|eyelids?|jaw|mouth|lips?|nose|tongue")
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a name in lower case, without namespace and what is about the file."""
+    text = _COPY.sub("", name.strip())
+    text = re.split(r"[:|/\\]", text)[-1]
+    pieces = [piece for piece in text.split(".") if piece.strip()]
+    if len(pieces) > 1 and pieces[-1].strip().lower() in _SIDES:  # Blender's eyeBlink.L
+        text = " ".join(pieces[-2:])
+    elif pieces:
+        text = pieces[-1]
+    words = [word.lower() for word in _WORDS.findall(_NUMBERED.sub("", text))]
+    words = [word for word in words if not word.isdigit()] or words
+    while len(words) > 1 and _NOISE.fullmatch(words[0]):
+        words = words[1:]
+    while len(words) > 1 and _NOISE.fullmatch(words[-1]):
+        words = words[:-1]
+    return words
+
+
+def _keys(words: Sequence[str]) -> tuple[str, ...]:
+    """What to look up: the words with `l` and `r` spelt out, as they are and with the side last."""
+    spelt = [_SIDES.get(word, word) for word in words]
+    sides = [i for i, word in enumerate(spelt) if word in ("left", "right")]
+    keys = ["".join(spelt)]
+    if len(sides) == 1 and len(spelt) > 1:
+        rest = spelt[: sides[0]] + spelt[sides[0] + 1 :]
+        keys.append("".join(rest) + spelt[sides[0]])
+    return tuple(dict.fromkeys(keys))
+
+
+# --- what the words mean ----------------------------------------------------------------------
+
+_CHANNELS = {channel.lower(): channel for channel in ARKIT_CHANNELS}
+_HALVES = ("browInnerUp", "cheekPuff")  # ARKit has one where others have one a side
+_TWO_SIDED = sorted(
+    {c.removesuffix("Left") for c in ARKIT_CHANNELS if c.endswith("Left")} - {"jaw", "mouth"}
+)
+
+# Other names of the very same shape; `#` stands for the side.
+_SYNONYMS = {
+    "browraiseinner#": "browInnerUp",
+    "browinnerraise#": "browInnerUp",
+    "innerbrowraise#": "browInnerUp",
+    "browinnerup#": "browInnerUp",
+    "browsinnerup": "browInnerUp",
+    "innerbrowraiser": "browInnerUp",
+    "browraiseinner": "browInnerUp",
+    "browraiseouter#": "browOuterUp#",
+    "browouterraise#": "browOuterUp#",
+    "outerbrowraiser#": "browOuterUp#",
+    "browdrop#": "browDown#",
+    "browlower#": "browDown#",
+    "browlowerer#": "browDown#",
+    "browsdown#": "browDown#",
+    "cheekpuff#": "cheekPuff",
+    "cheekspuff": "cheekPuff",
+    "cheekraise#": "cheekSquint#",
+    "eyeclose#": "eyeBlink#",
+    "eyeclosed#": "eyeBlink#",
+    "eyesclose#": "eyeBlink#",
+    "eyesclosed#": "eyeBlink#",
+    "eyelidclose#": "eyeBlink#",
+    "blink#": "eyeBlink#",
+    "eyewiden#": "eyeWide#",
+    "eyesquinch#": "eyeSquint#",
+    "jawdrop": "jawOpen",
+    "jawforwards": "jawForward",
+    "jawfwd": "jawForward",
+    "mouthclosed": "mouthClose",
+    "lipstogether": "mouthClose",
+    "mouthlowerlipdown#": "mouthLowerDown#",
+    "mouthdownlower#": "mouthLowerDown#",
+    "mouthlowerdown#": "mouthLowerDown#",
+    "mouthupperlipup#": "mouthUpperUp#",
+    "mouthupupper#": "mouthUpperUp#",
+    "mouthrollinupper": "mouthRollUpper",
+    "mouthrollinlower": "mouthRollLower",
+    "mouthrollupperlip": "mouthRollUpper",
+    "mouthrolllowerlip": "mouthRollLower",
+    "liprollupper": "mouthRollUpper",
+    "liprolllower": "mouthRollLower",
+    "mouthshrugup": "mouthShrugUpper",
+    "mouthshrugdown": "mouthShrugLower",
+    "nosewrinkle#": "noseSneer#",
+    "sneer#": "noseSneer#",
+    "nosewrinkler#": "noseSneer#",
+    "tongueoutward": "tongueOut",
+}
+
+
+def _synonyms() -> dict[str, tuple[str, bool]]:
+    """By key: the channel, and whether the shape is one side of it."""
+    table: dict[str, tuple[str, bool]] = {}
+    for key, channel in _SYNONYMS.items():
+        for side in ("Left", "Right") if "#" in key else ("",):
+            whole = channel.replace("#", side)
+            table[key.replace("#", side.lower())] = whole, "#" in key and "#" not in channel
+    return table
+
+
+_OTHER_NAMES = _synonyms()
+
+# What is used where a channel has nothing of its own, and what that loses. The presets of VRM 0
+# and 1, the visemes of Oculus, VRoid's and MikuMikuDance's names: keys as `_keys` makes them.
+_Rough = tuple[tuple[str, Half], ...]
+
+
+def _both(stem: str, left: Half = Half.LEFT, right: Half = Half.RIGHT) -> _Rough:
+    return (stem + "Left", left), (stem + "Right", right)
+
+
+def _one(channel: str, half: Half = Half.WHOLE) -> _Rough:
+    return ((channel, half),)
+
+
+_BLINK = _both("eyeBlink")
+_SMILE = _both("mouthSmile", Half.LOWER_LEFT, Half.LOWER_RIGHT)
+_UPPER = (Half.UPPER_LEFT, Half.UPPER_RIGHT)
+_ROUGH: tuple[tuple[tuple[str, ...], _Rough], ...] = (
+    (
+        ("blink", "eyeclose", "eyesclosed", "eyesclose", "eyeclosed", "fcleyeclose", "まばたき"),
+        _BLINK,
+    ),
+    (("fcleyecloseleft", "ウィンク左", "ウィンク"), _one("eyeBlinkLeft")),
+    (("fcleyecloseright", "ウィンク右"), _one("eyeBlinkRight")),
+    (("mouthopen", "openmouth"), _one("jawOpen")),
+    (("smile", "mouthhappy"), _SMILE),
+    (("a", "aa", "ah", "visemeaa", "vrcvaa", "fclmtha", "mtha", "moutha", "あ"), _one("jawOpen")),
+    (("o", "oh", "visemeo", "vrcvoh", "fclmtho", "mtho", "お"), _one("mouthFunnel")),
+    (("u", "ou", "visemeu", "vrcvou", "fclmthu", "mthu", "う"), _one("mouthPucker")),
+    (("i", "ih", "visemei", "vrcvih", "fclmthi", "mthi", "い"), _both("mouthStretch")),
+    (("e", "ee", "visemee", "vrcve", "fclmthe", "mthe", "え"), _both("mouthLowerDown")),
+    (("visemepp", "vrcvpp"), _both("mouthPress")),
+    (("fun", "relaxed", "fclmthfun", "mthfun", "にやり"), _SMILE),
+    (("joy", "happy", "fclmthjoy", "mthjoy", "笑い"), _SMILE),
+    (("angry", "fclbrwangry", "brwangry", "怒り"), _both("browDown", *_UPPER)),
+    (("sorrow", "sad", "fclbrwsorrow", "brwsorrow", "困る"), _one("browInnerUp", Half.UPPER)),
+    (("surprised", "fclbrwsurprised", "brwsurprised", "びっくり"), _both("browOuterUp", *_UPPER)),
+    (("lookup",), _both("eyeLookUp")),
+    (("lookdown",), _both("eyeLookDown")),
+    (("lookleft",), (("eyeLookOutLeft", Half.LEFT), ("eyeLookInRight", Half.RIGHT))),
+    (("lookright",), (("eyeLookInLeft", Half.LEFT), ("eyeLookOutRight", Half.RIGHT))),
+)
+# Presets that have no channel: that they are not used is no loss of a match.
+_WITHOUT_CHANNEL = frozenset(("neutral", "basis", "default", "visemesil", "vrcvsil"))
+
+
+def match_channels(names: Iterable[str]) -> Match:
+    """Match names to the ARKit channels.
+
+    Args:
+        names: of shapes or columns; said again, they count once.
+
+    Returns:
+        Every name is in exactly one of `matched`, `alike` and `unknown`.
+    """
+    given = list(dict.fromkeys(names))
+    common = _common_words([words_of(name) for name in given])
+    keys = {name: _keys(_without(words_of(name), common)) for name in given}
+    shares: dict[str, list[Share]] = {}
+    alike: dict[str, list[str]] = {}
+    first: dict[tuple[str, str], str] = {}  # by channel and key, the name that was used
+    rest: list[str] = []
+    for name in sorted(
+        given, key=lambda n: n.lower() not in _CHANNELS
+    ):  # ARKit's own spelling first
+        plain = canonical_channel(name)
+        found = (plain, "") if plain else _exact(keys[name])
+        if found is None:
+            rest.append(name)
+            continue
+        channel, side = found
+        if found in first:
+            alike.setdefault(first[found], []).append(name)
+        elif side and (channel, "") in first:  # a half, where the whole is there
+            rest.append(name)
+        else:
+            shares.setdefault(channel, []).append(Share(name))
+            first[found] = name
+    for channel in _HALVES:
+        whole = first.get((channel, ""))
+        if whole is not None and len(shares[channel]) > 1:  # its halves would double it
+            rest += [share.name for share in shares[channel] if share.name != whole]
+            shares[channel] = [Share(whole)]
+    rest, lost = _rough(_two_sided(rest, keys, shares), keys, shares)
+    order = {name: i for i, name in enumerate(given)}
+    return Match(
+        {channel: tuple(shares[channel]) for channel in ARKIT_CHANNELS if channel in shares},
+        tuple(sorted(rest, key=order.__getitem__)),
+        {name: tuple(others) for name, others in alike.items()},
+        tuple(lost),
+    )
+
+
+def _exact(keys: Sequence[str]) -> tuple[str, str] | None:
+    """The channel that a key names, and which side of it, if it is but one side."""
+    for key in keys:
+        if key in _CHANNELS:
+            return _CHANNELS[key], ""
+        if key in _OTHER_NAMES:
+            channel, is_half = _OTHER_NAMES[key]
+            return channel, ("left" if key.endswith("left") else "right") if is_half else ""
+    return None
+
+
+def _two_sided(
+    names: Sequence[str], keys: Mapping[str, Sequence[str]], shares: dict[str, list[Share]]
+) -> list[str]:
+    """Cut shapes such as `eyeBlink`, which move both sides, in two; returns the other names."""
+    rest = []
+    for name in names:
+        stem = next((s for s in _TWO_SIDED if s.lower() in keys[name]), None)
+        free = [c for c in (f"{stem}Left", f"{stem}Right") if stem and c not in shares]
+        for channel in free:
+            half = Half.LEFT if channel.endswith("Left") else Half.RIGHT
+            shares[channel] = [Share(name, half=half)]
+        if not free:
+            rest.append(name)
+    return rest
+
+
+def _rough(
+    names: Sequence[str], keys: Mapping[str, Sequence[str]], shares: dict[str, list[Share]]
+) -> tuple[list[str], list[str]]:
+    """Use what fits less well where nothing better does; returns the other names, and sentences."""
+    by_key: dict[str, str] = {}
+    for name in names:
+        for key in keys[name]:
+            by_key.setdefault(key, name)
+    used: dict[str, list[str]] = {}
+    for synonyms, parts in _ROUGH:
+        for name in (by_key[key] for key in synonyms if key in by_key):
+            for channel, half in parts:
+                if channel not in shares:
+                    shares[channel] = [Share(name, half=half)]
+                    used.setdefault(name, []).append(channel)
+    lost = [f"{name} stands for {' and '.join(channels)}" for name, channels in used.items()]
+    return [name for name in names if name not in used], lost
+
+
+def is_without_channel(name: str) -> bool:
+    """Whether a name is of a pose that nobody misses, such as VRM's `Neutral`."""
+    return "".join(words_of(name)) in _WITHOUT_CHANNEL
+
+
+def _common_words(all_words: Sequence[Sequence[str]]) -> tuple[str, ...]:
+    """The words that most names begin with: the character's own name."""
+    common: list[str] = []
+    rest = [list(words) for words in all_words if len(words) > 1]
+    least = max(0.6 * len(rest), 5)
+    while rest:
+        word, count = Counter(words[0] for words in rest).most_common(1)[0]
+        if (
+            count < least
+            or _FACE.fullmatch(word)
+            or word in _SIDES
+            or word in ("viseme", "fcl", "vrc")
+        ):
+            break
+        common.append(word)
+        rest = [words[1:] for words in rest if words[0] == word and len(words) > 2]
+    return tuple(common)
+
+
+def _without(words: Sequence[str], common: Sequence[str]) -> Sequence[str]:
+    """Words without what is common to all, and noise again after it."""
+    for word in common:
+        if len(words) > 1 and words[0] == word:
+            words = words[1:]
+    while len(words) > 1 and _NOISE.fullmatch(words[0]):
+        words = words[1:]
+    return words

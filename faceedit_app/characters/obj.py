@@ -1,0 +1,229 @@
+"""Characters from OBJ files: one file is a neutral head, and each other one the head with a shape.
+
+trimesh's reader is not used: it puts the vertices into an order of its own, and morph targets
+are the differences between files of one order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.characters.bounded import Damaged, check_targets, finite, read_file
+from faceedit_app.characters.character import Character, Part, Surface, Texture, unique_names
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.errors import FileError
+
+NEUTRAL_WORDS = ("neutral", "basis", "base", "rest", "default", "mean", "generic_neutral")
+_MOST_FILES = 1_000
+_REMEDY = "put the neutral head as neutral.obj and one OBJ per shape into a folder"
+
+
+@dataclass(frozen=True)
+class _Mesh:
+    """What an OBJ file holds: (V, 3) places, and per triangle corners, texture and material."""
+
+    places: Floats
+    corners: NDArray[np.int64]
+    uv_corners: NDArray[np.int64] | None
+    uv: Floats | None
+    materials: NDArray[np.int64]
+    material_names: tuple[str, ...]
+    library: str
+
+
+def read_obj(path: Path) -> Character:
+    """Read an OBJ file and those beside it that have the same vertices, or a folder of them.
+
+    The neutral head is the one that is opened, or in a folder the one whose name says so.
+
+    Raises:
+        FileError: there is no OBJ file, or none is neutral.
+        Damaged: a file contradicts itself.
+    """
+    folder = path if path.is_dir() else path.parent
+    try:
+        files = sorted(p for p in folder.iterdir() if p.suffix.lower() == ".obj")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FileError(path, f"cannot be read ({reason})", "check the path") from error
+    neutral = _neutral(path, files) if path.is_dir() else path
+    others = [p for p in files if p != neutral]
+    if len(others) > _MOST_FILES:
+        raise FileError(path, f"has more than {_MOST_FILES} OBJ files", _REMEDY)
+    mesh = _read_mesh(neutral)
+    if not len(mesh.corners):
+        raise FileError(neutral, "holds no triangles", "export the mesh of the head")
+    check_targets([len(mesh.places)], [len(others)])
+    targets, strangers = {}, []
+    for other in others:
+        places = _places(read_file(other))
+        if places.shape == mesh.places.shape:
+            targets[other.stem] = places - mesh.places
+        else:
+            strangers.append(other.name)
+    remarks = []
+    if strangers and path.is_dir():
+        shown = ", ".join(strangers[:3]) + (" …" if len(strangers) > 3 else "")
+        remarks.append(f"{len(strangers)} files have other vertices and were left out: {shown}")
+    parts = _parts(neutral, mesh, targets)
+    return Character(path, "OBJ", tuple(parts), tuple(remarks))
+
+
+def _neutral(folder: Path, files: list[Path]) -> Path:
+    if not files:
+        raise FileError(folder, "holds no OBJ file", _REMEDY)
+    for word in NEUTRAL_WORDS:
+        found = [p for p in files if word in p.stem.lower()]
+        if found:
+            return min(found, key=lambda p: len(p.stem))
+    raise FileError(folder, "has no OBJ file that is called neutral", _REMEDY)
+
+
+def _places(content: bytes) -> Floats:
+    """(V, 3) float32 of the lines that begin with v."""
+    rows = [line.split()[1:4] for line in content.split(b"\n") if line.startswith(b"v ")]
+    try:
+        places = np.array(rows, np.float64).reshape(-1, 3)
+    except ValueError as error:
+        raise Damaged("a vertex does not have three numbers") from error
+    return finite(places, "vertices").astype(np.float32)
+
+
+def _read_mesh(path: Path) -> _Mesh:
+    content = read_file(path)
+    places = _places(content)
+    uv_rows: list[list[bytes]] = []
+    corners: list[tuple[int, int, int]] = []
+    uv_corners: list[tuple[int, int, int]] = []
+    materials: list[int] = []
+    names: dict[str, int] = {}
+    library, material, seen = "", 0, 0
+    for line in content.split(b"\n"):
+        if line.startswith(b"v "):
+            seen += 1
+        elif line.startswith(b"vt "):
+            uv_rows.append(line.split()[1:3])
+        elif line.startswith(b"f "):
+            for three in _fan(line.split()[1:], seen, len(uv_rows)):
+                corners.append(three[0])
+                uv_corners.append(three[1])
+                materials.append(material)
+        elif line.startswith(b"usemtl "):
+            name = line[7:].strip().decode("utf-8", "replace")[:60]
+            material = names.setdefault(name, len(names))
+        elif line.startswith(b"mtllib "):
+            library = line[7:].strip().decode("utf-8", "replace")
+    triangles = np.array(corners, np.int64).reshape(-1, 3)
+    if triangles.size and not (triangles.min() >= 0 and triangles.max() < len(places)):
+        raise Damaged(f"a triangle of {path.name} names a vertex which is not there")
+    uv, uv_triangles = None, np.array(uv_corners, np.int64).reshape(-1, 3)
+    if uv_rows and uv_triangles.size and uv_triangles.min() >= 0:
+        if uv_triangles.max() >= len(uv_rows):
+            raise Damaged("a triangle names a texture coordinate which is not there")
+        uv = finite(np.array(uv_rows, np.float64), "texture coordinates").astype(np.float32)
+        uv[:, 1] = 1 - uv[:, 1]
+    return _Mesh(
+        places,
+        triangles,
+        uv_triangles if uv is not None else None,
+        uv,
+        np.array(materials, np.int64),
+        tuple(names),
+        library,
+    )
+
+
+_Three = tuple[int, int, int]
+
+
+def _fan(corners: list[bytes], vertices: int, coordinates: int) -> Iterator[tuple[_Three, _Three]]:
+    """The triangles of a polygon: vertices and texture coordinates, from 0; -1 is none."""
+    points, places = [], []
+    for corner in corners:
+        numbers = corner.split(b"/")
+        points.append(_index(numbers[0], vertices))
+        has_uv = len(numbers) > 1 and numbers[1]
+        places.append(_index(numbers[1], coordinates) if has_uv else -1)
+    for k in range(1, len(points) - 1):
+        yield (points[0], points[k], points[k + 1]), (places[0], places[k], places[k + 1])
+
+
+def _index(text: bytes, count: int) -> int:
+    try:
+        number = int(text)
+    except ValueError as error:
+        raise Damaged("a polygon names no vertex") from error
+    if not -count <= number <= 1 << 30 or number == 0:
+        raise Damaged("a polygon names a vertex which is not there")
+    return number - 1 if number > 0 else count + number
+
+
+def _parts(path: Path, mesh: _Mesh, targets: dict[str, Floats]) -> list[Part]:
+    """One part for each material."""
+    corners, uv = mesh.corners.ravel(), None
+    if mesh.uv is not None and mesh.uv_corners is not None:
+        keys = np.column_stack((corners, mesh.uv_corners.ravel()))
+        _, first, vertex_of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        points = corners[first]
+        uv = mesh.uv[mesh.uv_corners.ravel()[first]]
+    else:
+        points, vertex_of = np.unique(corners, return_inverse=True)
+    whole = Part(
+        name=path.stem,
+        neutral=mesh.places[points],
+        faces=vertex_of.reshape(-1, 3).astype(np.int32),
+        targets={name: moves[points] for name, moves in targets.items()},
+        uv=uv,
+    )
+    surfaces = _surfaces(path, mesh.library)
+    parts = []
+    for number in np.unique(mesh.materials):
+        faces = whole.faces[mesh.materials == number]
+        name = mesh.material_names[number] if number < len(mesh.material_names) else ""
+        part = replace(whole, faces=faces, surface=surfaces.get(name, Surface(name)))
+        parts.append(part.only(np.unique(faces).astype(np.intp)))
+    labels = unique_names([part.name for part in parts])
+    return [replace(part, name=name) for part, name in zip(parts, labels, strict=True)]
+
+
+def _surfaces(path: Path, library: str) -> dict[str, Surface]:
+    """The materials of an MTL file beside an OBJ file; none where it is missing."""
+    if not library:
+        return {}
+    try:
+        text = read_file(path.parent / library).decode("utf-8", "replace")
+    except FileError:
+        return {}
+    surfaces: dict[str, Surface] = {}
+    name = ""
+    for line in text.splitlines():
+        words = line.split(maxsplit=1)
+        if len(words) < 2:
+            continue
+        if words[0] == "newmtl":
+            name = words[1].strip()[:60]
+            surfaces[name] = Surface(name)
+        elif name and words[0] == "Kd":
+            surfaces[name] = replace(surfaces[name], color=_color(words[1]))
+        elif name and words[0] == "map_Kd":
+            picture = words[1].split(" -")[-1].strip()
+            try:
+                content = read_file(path.parent / picture.replace("\\", "/"))
+            except FileError:
+                content = b""
+            texture = Texture(picture[:60], content)
+            surfaces[name] = replace(surfaces[name], texture=texture, color=(1.0, 1.0, 1.0, 1.0))
+    return surfaces
+
+
+def _color(text: str) -> tuple[float, float, float, float]:
+    try:
+        red, green, blue = (min(max(float(x), 0.0), 1.0) for x in text.split()[:3])
+    except ValueError:
+        return 0.8, 0.8, 0.8, 1.0
+    return red, green, blue, 1.0

@@ -1,0 +1,69 @@
+"""The textures of characters, decoded: PNG, JPEG, WebP and whatever else Pillow reads, and KTX2."""
+
+from __future__ import annotations
+
+import io
+import warnings
+
+import numpy as np
+from PIL import Image
+
+from faceedit_app.characters.character import Texture
+from faceedit_app.core.arrays import Pixels
+
+LARGEST = 2048  # pixels a side; larger ones are made smaller
+_MOST_PIXELS = 16384 * 16384
+_KTX2 = b"\xabKTX 20\xbb"
+
+
+class Unreadable(Exception):
+    """A picture cannot be decoded; the text is a sentence for the user."""
+
+
+def decode(texture: Texture) -> Pixels:
+    """(H, W, 4) uint8, sRGB and alpha, top row first; no side is longer than `LARGEST`.
+
+    Raises:
+        Unreadable: it is missing, damaged, too large or of a kind that cannot be read.
+    """
+    if not texture.content:
+        raise Unreadable(f"the texture {texture.name} is missing")
+    if texture.content.startswith(_KTX2):
+        return _ktx2(texture)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of its own opinion on large pictures
+            file = Image.open(io.BytesIO(texture.content))
+            if file.width * file.height > _MOST_PIXELS:
+                raise Unreadable(f"the texture {texture.name} is too large")
+            file.draft("RGB", (LARGEST, LARGEST))
+            image = file.convert("RGBA")
+    except Unreadable:
+        raise
+    except Exception as error:  # the decoders raise all kinds
+        raise Unreadable(f"the texture {texture.name} cannot be read") from error
+    image.thumbnail((LARGEST, LARGEST))
+    return np.array(image, np.uint8)
+
+
+def _ktx2(texture: Texture) -> Pixels:
+    """A Basis Universal picture, from the largest of its levels that is small enough."""
+    try:
+        import opengl_basisu
+    except ImportError as error:
+        raise Unreadable(
+            f"the texture {texture.name} is KTX2; pip install opengl_basisu, or export PNG"
+        ) from error
+    try:
+        picture = opengl_basisu.open(texture.content)
+        level = 0
+        while max(picture.level_size(level)) > LARGEST and level + 1 < picture.levels:
+            level += 1
+        if max(picture.level_size(level)) > LARGEST:
+            raise Unreadable(f"the texture {texture.name} is too large")
+        pixels = picture.transcode("rgba8", level=level).data
+    except Unreadable:
+        raise
+    except Exception as error:  # of the library's own kinds, and ValueError
+        raise Unreadable(f"the texture {texture.name} cannot be read") from error
+    return np.ascontiguousarray(pixels, np.uint8)

@@ -1,0 +1,296 @@
+"""The twelve points between which the eight controls are measured, found from shapes alone.
+
+No landmarks and no knowledge of the mesh: a vertex is recognised by how the shapes move it. The
+inner lips are the two points on the midline that jawOpen parts although they lie together; a mouth
+corner is where the shortest way around the mouth, from one inner lip to the other, is farthest
+out; an upper lid is what eyeBlink lowers most, and the lower lid is where it arrives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import trimesh
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from faceedit_app.characters.assembly import Assembly
+from faceedit_app.characters.welding import Weld
+from faceedit_app.core.arrays import Bools, Doubles, Indices
+
+Points = dict[str, int]
+
+# Control and the two points that it lies between, in the order of `regions.CONTROLS`.
+PAIRS: tuple[tuple[str, str, str], ...] = (
+    ("mouth_opening", "inner_upper_lip", "inner_lower_lip"),
+    ("mouth_width", "left_mouth_corner", "right_mouth_corner"),
+    ("left_corner", "upper_lip", "left_mouth_corner"),
+    ("right_corner", "upper_lip", "right_mouth_corner"),
+    ("upper_lip", "nose_bridge", "upper_lip"),
+    ("lower_lip", "chin", "lower_lip"),
+    ("left_eyelid", "left_upper_lid", "left_lower_lid"),
+    ("right_eyelid", "right_upper_lid", "right_lower_lid"),
+)
+POINTS: tuple[str, ...] = tuple(dict.fromkeys(name for pair in PAIRS for name in pair[1:]))
+_LIPS = (
+    *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
+    *("mouthRollLower", "mouthUpperUpLeft", "mouthLowerDownLeft"),
+)
+# What can part the lips, the first that does.
+_OPENERS = ("jawOpen", "mouthFunnel", "mouthUpperUpLeft")
+_PARTED = 3.0  # mm
+
+
+class NotFound(Exception):
+    """A point cannot be found; the text says which and why."""
+
+
+@dataclass(frozen=True)
+class Face:
+    """A welded head in millimetres.
+
+    Attributes:
+        places: (N, 3), X the character's left, Y up, Z forward; the eyes are at 0.
+        moves: by channel, (N, 3) at weight 1.
+        faces: (F, 3).
+    """
+
+    places: Doubles
+    moves: Mapping[str, Doubles]
+    faces: Indices
+
+    @classmethod
+    def of(cls, assembly: Assembly, weld: Weld) -> Face:
+        """The face of an assembly, with one vertex for each welded one."""
+        deltas = 1000.0 * assembly.deltas[:, weld.first].astype(np.float64)
+        places = 1000.0 * assembly.neutral[weld.first].astype(np.float64)
+        return cls(places, dict(zip(assembly.channels, deltas, strict=True)), weld.faces)
+
+    def move(self, channel: str) -> Doubles:
+        """(N, 3) mm of a channel; zero where it has no shape."""
+        found = self.moves.get(channel)
+        return np.zeros_like(self.places) if found is None else found
+
+    def amount(self, channel: str) -> Doubles:
+        """(N,) mm that a channel moves each vertex."""
+        amount: Doubles = np.linalg.norm(self.move(channel), axis=1)
+        return amount
+
+    @cached_property
+    def edges(self) -> Indices:
+        """(E, 2) each edge once."""
+        edges = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        once: Indices = edges[trimesh.grouping.unique_rows(edges)[0]]
+        return once
+
+    @cached_property
+    def lips(self) -> Doubles:
+        """(N,) how much the shapes of the lips move each vertex; they move no teeth."""
+        total = np.zeros(len(self.places))
+        for channel in _LIPS:
+            amount = self.amount(channel)
+            if amount.max(initial=0.0) > 1e-6:
+                total += amount / amount.max()
+        return total
+
+    @cached_property
+    def middle(self) -> float:
+        """Where the midline of the mouth is, mm: shapes are never quite the same on both sides."""
+        amount = sum(
+            (self.amount(channel) for channel in ("mouthPucker", "mouthFunnel", "jawOpen")),
+            np.zeros(len(self.places)),
+        )
+        weight = np.where(self.skin, amount, 0.0)
+        return float(weight @ self.places[:, 0] / max(weight.sum(), 1e-9))
+
+    @cached_property
+    def skin(self) -> Bools:
+        """(N,) the connected surface that has the lips.
+
+        Lashes and eyeballs that only hang on to it along an edge, or in a vertex, are not of it.
+        """
+        adjacency = trimesh.graph.face_adjacency(self.faces)
+        labels = trimesh.graph.connected_component_labels(adjacency, len(self.faces))
+        weight = np.bincount(labels, self.lips[self.faces].sum(axis=1))
+        skin = np.zeros(len(self.places), np.bool_)
+        skin[self.faces[labels == weight.argmax()].ravel()] = True
+        return skin
+
+
+def find_points(face: Face) -> tuple[Points, list[str]]:
+    """The twelve points, as vertices of `face`.
+
+    Returns:
+        The points that were found, and a sentence on each that was not.
+    """
+    points: Points = {}
+    problems: list[str] = []
+
+    def look(find: Callable[[], Points]) -> None:
+        try:
+            points.update(find())
+        except NotFound as error:
+            problems.append(str(error))
+
+    look(lambda: _mouth(face))
+    look(lambda: _lids(face, "left"))
+    look(lambda: _lids(face, "right"))
+    look(lambda: {"nose_bridge": _bridge(face)})
+    if "lower_lip" in points:
+        look(lambda: {"chin": _chin(face, points["lower_lip"])})
+    return {name: points[name] for name in POINTS if name in points}, problems
+
+
+def _mouth(face: Face) -> Points:
+    """Lips and mouth corners."""
+    opener = next((c for c in _OPENERS if face.amount(c)[face.skin].max() > _PARTED), None)
+    if opener is None:
+        raise NotFound("no shape opens the mouth (jawOpen)")
+    opened = face.move(opener)
+    points = _lips(face, opened)
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        points[f"{side}_mouth_corner"] = _corner(face, opened, points, sign)
+    return points
+
+
+def _lips(face: Face, opened: Doubles) -> Points:
+    """Inner and outer lips on the midline."""
+    places = face.places
+    middle = np.zeros(0, np.intp)
+    tolerance = 1.5
+    strong = face.skin & (face.lips > 0.35 * face.lips[face.skin].max()) & (places[:, 1] < -20)
+    while len(middle) < 8 and tolerance < 9:
+        middle = np.flatnonzero(strong & (np.abs(places[:, 0] - face.middle) < tolerance))
+        tolerance *= 1.3
+    if len(middle) < 4:
+        raise NotFound("the lips cannot be found on the midline")
+    drop = opened[middle, 1]
+    upper, lower = middle[drop > 0.35 * drop.min()], middle[drop < 0.65 * drop.min()]
+    if not len(upper) or not len(lower):
+        raise NotFound("no shape parts the lips (jawOpen)")
+    moved = places + opened
+    at_rest = np.linalg.norm(places[upper][:, None] - places[lower], axis=2)
+    parted = np.linalg.norm(moved[upper][:, None] - moved[lower], axis=2)
+    forward = places[upper][:, None, 2] + places[lower][:, 2]
+    aside = np.abs(places[upper, 0] - face.middle)[:, None] + np.abs(places[lower, 0] - face.middle)
+    score = (parted - at_rest) - 3 * at_rest + 0.5 * forward - 0.25 * aside
+    i, k = np.unravel_index(score.argmax(), score.shape)
+    points = {"inner_upper_lip": int(upper[i]), "inner_lower_lip": int(lower[k])}
+    # The border of the red is in no shape: the most forward vertex of each lip stands for it.
+    for name, inner, sign in (
+        ("upper_lip", points["inner_upper_lip"], 1.0),
+        ("lower_lip", points["inner_lower_lip"], -1.0),
+    ):
+        above = sign * (places[middle, 1] - places[inner, 1])
+        near = middle[(above > -0.5) & (above < 12)]
+        points[name] = int(near[places[near, 2].argmax()])
+    return points
+
+
+def _corner(face: Face, opened: Doubles, points: Points, sign: float) -> int:
+    """Where the way around the mouth on one side is farthest out."""
+    places = face.places
+    start, end = points["inner_upper_lip"], points["inner_lower_lip"]
+    near = (
+        face.skin
+        & (sign * (places[:, 0] - places[start, 0]) > -1.5)
+        & (places[:, 2] > places[start, 2] - 45)
+        & (np.abs(places[:, 1] - places[start, 1]) < 25)
+    )
+    edges = face.edges[near[face.edges].all(axis=1)]
+    a, b = edges.T
+    moved = places + opened
+    # The rim of the lips is what the jaw parts: short at rest, and not much longer when open.
+    cost = np.linalg.norm(places[a] - places[b], axis=1)
+    cost = cost + 0.25 * np.linalg.norm(moved[a] - moved[b], axis=1)
+    graph = coo_matrix((cost + 1e-9, (a, b)), (len(places), len(places))).tocsr()
+    distances, before = dijkstra(graph, False, indices=start, return_predecessors=True)
+    if not np.isfinite(distances[end]):
+        raise NotFound("the lips are not joined at the mouth corners")
+    way = [end]
+    while way[-1] != start:
+        way.append(int(before[way[-1]]))
+    return way[int((sign * places[way, 0]).argmax())]
+
+
+def _lids(face: Face, side: str) -> Points:
+    """The middle of the upper lid, and where on the lower lid it arrives in a blink."""
+    blink, places = face.move(f"eyeBlink{side.capitalize()}"), face.places
+    drop = np.where(face.skin, -blink[:, 1], -np.inf)
+    if drop.max() < 0.5:
+        raise NotFound(f"no shape closes the {side} eye (eyeBlink{side.capitalize()})")
+    lid = places[drop > 0.5 * drop.max(), 0]
+    middle = (lid.min() + lid.max()) / 2
+    shut = places + blink
+    # The rim is what comes lowest; of it the middle, with the corners of the eye left out.
+    aside = np.abs(places[:, 0] - middle)
+    upper = int(np.where(drop > 0.7 * drop.max(), shut[:, 1] + 0.4 * aside, np.inf).argmin())
+    near = np.flatnonzero(
+        face.skin
+        & (places[:, 1] < places[upper, 1] - 2)
+        & (np.abs(places[:, 0] - places[upper, 0]) < 6)
+        & (-blink[:, 1] < 0.45 * drop[upper])
+        & (places[:, 2] > places[upper, 2] - 14)
+    )
+    if not len(near):
+        raise NotFound(f"the {side} lower lid cannot be found")
+    gap = np.linalg.norm(shut[near] - shut[upper], axis=1)
+    gap = gap + 0.3 * np.abs(places[near, 0] - places[upper, 0])
+    return {f"{side}_upper_lid": upper, f"{side}_lower_lid": int(near[gap.argmin()])}
+
+
+def _midline(face: Face) -> Indices:
+    width = 2.5
+    found = np.flatnonzero(face.skin & (np.abs(face.places[:, 0] - face.middle) < width))
+    while len(found) < 12 and width < 10:
+        width *= 1.3
+        found = np.flatnonzero(face.skin & (np.abs(face.places[:, 0] - face.middle) < width))
+    return found
+
+
+def _bridge(face: Face) -> int:
+    """The nose bridge: on the midline, in front, at the height of the eyes."""
+    middle = _midline(face)
+    x, y, z = face.places[middle].T
+    level = np.abs(y) < 9
+    if not level.any():
+        raise NotFound("the nose bridge cannot be found between the eyes")
+    return int(
+        middle[
+            np.where(level, z - 0.25 * np.abs(y) - 0.5 * np.abs(x - face.middle), -np.inf).argmax()
+        ]
+    )
+
+
+def _chin(face: Face, lower_lip: int) -> int:
+    """The chin: the most forward place of the midline's profile below the fold under the lip."""
+    places, middle = face.places, _midline(face)
+    lip = places[lower_lip, 1]
+    below = middle[(places[middle, 1] < lip - 1) & (places[middle, 1] > lip - 48)]
+    if len(below) < 3:
+        raise NotFound("the chin cannot be found below the lower lip")
+    heights = np.arange(lip - 4, lip - 44, -1.0)
+    profile = _profile(places[below], heights)
+    fold = next(
+        (i for i in range(2, 22) if profile[i] <= profile[i - 1] and profile[i] < profile[i + 1]),
+        None,
+    )
+    top = 20 if fold is None else fold + int(np.argmax(profile[fold : fold + 20]))
+    apart = np.abs(places[below, 1] - heights[top]) + 0.7 * np.abs(places[below, 0] - face.middle)
+    nearest = below[np.argsort(apart)[:6]]
+    return int(nearest[places[nearest, 2].argmax()])
+
+
+def _profile(places: Doubles, heights: Doubles) -> Doubles:
+    """How far forward the midline is at each height, smoothed, mm."""
+    near = np.abs(places[:, 1][:, None] - heights) < 2.5
+    forward = np.where(near, places[:, 2][:, None], -np.inf).max(axis=0)
+    known = np.flatnonzero(np.isfinite(forward))
+    if not len(known):
+        raise NotFound("the chin cannot be found below the lower lip")
+    filled = np.interp(np.arange(len(heights)), known, forward[known])
+    smooth: Doubles = np.convolve(np.pad(filled, 2, "edge"), np.ones(5) / 5, "valid")
+    return smooth

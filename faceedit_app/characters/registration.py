@@ -1,0 +1,140 @@
+"""Fitting our template to another head: non-rigid registration (paper, section 2).
+
+trimesh does the registration itself (Amberg et al. 2007, "Optimal Step Nonrigid ICP"). Here is what
+it needs around it: a start from points that both heads have, landmarks, and what is only carried
+along: mouth bag, teeth, eyes and hair are no part of a scan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.interpolate import RBFInterpolator
+from trimesh.registration import nricp_amberg, procrustes
+
+from faceedit_app.core.arrays import Doubles, Indices
+
+# Stiffness, weight of the landmarks, weight of the normals and rounds of each step; the landmarks
+# lead at first and let go in the end.
+_STEPS = ((0.02, 10.0, 0.5, 10), (0.02, 5.0, 0.5, 8), (0.015, 2.5, 0.5, 6), (0.008, 1.0, 0.0, 5))
+_ENOUGH_TO_JUDGE = 40  # landmarks
+_TOO_FAR = 0.05  # of the head's size; a vertex that is farther away finds no match
+_ANCHORS = 1500  # vertices of the skin that carry along what is not fitted
+
+
+@dataclass(frozen=True)
+class Landmarks:
+    """Places that a template and a head share.
+
+    Attributes:
+        triangles: (L,) of the template.
+        weights: (L, 3) where on them, barycentric.
+        positions: (L, 3) on the head.
+    """
+
+    triangles: Indices
+    weights: Doubles
+    positions: Doubles
+
+    @classmethod
+    def at_vertices(
+        cls, faces: NDArray[np.integer], vertices: Sequence[int], positions: Doubles
+    ) -> Landmarks:
+        """Landmarks that are vertices of the template."""
+        triangles = np.array([int((faces == v).any(axis=1).argmax()) for v in vertices], np.intp)
+        weights = (faces[triangles] == np.asarray(vertices)[:, None]).astype(np.float64)
+        return cls(triangles, weights, positions)
+
+    def on(self, vertices: Doubles, faces: NDArray[np.integer]) -> Doubles:
+        """(L, 3) where they are on the template."""
+        places: Doubles = np.einsum("lk,lkx->lx", self.weights, vertices[faces[self.triangles]])
+        return places
+
+    def plausible(self, vertices: Doubles, faces: NDArray[np.integer]) -> Landmarks:
+        """Those that a smooth map from the template to the head puts about where they are.
+
+        Landmarks that fell through an eye hole or into the mouth ruin a fit. The map is of the
+        second order, fitted again without those that lie far off.
+        """
+        source = self.on(vertices, faces)
+        if len(source) < _ENOUGH_TO_JUDGE:
+            return self
+        centred = (source - source.mean(axis=0)) / np.ptp(source, axis=0).max()
+        x, y, z = centred.T
+        terms = np.stack(
+            (np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, y * z, x * z), axis=1
+        )
+        good = np.ones(len(source), np.bool_)
+        for _ in range(6):
+            found = np.linalg.lstsq(terms[good], self.positions[good], rcond=None)[0]
+            error = np.linalg.norm(terms @ found - self.positions, axis=1)
+            good &= error < 3.5 * np.median(error[good])
+        return Landmarks(self.triangles[good], self.weights[good], self.positions[good])
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A template on another head.
+
+    Attributes:
+        vertices: (V, 3) of the template, where the head is.
+        similarity: (4, 4) that brought the template near it.
+    """
+
+    vertices: Doubles
+    similarity: Doubles
+
+
+def register(
+    vertices: Doubles,
+    faces: NDArray[np.integer],
+    landmarks: Landmarks,
+    target: trimesh.Trimesh,
+) -> Fitted:
+    """Fit a template to a head.
+
+    Args:
+        vertices, faces: (V, 3) and (F, 3) of what is to be fitted.
+        target: the head, in any unit and place.
+    """
+    here = landmarks.on(vertices, faces)
+    similarity = procrustes(here, landmarks.positions, reflection=False)[0]
+    start = trimesh.transform_points(vertices, similarity)
+    fitted = nricp_amberg(
+        trimesh.Trimesh(start, faces, process=False),
+        target,
+        source_landmarks=(landmarks.triangles, landmarks.weights),
+        target_positions=landmarks.positions,
+        steps=_STEPS,
+        distance_threshold=_TOO_FAR,
+        use_faces=True,
+        use_vertex_normals=True,
+    )
+    return Fitted(np.asarray(fitted, np.float64), np.asarray(similarity, np.float64))
+
+
+def carry(fitted: Fitted, before: Doubles, anchors: Indices, others: Doubles) -> Doubles:
+    """Where vertices that were not fitted go: (N, 3).
+
+    Args:
+        before: (V, 3) the template's fitted vertices as they were.
+        anchors: which of these carry the others along.
+        others: (N, 3) of the template.
+    """
+    start = trimesh.transform_points(before, fitted.similarity)
+    moved = fitted.vertices - start
+    chosen = anchors[:: max(len(anchors) // _ANCHORS, 1)]
+    smooth = RBFInterpolator(start[chosen], moved[chosen], neighbors=40, kernel="linear")
+    there = trimesh.transform_points(others, fitted.similarity)
+    carried: Doubles = there + smooth(there)
+    return carried
+
+
+def distances(fitted: Doubles, target: trimesh.Trimesh) -> Doubles:
+    """(V,) how far vertices are from the head's surface."""
+    far: Doubles = np.asarray(target.nearest.on_surface(fitted)[1], np.float64)
+    return far

@@ -1,0 +1,143 @@
+"""The kinds of character files that FaceEdit opens; one line for each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from faceedit_app.characters.bounded import Damaged
+from faceedit_app.characters.character import Character
+from faceedit_app.characters.fbx import read_fbx
+from faceedit_app.characters.fbx_tree import MAGIC
+from faceedit_app.characters.gltf import read_gltf
+from faceedit_app.characters.obj import read_obj
+from faceedit_app.characters.vrm import read_vrm
+from faceedit_app.core.errors import FileError
+
+_HEAD = 1 << 16  # bytes of a file that tell its kind
+_LONGEST_JSON = 1 << 26
+_REMEDY = "choose a GLB, glTF, VRM, binary FBX or OBJ with blendshapes"
+# What people try, and how it becomes a file that opens.
+_KNOWN = {
+    ".blend": "a Blender file; in Blender, File > Export > glTF 2.0",
+    ".ma": "a Maya scene; export it as FBX",
+    ".mb": "a Maya scene; export it as FBX",
+    ".usd": "a USD scene; export it as GLB",
+    ".usda": "a USD scene; export it as GLB",
+    ".usdc": "a USD scene; export it as GLB",
+    ".usdz": "a USD scene; export it as GLB",
+    ".max": "a 3ds Max scene; export it as FBX",
+    ".uasset": "an Unreal asset; in Unreal, Asset Actions > Export as FBX",
+    ".pmx": "a MikuMikuDance model; convert it to VRM",
+    ".stl": "a mesh without blendshapes; export a head that has them as GLB",
+    ".ply": "a mesh without blendshapes; export a head that has them as GLB",
+    ".zip": "an archive; unpack it first",
+}
+
+
+@dataclass(frozen=True)
+class CharacterFormat:
+    """A kind of character file.
+
+    Attributes:
+        name: as the user knows it.
+        endings: of file names, with the dot, in lower case.
+        sniff: whether a path, with its first bytes, is of this kind (b"" for a folder).
+        read: reads it; raises FileError and Damaged.
+    """
+
+    name: str
+    endings: tuple[str, ...]
+    sniff: Callable[[Path, bytes], bool]
+    read: Callable[[Path], Character]
+
+
+def _is_gltf(path: Path, head: bytes) -> bool:
+    is_json = path.suffix.lower() == ".gltf" or (head.lstrip()[:1] == b"{" and b'"asset"' in head)
+    return head[:4] == b"glTF" or is_json
+
+
+def _is_vrm(path: Path, head: bytes) -> bool:
+    named = path.suffix.lower() == ".vrm" or b'"VRMC_vrm"' in head or b'"VRM"' in head
+    return named and _is_gltf(path, head)
+
+
+def _is_fbx(path: Path, head: bytes) -> bool:
+    return head.startswith(MAGIC[:18]) or path.suffix.lower() == ".fbx"
+
+
+def _is_obj(path: Path, head: bytes) -> bool:
+    return path.is_dir() or path.suffix.lower() == ".obj"
+
+
+FORMATS: tuple[CharacterFormat, ...] = (
+    CharacterFormat("VRM", (".vrm",), _is_vrm, read_vrm),
+    CharacterFormat("glTF", (".glb", ".gltf"), _is_gltf, read_gltf),
+    CharacterFormat(
+        "FBX",
+        (".fbx",),
+        lambda p, h: h.startswith(MAGIC[:18]) or p.suffix.lower() == ".fbx",
+        read_fbx,
+    ),
+    CharacterFormat("OBJ", (".obj",), _is_obj, read_obj),
+)
+
+
+def read_character(path: Path | str) -> Character:
+    """Open any character; its kind is told by its content, then by its name.
+
+    Raises:
+        FileError: it is no character, is damaged, or of a kind or version FaceEdit does not know.
+    """
+    path = Path(path)
+    head = _head(path)
+    for kind in FORMATS:
+        if kind.sniff(path, head):
+            return _read(kind, path)
+    known = _KNOWN.get(path.suffix.lower())
+    if known is not None:
+        problem, _, remedy = known.partition("; ")
+        raise FileError(path, f"is {problem}", remedy)
+    raise FileError(path, "is no character file that FaceEdit knows", _REMEDY)
+
+
+def _read(kind: CharacterFormat, path: Path) -> Character:
+    try:
+        return kind.read(path)
+    except Damaged as error:
+        raise FileError(path, f"is damaged: {error}", "export it again") from error
+    except (
+        KeyError,
+        TypeError,
+        IndexError,
+        ValueError,
+        AttributeError,
+        OverflowError,
+        RecursionError,
+    ) as error:  # what is not where the format has it
+        raise FileError(path, f"is no sound {kind.name} file", "export it again") from error
+    except MemoryError as error:
+        raise FileError(path, "needs more memory than there is", "export a smaller one") from error
+
+
+def _head(path: Path) -> bytes:
+    """The first bytes of a regular file; b"" of a folder."""
+    try:
+        if path.is_dir():
+            return b""
+        if not path.exists():
+            raise FileError(path, "does not exist", "check the path")
+        if not path.is_file():
+            raise FileError(path, "is not a regular file", _REMEDY)
+        with path.open("rb") as file:
+            head = file.read(20)
+            if head[:4] != b"glTF":
+                return head + file.read(_HEAD)
+            # The whole JSON: only there does a VRM say that it is one.
+            return head + file.read(min(int.from_bytes(head[12:16], "little"), _LONGEST_JSON))
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FileError(path, f"cannot be read ({reason})", "check the path") from error
+    except ValueError as error:  # a path with a zero character
+        raise FileError(Path("?"), "is no path", "check the path") from error

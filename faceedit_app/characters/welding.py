@@ -1,0 +1,44 @@
+"""Vertices that lie together and move together are one: seams of texture and normals are undone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+from faceedit_app.characters.assembly import Assembly
+from faceedit_app.core.arrays import Floats, Indices
+
+_TOGETHER = 2e-5  # metres
+_ALIKE = 1e-4  # metres of movement, in any of three mixtures of all shapes
+
+
+@dataclass(frozen=True)
+class Weld:
+    """The welded mesh of an assembly.
+
+    Attributes:
+        first: (N,) for each welded vertex the first of those that it stands for.
+        number: (V,) for each vertex its welded one.
+        faces: (F', 3) of welded vertices, without triangles that have collapsed.
+    """
+
+    first: Indices
+    number: Indices
+    faces: Indices
+
+
+def weld(assembly: Assembly) -> Weld:
+    """Weld an assembly.
+
+    Closed lips lie together and do not move together: they stay apart.
+    """
+    mixture = np.random.default_rng(0).uniform(0.5, 1.5, (3, len(assembly.channels)))
+    moved: Floats = np.einsum("mk,kvx->vmx", mixture.astype(np.float32), assembly.deltas)
+    count = len(assembly.neutral)
+    keys = np.hstack((assembly.neutral / _TOGETHER, moved.reshape(count, -1) / _ALIKE))
+    first, number = trimesh.grouping.unique_rows(keys, digits=0)
+    faces = number[assembly.faces]
+    a, b, c = faces.T
+    return Weld(first, number, faces[(a != b) & (b != c) & (c != a)])

@@ -1,0 +1,45 @@
+"""Map the channel names that files use to ARKit's, by rules.
+
+Tools spell one shape `eyeBlinkLeft`, `EyeBlinkLeft`, `eyeBlink_L`, `EYE_BLINK_LEFT`,
+`left_eye_blink`, `A14_Eye_Blink_Left`, `blendShape1.eyeBlink_L` or `head_ARKit_eyeBlinkLeft`.
+A name is split into words, namespaces and the usual prefixes are dropped, and a word for a side
+at either end becomes the side. Names are never compared by similarity: if the rules do not lead to
+an ARKit name, there is none. `characters.names` builds on this: a character's shapes may be halves
+or both sides of a channel, and have names that no take has.
+"""
+
+from __future__ import annotations
+
+import re
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+
+_NAMESPACE = re.compile(r"^.*[.:|/]")
+_PREFIX = re.compile(
+    r"^(?:(?:blendshapes?|bs|shapes?|key|face|head|morph|arkit|ctrl|expressions?|[A-Z]?\d{1,3})"
+    r"[ _-]+)+(?=.)",
+    re.IGNORECASE,
+)
+_BETWEEN_WORDS = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_BETWEEN_PARTS = re.compile(r"[\W_]+")
+_SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
+
+
+def canonical_channel(name: str) -> str | None:
+    """The ARKit name that `name` means, or None."""
+    return _BY_KEY.get(_key(name))
+
+
+def _key(name: str) -> str:
+    """What all spellings of a shape share: its words in lower case, the side last."""
+    name = _PREFIX.sub("", _NAMESPACE.sub("", name.strip()))
+    words = [w.lower() for w in _BETWEEN_PARTS.split(_BETWEEN_WORDS.sub(" ", name)) if w]
+    if len(words) > 1:
+        if words[-1] in _SIDES:
+            words[-1] = _SIDES[words[-1]]
+        elif words[0] in _SIDES:
+            words = [*words[1:], _SIDES[words[0]]]
+    return "".join(words)
+
+
+_BY_KEY = {_key(name): name for name in ARKIT_CHANNELS}

@@ -1,0 +1,57 @@
+"""NVIDIA Audio2Face JSON: names, a matrix of weights, and the frames per second.
+
+`{"exportFps": 60, "trackPath": "….wav", "numFrames": T, "facsNames": [N names], "weightMat":
+[[N weights] x T]}`, indented or on one line; joints and rotations, if any, are carried.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
+from faceedit_app.formats.json_take import JsonFrames, json_take
+from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
+from faceedit_app.formats.take import Take
+
+FORMAT = "Audio2Face JSON"
+
+
+def sniff(content: bytes) -> float:
+    """How likely, 0..1, this is an Audio2Face export of blendshapes."""
+    names = (b'"facsNames"', b'"weightMat"')
+    return 0.95 if looks_like_json(content) and all(name in content for name in names) else 0.0
+
+
+def read(path: Path, content: bytes, fps: float | None) -> Take:
+    """Open an Audio2Face export.
+
+    Raises:
+        RateNeeded: it does not give its frame rate, and `fps` is None.
+        FileError: it is damaged.
+    """
+    text = read_json(path, content)
+    document = as_object(text.document)
+    frames = JsonFrames(
+        as_list(document.get("facsNames")),
+        as_list(document.get("weightMat")),
+        rate=text.number(document.get("exportFps")),
+    )
+    return json_take(text, FORMAT, frames, fps)
+
+
+def write(clip: Clip) -> bytes:
+    """A clip as an export of all 52 shapes; the format has no times, so frames must be even."""
+    weights = np.round(clip.arkit_weights().astype(np.float64), 6)
+    document = {
+        "exportFps": int(clip.rate) if clip.rate == int(clip.rate) else clip.rate,
+        "trackPath": "",
+        "numPoses": len(ARKIT_CHANNELS),
+        "numFrames": len(clip),
+        "facsNames": list(ARKIT_CHANNELS),
+        "weightMat": weights.tolist(),
+    }
+    return json.dumps(document, indent=1).encode()

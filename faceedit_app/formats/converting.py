@@ -1,0 +1,107 @@
+"""Write a clip in another format, at its own frame rate or another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from faceedit_app.core.arrays import Bools, Times
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.resample import at_rate
+from faceedit_app.formats.opening import write_take
+from faceedit_app.formats.registry import Format, writable
+from faceedit_app.formats.take import Take
+from faceedit_app.formats.timecode import start_of_day, write_timecode
+from faceedit_app.formats.timecode_readings import DEFAULT_BASE
+from faceedit_app.formats.timing import find_gaps
+
+
+def choose_format(path: Path, key: str | None = None) -> Format:
+    """Choose the format to write a file in.
+
+    Args:
+        path: the file; its ending decides if `key` is None.
+        key: `Format.key`.
+
+    Raises:
+        FaceEditError: there is no such format, or it cannot be written.
+    """
+    formats = writable()
+    for form in formats:
+        if form.key == key or (key is None and path.suffix.lower() in form.endings):
+            return form
+    if key is None:
+        known = ", ".join(f"{form.endings[0]} ({form.name})" for form in formats)
+        raise FaceEditError(f"{path}: no format with this ending can be written; use {known}")
+    raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
+
+
+def convert(path: Path, take: Take, form: Format, rate: float | None = None) -> Clip:
+    """Write a take in a format, and return its clip as written.
+
+    In its own format and at its own rate, a take is written byte for byte.
+
+    Args:
+        form: a format that can be written.
+        rate: frames per second; None = the take's own.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    clip = take.clip
+    if form.name == take.kind and (rate is None or rate == clip.rate):
+        write_take(path, take, clip.weights)
+        return clip
+    assert form.write is not None
+    clip = resampled(clip, rate, fill_gaps=not form.tells_times)
+    write_atomically(path, form.write(clip))
+    return clip
+
+
+def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) -> Clip:
+    """A clip at another frame rate.
+
+    Args:
+        rate: frames per second; None = its own.
+        fill_gaps: interpolate over gaps, for formats that have no times.
+
+    Returns:
+        The clip itself if nothing has to change; else a clip with even times.
+    """
+    keeps_rate = rate is None or abs(rate / clip.rate - 1) < 1e-6
+    steady = bool(np.allclose(clip.times, np.arange(len(clip)) / clip.rate, rtol=0, atol=1e-4))
+    if keeps_rate and (steady or not fill_gaps):
+        return clip
+    rate = clip.rate if rate is None else rate
+    weights = at_rate(clip.times, clip.weights, rate, clip.rate)
+    times = np.arange(len(weights)) / rate
+    if not fill_gaps:
+        seen = ~_inside_gaps(times, clip)
+        times, weights = times[seen], weights[seen]
+    return Clip(
+        weights=weights.astype(np.float32),
+        channels=clip.channels,
+        times=times,
+        rate=rate,
+        gaps=find_gaps(times, rate),
+        timecodes=_timecodes(clip.timecodes, times) if clip.timecodes else None,
+    )
+
+
+def _timecodes(before: tuple[str, ...], times: Times) -> tuple[str, ...]:
+    """The timecodes of a clip for other times."""
+    begin = start_of_day(before)
+    return tuple(write_timecode(begin + time, DEFAULT_BASE) for time in times.tolist())
+
+
+def _inside_gaps(times: Times, clip: Clip) -> Bools:
+    """(T,) which times are in a gap."""
+    inside = np.zeros(len(times), bool)
+    for gap in clip.gaps:
+        last = clip.times[gap.frame] + 0.5 / clip.rate
+        following = clip.times[gap.frame + 1] - 0.5 / clip.rate
+        inside |= (times > last) & (times < following)
+    return inside

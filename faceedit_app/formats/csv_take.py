@@ -1,0 +1,122 @@
+"""CSV with ARKit channels, with any time columns, spelling of names and scale."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.names import canonical_channel
+from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
+from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
+from faceedit_app.formats.files import shown
+from faceedit_app.formats.take import Recording, Take, finish_take
+from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
+from faceedit_app.formats.timing import NoTimes
+
+_COUNTS = ("blendshapecount", "numproperties")
+_NAMES = {
+    "timecode": "CSV with timecodes",
+    "clock": "CSV with times",
+    "date": "CSV with times",
+    "number": "CSV with times",
+    "seconds": "CSV with times in seconds",
+    "frames": "CSV with frame numbers",
+    "": "CSV without times",
+}
+
+
+def sniff(content: bytes) -> float:
+    """How likely, 0..1, this is a CSV file with ARKit channels."""
+    return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
+
+
+def read(path: Path, content: bytes, fps: float | None) -> Take:
+    """Open a CSV with ARKit channels.
+
+    Raises:
+        RateNeeded: its times are unusable, and `fps` is None.
+        FileError: it has no channels, or is damaged.
+    """
+    return csv_take(read_table(path, content), fps)
+
+
+def write(clip: Clip) -> bytes:
+    """A clip as a plain CSV: seconds in `time_s`, and its channels under ARKit's names."""
+    lines = [",".join(["time_s", *clip.channels])]
+    for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True):
+        lines.append(",".join([f"{time:.6f}", *(f"{value:.6f}" for value in row)]))
+    return ("\n".join(lines) + "\n").encode()
+
+
+def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
+    """Make the take of a table.
+
+    Args:
+        fps: the frame rate, if the user gave one.
+        name: the format's name; "" = named after the kind of its times.
+
+    Raises:
+        RateNeeded: its times are unusable, and `fps` is None.
+        FileError: it has no channels, or is damaged.
+    """
+    found = find_channels(table)
+    lower = [column.lower() for column in table.names]
+    count = next((lower.index(wanted) for wanted in _COUNTS if wanted in lower), None)
+    clocks = [k for k in time_columns(table.names) if k not in found.indices]
+    texts = [*clocks, *([] if count is None else [count])]
+    rows = table.read(texts, found.indices, count)
+    empty = np.all(np.isnan(rows.numbers), axis=0)
+    columns = found.without(empty.tolist())
+    times = _times(table, clocks, rows)
+    used = {times.column, count}
+    carried = [k for k in range(len(lower)) if k not in used and k not in columns.indices]
+    recording = Recording(
+        path=table.path,
+        format=name or _NAMES[times.kind],
+        channels=columns.channels,
+        values=rows.numbers[:, ~empty],
+        timing=times.timing,
+        lost=rows.lost,
+        timecodes=_timecodes(clocks, rows, times),
+        carried=tuple(table.names[k] or "(unnamed)" for k in carried),
+        notes=(*_empty_notes(found, columns), *_count_notes(table, rows, count)),
+    )
+    source = partial(CsvSource, table, tuple(rows.lines), columns.indices)
+    return finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
+
+
+def _times(table: Table, clocks: list[int], rows: Rows) -> RowTimes:
+    frames = np.flatnonzero(~rows.lost).tolist()
+    cells = [[rows.texts[row][k] for row in frames] for k in range(len(clocks))]
+    if not frames:
+        return RowTimes(NoTimes("has no row with a tracked face"))
+    return read_times(table, clocks, cells, rows.lines)
+
+
+def _timecodes(clocks: list[int], rows: Rows, times: RowTimes) -> tuple[str, ...] | None:
+    if times.kind != "timecode" or times.column is None:
+        return None
+    place = clocks.index(times.column)
+    return tuple(rows.texts[row][place] for row in np.flatnonzero(~rows.lost).tolist())
+
+
+def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
+    empty = [channel for channel in found.channels if channel not in filled.channels]
+    if not empty or not filled.channels:
+        return ()
+    return (f"no row has a number for {', '.join(empty)}: carried",)
+
+
+def _count_notes(table: Table, rows: Rows, count: int | None) -> tuple[str, ...]:
+    if count is None:
+        return ()
+    values = len(table.names) - 2
+    frames = np.flatnonzero(~rows.lost).tolist()
+    said = {rows.texts[row][-1].removesuffix(".0") for row in frames}
+    wrong = [shown(text) for text in sorted(said - {str(values)})]
+    if not wrong:
+        return ()
+    return (f"{table.names[count]} says {', '.join(wrong[:3])}, the header has {values} values",)

@@ -1,0 +1,142 @@
+"""The take in a JSON document: frames of named weights, in any layout."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arrays import Indices
+from faceedit_app.core.names import canonical_channel
+from faceedit_app.formats.files import shown
+from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list
+from faceedit_app.formats.take import Recording, Take, finish_take
+from faceedit_app.formats.time_columns import date_times, number_times
+from faceedit_app.formats.timecode import BadTimecode
+from faceedit_app.formats.timing import (
+    DEFAULT_RATE,
+    FASTEST,
+    SLOWEST,
+    BadRow,
+    NoTimes,
+    Timing,
+    single_row,
+)
+
+
+@dataclass(frozen=True)
+class JsonFrames:
+    """The R frames of a document.
+
+    Attributes:
+        names: the N names of weights.
+        weights: (R) per frame a list of N numbers, or anything else if the face was lost.
+        times: (R) the time of each frame, a number or a date; empty if there are none.
+        time_name: the document's name for them.
+        rate: frames per second, instead of times.
+    """
+
+    names: Sequence[Any]
+    weights: Sequence[Any]
+    times: Sequence[Any] = ()
+    time_name: str = "time"
+    rate: float | None = None
+
+
+def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) -> Take:
+    """Make the take of a document.
+
+    Args:
+        name: of the format.
+        fps: the frame rate, if the user gave one.
+
+    Raises:
+        RateNeeded: its times are unusable, and `fps` is None.
+        FileError: it has no channels or frames, or is damaged.
+    """
+    columns = _channels(text, frames.names)
+    places = _places(text, frames, list(columns.values()))
+    values = text.look_up(places)
+    filled = ~np.all(np.isnan(values), axis=0)
+    channels = tuple(channel for channel, is_there in zip(columns, filled, strict=True) if is_there)
+    missing = np.isnan(values[:, filled])
+    lost = np.all(missing, axis=1)
+    incomplete = np.argwhere(missing & ~lost[:, None])
+    if len(incomplete):
+        row, k = incomplete[0]
+        raise text.error(f"frame {row + 1} has no {channels[k]}, which other frames have")
+    kept = np.flatnonzero(~lost)
+    places = np.ascontiguousarray(places[np.ix_(kept, filled)])
+    used = {columns[channel] for channel in channels}
+    recording = Recording(
+        path=text.path,
+        format=name,
+        channels=channels,
+        values=values[np.ix_(kept, filled)],
+        timing=_timing(text, frames, kept) if len(kept) else NoTimes("has no frames"),
+        lost=lost,
+        carried=tuple(shown(str(n)) for k, n in enumerate(frames.names) if k not in used),
+    )
+    source = partial(JsonSource, text, places)
+    return finish_take(recording, fps, source, lambda frame, k: text.line(int(places[frame, k])))
+
+
+def _channels(text: JsonText, names: Sequence[Any]) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for k, name in enumerate(names):
+        channel = canonical_channel(name) if isinstance(name, str) else None
+        if channel in found:
+            raise text.error(f'names the channel "{channel}" twice', "remove one of them")
+        if channel is not None:
+            found[channel] = k
+    if not found:
+        raise text.error("holds no ARKit channel such as jawOpen", "choose another take")
+    return found
+
+
+def _places(text: JsonText, frames: JsonFrames, columns: list[int]) -> NDArray[np.int64]:
+    """(R, K) the places of the channels' weights."""
+    places = np.full((len(frames.weights), len(columns)), -1, np.int64)
+    for row, entries in enumerate(frames.weights):
+        weights = as_list(entries)
+        if not weights:
+            continue
+        if len(weights) != len(frames.names):
+            problem = f"frame {row + 1} has {len(weights)} weights, there are {len(frames.names)}"
+            first = next((int(entry) for entry in weights if isinstance(entry, Place)), -1)
+            raise text.error(f"{problem} names", place=first)
+        places[row] = text.places(weights)[columns]
+    return places
+
+
+def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTimes:
+    times = [frames.times[row] for row in kept] if frames.times else []
+    numbers = [text.number(entry) for entry in times]
+    dates = [entry for entry in times if isinstance(entry, str)]
+    try:
+        if times and None not in numbers:
+            return number_times(np.array(numbers, np.float64), frames.time_name)[1]
+        if times and len(dates) == len(times):
+            return date_times(dates)
+    except NoTimes as none:
+        if frames.rate is None:
+            return none
+    except BadTimecode as bad:
+        raise text.error(f'holds "{shown(bad.text)}" in place of a time') from None
+    except BadRow as bad:
+        frame = int(kept[bad.row]) + 1
+        entry = times[bad.row]
+        place = int(entry) if isinstance(entry, Place) else -1
+        problem = f"the time of frame {frame} does not come after that of the frame before it"
+        raise text.error(problem, "sort the frames by time", place) from None
+    if frames.rate is None:
+        return NoTimes("has neither times nor a frame rate", DEFAULT_RATE)
+    if not SLOWEST <= frames.rate <= FASTEST:
+        return NoTimes(f"gives {frames.rate:g} as its frame rate", DEFAULT_RATE)
+    if len(kept) == 1:
+        return single_row()
+    return Timing((kept - kept[0]) / frames.rate, frames.rate)

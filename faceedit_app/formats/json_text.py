@@ -1,0 +1,180 @@
+"""JSON whose numbers can be replaced in place, while all other bytes stay the same.
+
+Python's json module reads the document. It reports each number once, in the order of the file, so
+the n-th number of the document is the n-th number of the text.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.core.errors import FileError
+from faceedit_app.formats.files import BOM, check_text
+from faceedit_app.formats.numbers import detect_format
+
+# Strings are matched too, so that numbers inside them do not count.
+_TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
+_FORMAT_SAMPLE = 10_000
+_DAMAGED = "copy it from its source again"
+
+Places = NDArray[np.int64]
+"""Numbers of a document: n for the n-th, -1 for one that is missing (null or NaN)."""
+
+
+class Place(int):
+    """A number of a document: the n-th."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True)
+class JsonText:
+    """A JSON file in memory.
+
+    Attributes:
+        path: the file, for messages.
+        content: its bytes.
+        document: the parsed document, with a `Place` for each number.
+        values: (N,) float64 of its numbers, in order.
+    """
+
+    path: Path
+    content: bytes
+    document: Any
+    values: Doubles
+
+    def error(self, problem: str, remedy: str = _DAMAGED, place: int = -1) -> FileError:
+        """An error about this file, at one of its numbers."""
+        return FileError(self.path, problem, remedy, self.line(place) if place >= 0 else None)
+
+    def line(self, place: int) -> int:
+        """The line of a number, counted from 1."""
+        start = int(self.spans[place][0])
+        return self.content.count(b"\n", 0, start) + 1
+
+    @cached_property
+    def spans(self) -> NDArray[np.int64]:
+        """(N, 2) where each number begins and ends in `content`."""
+        flat = array("q")
+        for match in _TOKEN.finditer(self.content):
+            if match[1] is not None:
+                flat.extend(match.span(1))
+        return np.frombuffer(flat, np.int64).reshape(-1, 2)
+
+    def number(self, entry: Any) -> float | None:
+        """The number at an entry of the document; None if the entry is not a number."""
+        return float(self.values[entry]) if isinstance(entry, Place) else None
+
+    def places(self, entries: Sequence[Any]) -> Places:
+        """Where the numbers of a list are; null counts as missing.
+
+        Raises:
+            FileError: an entry is neither a number nor null.
+        """
+        out = np.full(len(entries), -1, np.int64)
+        for k, entry in enumerate(entries):
+            if isinstance(entry, Place):
+                out[k] = entry
+            elif entry is not None:
+                raise self.error("has a weight that is not a number")
+        return out
+
+    def look_up(self, places: Places) -> Doubles:
+        """The numbers at some places; NaN where they are missing."""
+        return np.where(places >= 0, np.append(self.values, np.nan)[places], np.nan)
+
+    def replaced(self, places: Places, numbers: Sequence[bytes]) -> bytes:
+        """The file with other numbers at some places (N,), in increasing order."""
+        pieces, done = [], 0
+        for (start, end), number in zip(self.spans[places].tolist(), numbers, strict=True):
+            pieces += [self.content[done:start], number]
+            done = end
+        return b"".join([*pieces, self.content[done:]])
+
+
+def looks_like_json(content: bytes) -> bool:
+    """Whether a file begins like a JSON object or list."""
+    return content[:64].removeprefix(BOM).lstrip()[:1] in (b"{", b"[")
+
+
+def read_json(path: Path, content: bytes) -> JsonText:
+    """Read a JSON file.
+
+    Raises:
+        FileError: it is not text, or not JSON.
+    """
+    check_text(path, content)
+    values = array("d")
+
+    def number(text: str) -> Place:
+        values.append(float(text))
+        return Place(len(values) - 1)
+
+    try:
+        document = json.loads(
+            content.removeprefix(BOM).decode(),
+            parse_float=number,
+            parse_int=number,
+            parse_constant=lambda name: None,
+        )
+    except UnicodeDecodeError:
+        raise FileError(path, "is not UTF-8 text", "save it as UTF-8") from None
+    except json.JSONDecodeError as error:
+        problem = f"is damaged: {error.msg.lower()}"
+        raise FileError(path, problem, _DAMAGED, error.lineno) from None
+    except RecursionError:
+        raise FileError(path, "is damaged: it is nested too deeply", _DAMAGED) from None
+    return JsonText(path, content, document, np.frombuffer(values, np.float64))
+
+
+@dataclass(frozen=True)
+class JsonSource:
+    """A JSON file, and where a clip's weights are in it (`take.Source`).
+
+    Attributes:
+        text: the file.
+        places: (T, K) the numbers of the weights; -1 if a weight is missing.
+        scale: the value of a full blendshape in the file.
+    """
+
+    text: JsonText
+    places: Places
+    scale: float = 1.0
+
+    def encode(self, tracked: Floats, edited: Floats) -> bytes:
+        """The whole file; see `take.Source.encode`."""
+        changed = (tracked != edited) & (self.places >= 0)
+        if not changed.any():
+            return self.text.content
+        where, values = self.places[changed], edited[changed].astype(np.float64) * self.scale
+        order = np.argsort(where)
+        write = detect_format(self._sample(), self.scale).write
+        return self.text.replaced(where[order], [write(v) for v in values[order].tolist()])
+
+    def _sample(self) -> list[bytes]:
+        places = self.places[self.places >= 0]
+        stride = max(1, len(places) // _FORMAT_SAMPLE)
+        spans = self.text.spans[places[::stride]].tolist()
+        return [self.text.content[a:b] for a, b in islice(spans, _FORMAT_SAMPLE)]
+
+
+def as_object(entry: Any) -> Mapping[str, Any]:
+    """The entry if it is a JSON object, else an empty one."""
+    return entry if isinstance(entry, dict) else {}
+
+
+def as_list(entry: Any) -> list[Any]:
+    """The entry if it is a JSON list, else an empty one."""
+    return entry if isinstance(entry, list) else []

@@ -1,0 +1,153 @@
+"""The table of take formats, which everything that depends on formats reads.
+
+File dialogs, drag and drop, training, the file types of the installed application and the table in
+the README all use it. To add a format, add a module with `sniff` and `read`, and a row here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FileError
+from faceedit_app.formats import (
+    audio2face,
+    csv_take,
+    facecap,
+    glb_animation,
+    livelink,
+    mediapipe,
+    named_frames,
+)
+from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
+from faceedit_app.formats.foreign import has_metahuman_curves, recognise_foreign
+from faceedit_app.formats.take import Take
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format of takes.
+
+    Attributes:
+        key: the name on the command line.
+        name: shown to the user.
+        endings: of its files, in lower case with the dot.
+        mime: the media type for which the desktop offers FaceEdit; "" if most files of that type
+            are something else.
+        tools: the tools that write it.
+        sniff: how likely, 0..1, a file's content is of this format.
+        read: opens a file: path, content, and the frame rate if the user gave one.
+        write: encodes any clip in this format; None if only takes that were read from it can be
+            written.
+        tells_times: whether its frames have times, not only a rate.
+    """
+
+    key: str
+    name: str
+    endings: tuple[str, ...]
+    mime: str
+    tools: str
+    sniff: Callable[[bytes], float]
+    read: Callable[[Path, bytes, float | None], Take]
+    write: Callable[[Clip], bytes] | None = None
+    tells_times: bool = True
+
+
+# fmt: off
+FORMATS: tuple[Format, ...] = (
+    Format("livelink", livelink.FORMAT, (".csv",), "text/csv",
+           "Live Link Face on an iPhone; Face_Landmark_Link and others that write its layout",
+           livelink.sniff, livelink.read, livelink.write),
+    Format("csv", "CSV with ARKit names", (".csv",), "text/csv",
+           "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
+           csv_take.sniff, csv_take.read, csv_take.write),
+    Format("audio2face", audio2face.FORMAT, (".json",), "application/json",
+           "NVIDIA Audio2Face",
+           audio2face.sniff, audio2face.read, audio2face.write, tells_times=False),
+    Format("facecap", facecap.FORMAT, (".txt",), "",
+           "Face Cap on an iPhone", facecap.sniff, facecap.read),
+    Format("names", named_frames.FORMAT, (".json",), "application/json",
+           "the BEAT data set, LAM_Audio2Expression", named_frames.sniff, named_frames.read),
+    Format("mediapipe", mediapipe.FORMAT, (".json",), "application/json",
+           "webcam recorders on MediaPipe", mediapipe.sniff, mediapipe.read),
+    Format("glb", glb_animation.FORMAT, (".glb",), "model/gltf-binary",
+           "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
+)
+# fmt: on
+
+
+def recognise(path: Path, content: bytes) -> Format:
+    """Recognise the format of a file by its content.
+
+    Raises:
+        FileError: it is not a take; the text says what it is instead, if known.
+    """
+    found = find_format(content)
+    if found is not None:
+        return found
+    foreign = recognise_foreign(content)
+    if foreign is not None:
+        raise FileError(path, foreign.problem, foreign.remedy)
+    check_text(path, content)
+    line = 1 + next(
+        k for k, text in enumerate(content.removeprefix(BOM).splitlines()) if text.strip()
+    )
+    raise FileError(path, "holds no ARKit channel such as jawOpen", CHOOSE_TAKE, line)
+
+
+def find_format(content: bytes) -> Format | None:
+    """The format of a file's content, or None."""
+    if has_metahuman_curves(content):
+        return None
+    sure = [(form.sniff(content), form) for form in FORMATS]
+    best = max(sure, key=lambda one: one[0], default=(0.0, None))
+    return best[1] if best[0] > 0 else None
+
+
+def is_take(path: Path) -> bool:
+    """Whether a file's content is of a known format; False if it cannot be read."""
+    try:
+        return find_format(read_bytes(path)) is not None
+    except FileError:
+        return False
+
+
+def takes_below(folder: Path) -> list[Path]:
+    """The takes in a folder and its subfolders, by name.
+
+    Any CSV counts, so that a damaged one is not skipped silently; other endings are shared with
+    other kinds of files, whose content is checked.
+    """
+    known = endings()
+    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in known)
+    return [path for path in paths if path.suffix.lower() == ".csv" or is_take(path)]
+
+
+def writable() -> tuple[Format, ...]:
+    """The formats that can be written from any source."""
+    return tuple(form for form in FORMATS if form.write is not None)
+
+
+def endings() -> tuple[str, ...]:
+    """The endings of all takes, each once, in the order of the table."""
+    return tuple(dict.fromkeys(ending for form in FORMATS for ending in form.endings))
+
+
+def mime_types() -> tuple[str, ...]:
+    """The media types under which the desktop offers FaceEdit, each once."""
+    return tuple(dict.fromkeys(form.mime for form in FORMATS if form.mime))
+
+
+def offered_endings() -> tuple[str, ...]:
+    """The endings of files for which the desktop offers FaceEdit, each once."""
+    offered = (ending for form in FORMATS if form.mime for ending in form.endings)
+    return tuple(dict.fromkeys(offered))
+
+
+def markdown_table() -> str:
+    """The table of formats in the documentation."""
+    head = "| format | file | written by |\n|---|---|---|\n"
+    rows = (f"| {f.name} | {', '.join(f'`{e}`' for e in f.endings)} | {f.tools} |" for f in FORMATS)
+    return head + "\n".join(rows) + "\n"

@@ -1,0 +1,275 @@
+"""Find the column with the times of a table's rows, and its unit.
+
+A column in real time is preferred to one with frame numbers. Kind and unit follow from the whole
+column; its name only decides what is tried first.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from faceedit_app.core.arrays import Times
+from faceedit_app.core.errors import FileError
+from faceedit_app.formats.csv_table import Table
+from faceedit_app.formats.files import REPAIR, shown
+from faceedit_app.formats.timecode import (
+    BadTimecode,
+    clock_times,
+    derive_timing,
+    is_clock,
+    is_timecode,
+)
+from faceedit_app.formats.timing import (
+    DEFAULT_RATE,
+    FASTEST,
+    SLOWEST,
+    BadRow,
+    NoTimes,
+    Timing,
+    single_row,
+    time_rows,
+    typical_step,
+)
+
+_UNITS = {"seconds": 1.0, "milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9}
+_UNIT_WORDS = {
+    **dict.fromkeys(("s", "sec", "secs", "seconds"), "seconds"),
+    **dict.fromkeys(("ms", "msec", "millis", "milliseconds"), "milliseconds"),
+    **dict.fromkeys(("us", "usec", "micros", "microseconds"), "microseconds"),
+    **dict.fromkeys(("ns", "nsec", "nanos", "nanoseconds"), "nanoseconds"),
+}
+_TIME_WORDS = {
+    *("time", "times", "timestamp", "timestamps", "timecode", "tc", "t", "elapsed", "epoch"),
+    *("date", "datetime"),
+}
+_COUNT_WORDS = {"frame", "frames", "framenumber", "frameid", "index", "idx"}
+_FILM_RATE = 30.0  # the most likely rate of a film whose frames are numbered
+_USUAL = (2.0, 245.0)  # frames per second; a plausible rate for a unit that is not named
+_LONGEST_COUNT = 4.0  # steps from row to row up to which numbers may be frame numbers
+_SAMPLE = 200
+
+
+@dataclass(frozen=True)
+class RowTimes:
+    """The times of a table's frames.
+
+    Attributes:
+        timing: the times, or why there are none.
+        column: the column of the times, if any.
+        kind: `timecode`, `clock`, `date`, `seconds`, `number` (in another unit),
+            `frames`, or "".
+    """
+
+    timing: Timing | NoTimes
+    column: int | None = None
+    kind: str = ""
+
+
+def time_columns(names: Sequence[str]) -> list[int]:
+    """Columns that may hold times, the most reliable first."""
+    ranked = [(_rank(name), k) for k, name in enumerate(names)]
+    return [k for rank, k in sorted(ranked) if rank < 9]
+
+
+def read_times(
+    table: Table, columns: Sequence[int], texts: Sequence[Sequence[str]], lines: Sequence[int]
+) -> RowTimes:
+    """Read the times of a table's frames.
+
+    Args:
+        columns: C candidates, see `time_columns`.
+        texts: (C) per candidate its T texts.
+        lines: (T) indices of the frames' lines, for messages.
+
+    Raises:
+        FileError: a row of the column is damaged.
+    """
+    useless: RowTimes | None = None
+    for column, cells in zip(columns, texts, strict=True):
+        kind = _kind(cells)
+        if kind is None:
+            continue
+        name = table.names[column]
+        try:
+            kind, timing = _READERS[kind](cells, name)
+        except NoTimes as none:
+            kind = "frames" if none.numbers is not None else kind
+            if useless is None or none.numbers is not None:
+                useless = RowTimes(none, column, kind)
+        except BadTimecode as bad:
+            what = {"timecode": "a timecode (HH:MM:SS:FF)", "number": "a finite number"}
+            raise table.error(
+                f'column "{shown(name)}" holds "{shown(bad.text)}", '
+                f"which is not {what.get(kind, 'a time like those in other rows')}",
+                REPAIR,
+                lines[bad.row],
+            ) from None
+        except BadRow as bad:
+            raise _out_of_order(table, cells, bad.row, lines) from None
+        else:
+            return RowTimes(timing, column, kind)
+    return useless or RowTimes(NoTimes("has no column with times"))
+
+
+def _out_of_order(table: Table, cells: Sequence[str], row: int, lines: Sequence[int]) -> FileError:
+    return table.error(
+        f"the time {shown(cells[row])} does not come after {shown(cells[row - 1])}",
+        "sort the rows by time and remove repeated ones",
+        lines[row],
+    )
+
+
+def _words(name: str) -> list[str]:
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    return [word.lower() for word in re.split(r"[\W_]+", name) if word]
+
+
+def _rank(name: str) -> int:
+    words = {*_words(name), name.strip().lower()}
+    unit = not words.isdisjoint(_UNIT_WORDS)
+    if "timecode" in words:
+        return 0
+    if not words.isdisjoint(_TIME_WORDS):
+        return 1 if unit else 2
+    if unit and len(words) == 1:
+        return 3
+    if not words.isdisjoint(_COUNT_WORDS):
+        return 4
+    return 5 if not name else 9
+
+
+# --- kinds of columns ----------------------------------------------------------------------------
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return "_" not in text
+
+
+def _is_date(text: str) -> bool:
+    try:
+        datetime.fromisoformat(text)
+    except ValueError:
+        return False
+    return True
+
+
+_KINDS: dict[str, Callable[[str], bool]] = {
+    "timecode": is_timecode,
+    "clock": is_clock,
+    "number": _is_number,
+    "date": _is_date,
+}
+
+
+def _kind(cells: Sequence[str]) -> str | None:
+    """The kind of most cells of a column, if it is a time or a number."""
+    sample = cells[:: max(1, len(cells) // _SAMPLE)]
+    for kind, fits in _KINDS.items():
+        if sum(map(fits, sample)) * 2 >= len(sample):
+            return kind
+    return None
+
+
+def _read_dates(cells: Sequence[str], name: str) -> tuple[str, Timing]:
+    return "date", date_times(cells)
+
+
+def date_times(cells: Sequence[str]) -> Timing:
+    """The times of rows with dates and times in ISO 8601.
+
+    Raises:
+        BadTimecode: a text is not one.
+        NoTimes, BadRow: see `timing.time_rows`.
+    """
+    seconds = np.empty(len(cells))
+    first: datetime | None = None
+    for row, text in enumerate(cells):
+        try:
+            moment = datetime.fromisoformat(text)
+            first = first or moment
+            seconds[row] = (moment - first).total_seconds()
+        except (ValueError, TypeError):  # not a date, or one without the time zone that others have
+            raise BadTimecode(row, text) from None
+    return time_rows(seconds)
+
+
+def _read_numbers(cells: Sequence[str], name: str) -> tuple[str, Timing]:
+    values = np.empty(len(cells))
+    for row, text in enumerate(cells):
+        values[row] = float(text) if _is_number(text) else np.nan
+        if not np.isfinite(values[row]):
+            raise BadTimecode(row, text)
+    return number_times(values, name)
+
+
+def number_times(values: Times, name: str) -> tuple[str, Timing]:
+    """The times of rows in any unit, and their kind (`RowTimes.kind`).
+
+    Args:
+        values: (T,) finite.
+        name: the file's name for them, which may contain a unit.
+
+    Raises:
+        NoTimes: they are frame numbers, or impossible.
+        BadRow: one row, or a few, is out of order.
+    """
+    if len(values) == 1:
+        return "seconds", single_row()
+    steps = np.diff(values)
+    if not np.any(steps > 0):
+        raise NoTimes("has the same time in every row")
+    words = _words(name)
+    named = next((_UNIT_WORDS[word] for word in reversed(words) if word in _UNIT_WORDS), None)
+    if _counts_frames(steps, words, named):
+        likely = DEFAULT_RATE if _COUNT_WORDS.isdisjoint(words) else _FILM_RATE
+        problem = f'numbers its frames in "{shown(name)}" and does not say how many make a second'
+        typical = float(np.median(steps[steps > 0]))
+        raise NoTimes(problem, likely, values / typical if np.all(steps > 0) else None)
+    # If times repeat, the clock is slower than the rows.
+    step = typical_step(steps) if np.mean(steps > 0) > 0.9 else float(steps.mean())
+    unit = _unit(step, named)
+    if unit is None:
+        raise NoTimes(f'has times in "{shown(name)}" that step by {step:g}')
+    timing = time_rows(values * _UNITS[unit])
+    kind = "seconds" if unit == "seconds" else "number"
+    if unit == (named or "seconds"):
+        return kind, timing
+    note = f"{shown(name)} is in {unit}"
+    return kind, Timing(timing.times, timing.rate, (note, *timing.notes))
+
+
+def _counts_frames(steps: Times, words: Sequence[str], named: str | None) -> bool:
+    step = float(np.median(steps[steps > 0]))
+    whole = np.all(steps == np.round(steps)) and np.mean(steps > 0) > 0.9
+    if not whole or step > _LONGEST_COUNT:
+        return False
+    if named is not None and _COUNT_WORDS.isdisjoint(words):
+        return step == 1
+    return bool(np.mean(steps % step == 0) > 0.9)
+
+
+def _unit(step: float, named: str | None) -> str | None:
+    """The unit of times that step by `step`; None if no unit fits."""
+    if step <= 0:
+        return None
+    if named is not None and SLOWEST <= 1 / (step * _UNITS[named]) <= FASTEST:
+        return named
+    low, high = _USUAL
+    return next((u for u, size in _UNITS.items() if low <= 1 / (step * size) <= high), None)
+
+
+_READERS: dict[str, Callable[[Sequence[str], str], tuple[str, Timing]]] = {
+    "timecode": lambda cells, name: ("timecode", derive_timing(cells)),
+    "clock": lambda cells, name: ("clock", clock_times(cells)),
+    "number": _read_numbers,
+    "date": _read_dates,
+}

@@ -1,0 +1,43 @@
+"""Find the scale of a file's weights, and weights that are impossible."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+PERCENT = 100.0
+PERCENT_NOTE = "the weights run from 0 to 100: read as percent, and written as percent"
+# Trackers exceed 1 by a few hundredths, exaggerated takes by a factor; beyond that it is damage.
+LARGEST = 10.0
+_TWICE = 2.0
+_MANY = 0.15  # share of the weights that are not 0
+
+
+def scale_of(values: NDArray[Any]) -> float:
+    """The value of a full blendshape in a file: 1, or 100 for percent.
+
+    Args:
+        values: all weights, on the file's scale; NaN if missing.
+    """
+    sizes = np.abs(values[np.isfinite(values) & (values != 0)])
+    sizes = sizes[sizes <= LARGEST * PERCENT]
+    return PERCENT if len(sizes) and (sizes > _TWICE).mean() > _MANY else 1.0
+
+
+def scale_notes(scale: float) -> tuple[str, ...]:
+    """The note about a scale other than 0 to 1."""
+    return (PERCENT_NOTE,) if scale == PERCENT else ()
+
+
+def first_impossible(values: NDArray[Any], scale: float) -> tuple[int, int] | None:
+    """Row and column of the first of the weights (T, K) that is impossible, or None."""
+    wrong = np.argwhere(np.abs(values) > LARGEST * scale)
+    return (int(wrong[0, 0]), int(wrong[0, 1])) if len(wrong) else None
+
+
+def impossible(value: float | str, scale: float) -> str:
+    """What is wrong with a weight, as a phrase to follow its name."""
+    text = f"{value:g}" if isinstance(value, float) else value
+    return f"is {text}, where {scale:g} is a full blendshape"

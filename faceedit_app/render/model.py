@@ -1,0 +1,221 @@
+"""The character as pyrender's meshes. Imports PyOpenGL: `contexts.choose_backend` comes first."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from itertools import accumulate
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from OpenGL import GL
+from pyrender import Material, Mesh, MetallicRoughnessMaterial, Primitive, Texture
+from pyrender.constants import FLOAT_SZ, GLTF
+
+from faceedit_app.core.arrays import Floats, Pixels
+from faceedit_app.core.rig import Rig
+from faceedit_app.render.difference import Tinter
+from faceedit_app.render.surface import Group, NormalSolver, Shading, by_shading
+
+# Materials are named after the shaders that draw them: these, or the variants in `Shading`.
+BACKDROP, DEPTH = "backdrop", "depth"
+# Where the shaders have what may change with each frame: pyrender's order of attributes. Where a
+# texture lies comes before the colour.
+_POSITION, _NORMAL, _COLOUR, _TEXTURED_COLOUR = 0, 1, 3, 4
+
+
+class Stream:
+    """Values of vertices, (V, W) float32, in a buffer that is filled again for each frame."""
+
+    def __init__(self, values: Floats) -> None:
+        self.width = values.shape[1]
+        self.name = int(GL.glGenBuffers(1))
+        GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self.name)
+        GL.glBufferData(GL.GL_ARRAY_BUFFER, values.nbytes, values, GL.GL_STREAM_DRAW)
+
+    def fill(self, values: Floats) -> None:
+        """Put in other values, contiguous and as many as before."""
+        GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self.name)
+        GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, values.nbytes, values)
+
+    def delete(self) -> None:
+        """Free it."""
+        GL.glDeleteBuffers(1, [self.name])
+
+
+class SrgbTexture(Texture):  # type: ignore[misc]  # pyrender has no types
+    """A texture of (H, W, 4) uint8, sRGB and alpha, top row first, that is read as linear light.
+
+    pyrender would take its numbers for light.
+    """
+
+    def __init__(self, pixels: Pixels) -> None:
+        super().__init__(source=pixels, source_channels="RGBA")
+
+    def _add_to_context(self) -> None:
+        super()._add_to_context()
+        pixels = np.ascontiguousarray(self.source[::-1])
+        height, width = pixels.shape[:2]
+        self._bind()
+        form = GL.GL_SRGB8_ALPHA8, width, height, 0, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE
+        GL.glTexImage2D(GL.GL_TEXTURE_2D, 0, *form, pixels)
+        GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+        self._unbind()
+
+
+class LivePrimitive(Primitive):  # type: ignore[misc]  # pyrender has no types
+    """A primitive that has positions, normals and colours from streams.
+
+    pyrender lays all that it knows of a vertex side by side into one buffer, once, and has no way
+    to change a part of it.
+
+    Args:
+        streams: by their place in the shaders.
+        first: which of their values is that of this primitive's first vertex.
+        attributes: pyrender's; what the streams hold is given here as well, for its shape.
+    """
+
+    def __init__(self, streams: dict[int, Stream], first: int, **attributes: object) -> None:
+        super().__init__(**attributes)
+        self._streams, self._first = streams, first
+
+    def _add_to_context(self) -> None:
+        super()._add_to_context()
+        self._bind()
+        for place, stream in self._streams.items():
+            start = ctypes.c_void_p(FLOAT_SZ * stream.width * self._first)
+            GL.glBindBuffer(GL.GL_ARRAY_BUFFER, stream.name)
+            GL.glVertexAttribPointer(place, stream.width, GL.GL_FLOAT, GL.GL_FALSE, 0, start)
+        self._unbind()
+
+
+class LiveMesh(Mesh):  # type: ignore[misc]  # pyrender has no types
+    """Faces of the character, in a primitive for each material, whose vertices can be moved.
+
+    Args:
+        rig: the character.
+        looks: (V, 4): `surface.vertex_looks`.
+        parts: a material, which tells the renderer how to draw its faces, (F, 3).
+
+    Attributes:
+        vertices: (N,) which of the character's vertices the mesh consists of, one primitive's
+            after the other's.
+    """
+
+    def __init__(
+        self, rig: Rig, looks: Floats, parts: Sequence[tuple[Material, NDArray[np.int32]]]
+    ) -> None:
+        own = [np.unique(faces, return_inverse=True) for _, faces in parts]
+        self.vertices = np.concatenate([np.zeros(0, np.intp), *(vertices for vertices, _ in own)])
+        firsts = accumulate((len(vertices) for vertices, _ in own), initial=0)
+        self._normals_of = NormalSolver(
+            rig.faces, len(rig.neutral), wanted=self.vertices, groups=rig.shading_groups
+        )
+        values = {
+            _POSITION: rig.neutral[self.vertices],
+            _NORMAL: self._normals_of(rig.neutral),
+            _COLOUR: rig.colors[self.vertices],
+        }
+        self._streams = {place: Stream(value) for place, value in values.items()}
+        primitives = [
+            LivePrimitive(
+                self._streams_of(material),
+                first,
+                positions=rig.neutral[vertices],
+                normals=values[_NORMAL][first : first + len(vertices)],
+                tangents=looks[vertices],  # pyrender's name for the third attribute, four wide
+                texcoord_0=_texture_places(rig, vertices) if material.tex_flags else None,
+                color_0=rig.colors[vertices],
+                indices=corners.reshape(-1, 3),
+                material=material,
+                mode=GLTF.TRIANGLES,
+            )
+            for (material, _), (vertices, corners), first in zip(parts, own, firsts, strict=False)
+        ]
+        super().__init__(primitives)
+
+    def _streams_of(self, material: Material) -> dict[int, Stream]:
+        """The streams by their place in the shaders of a material."""
+        colour = _TEXTURED_COLOUR if material.tex_flags else _COLOUR
+        return {
+            _POSITION: self._streams[_POSITION],
+            _NORMAL: self._streams[_NORMAL],
+            colour: self._streams[_COLOUR],
+        }
+
+    def move(self, vertices: Floats) -> None:
+        """Put the vertices elsewhere: (V, 3), metres, of the whole character."""
+        self._streams[_POSITION].fill(np.take(vertices, self.vertices, axis=0))
+        self._streams[_NORMAL].fill(self._normals_of(vertices))
+
+    def paint(self, colors: Floats) -> None:
+        """Colour the vertices: (V, 4), linear RGB and alpha, of the whole character."""
+        self._streams[_COLOUR].fill(np.take(colors, self.vertices, axis=0))
+
+    def delete(self) -> None:
+        """Free the streams; the rest is pyrender's."""
+        for stream in self._streams.values():
+            stream.delete()
+
+
+class Model:
+    """The character in two meshes, and the backdrop in a third.
+
+    Args:
+        rig: the character.
+        looks: (V, 4): `surface.vertex_looks`.
+
+    Attributes:
+        still, moving: faces that look alike whatever the face does, and the others.
+        backdrop: one triangle that covers the view.
+    """
+
+    def __init__(self, rig: Rig, looks: Floats) -> None:
+        textures = [SrgbTexture(pixels) for pixels in rig.textures]
+        still, moving = [], []
+        for group in by_shading(rig):
+            material = _material(group, textures)
+            still.append((material, group.still))
+            moving.append((material, group.moving))
+        self.still, self.moving = (
+            LiveMesh(rig, looks, [part for part in parts if part[1].size])
+            for parts in (still, moving)
+        )
+        corners = np.array([[-1.0, -1.0, 1.0], [3.0, -1.0, 1.0], [-1.0, 3.0, 1.0]])
+        self.backdrop = Mesh([Primitive(corners, material=Material(BACKDROP, doubleSided=True))])
+        self._colors, self._tinter, self._is_plain = rig.colors, Tinter(rig.colors), True
+
+    def tint(self, tint: Floats | None) -> None:
+        """Tint the vertices by so much (V,); colours stay until there is a tint, and after none."""
+        if tint is not None or not self._is_plain:
+            colors = self._colors if tint is None else self._tinter(tint)
+            self.still.paint(colors)
+            self.moving.paint(colors)
+        self._is_plain = tint is None
+
+    def delete(self) -> None:
+        """Free what pyrender does not know of."""
+        self.still.delete()
+        self.moving.delete()
+
+
+def _material(group: Group, textures: Sequence[Texture]) -> Material:
+    # Nothing but the skin is known to be closed; lashes and brows are thin.
+    both_sides = group.shading is not Shading.FLESH
+    if group.texture is None:
+        return Material(group.shading.value, doubleSided=both_sides)
+    return MetallicRoughnessMaterial(
+        group.shading.value,
+        baseColorTexture=textures[group.texture],
+        alphaCutoff=group.cutoff,
+        doubleSided=both_sides,
+    )
+
+
+def _texture_places(rig: Rig, vertices: NDArray[np.integer[Any]]) -> Floats:
+    """(N, 2): OpenGL counts the rows of a texture from below."""
+    assert rig.uv is not None
+    places: Floats = rig.uv[vertices].copy()
+    places[:, 1] = 1.0 - places[:, 1]
+    return places

@@ -1,0 +1,16 @@
+"""OpenGL in software without EGL. Imports PyOpenGL: `contexts.choose_backend` comes first."""
+
+from __future__ import annotations
+
+from pyrender.platforms.osmesa import OSMesaPlatform
+
+
+class OSMesaWithFramebuffers(OSMesaPlatform):  # type: ignore[misc]  # pyrender has no types
+    """pyrender's OSMesa platform, which takes OSMesa to be without framebuffers of its own.
+
+    It has had them for years; without them every change of size would need another context.
+    """
+
+    def supports_framebuffers(self) -> bool:
+        """Yes."""
+        return True

@@ -1,0 +1,49 @@
+"""Our shaders as pyrender's programs. Imports PyOpenGL: `contexts.choose_backend` comes first."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from OpenGL import GL
+from pyrender.shader_program import ShaderProgram
+
+_SHADERS = Path(__file__).parent / "shaders"
+_INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
+
+
+class Program(ShaderProgram):  # type: ignore[misc]  # pyrender has no types
+    """A pair of shaders in some variant, ready to draw.
+
+    pyrender replaces the names of variants wherever they stand in the text; here they are the
+    shader language's own, and a file can include another one.
+
+    Args:
+        name: of the files, without their endings.
+        variant: what is defined in them.
+
+    Attributes:
+        view: where its matrices look from; the renderer's to set.
+    """
+
+    def __init__(self, name: str, *variant: str) -> None:
+        files = (str(_SHADERS / f"{name}.{ending}") for ending in ("vert", "frag"))
+        super().__init__(*files, defines=dict.fromkeys(variant, 1))
+        self._add_to_context()
+        count = GL.glGetProgramiv(self._program_id, GL.GL_ACTIVE_UNIFORMS)
+        self._names = {GL.glGetActiveUniform(self._program_id, i)[0].decode() for i in range(count)}
+        self.view: object = None
+
+    def set_uniform(self, name: str, value: Any, unsigned: bool = False) -> None:
+        """Set a uniform if the shaders have it; pyrender offers them many that they lack."""
+        if name in self._names:
+            super().set_uniform(name, value, unsigned)
+
+    def _load(self, shader_filename: str) -> str:
+        path = Path(shader_filename)
+        version, _, text = path.read_text(encoding="utf-8").partition("\n")
+        for name in _INCLUDE.findall(text):
+            shared = path.with_name(name).read_text(encoding="utf-8")
+            text = text.replace(f'#include "{name}"', shared)
+        return "\n".join([version, *(f"#define {name}" for name in self.defines), text])

@@ -1,0 +1,123 @@
+"""What is drawn into. Imports PyOpenGL: `contexts.choose_backend` comes first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from OpenGL import GL
+
+from faceedit_app.core.arrays import Floats, Pixels
+from faceedit_app.render.camera import Camera
+
+
+class View(NamedTuple):
+    """Where a picture is taken from, and its width and height in pixels."""
+
+    camera: Camera
+    size: tuple[int, int]
+
+
+class Target:
+    """A framebuffer of one size, with or without several samples per pixel.
+
+    pyrender's renderer has a pair of them, of which one always takes four samples.
+    """
+
+    def __init__(self, width: int, height: int, samples: int) -> None:
+        self.size, self.samples = (width, height), samples
+        self._buffers = [int(b) for b in GL.glGenRenderbuffers(2)]
+        for buffer, kind in zip(self._buffers, (GL.GL_RGBA8, GL.GL_DEPTH_COMPONENT24), strict=True):
+            GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
+            GL.glRenderbufferStorageMultisample(GL.GL_RENDERBUFFER, samples, kind, width, height)
+        self._name = int(GL.glGenFramebuffers(1))
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._name)
+        for buffer, place in zip(
+            self._buffers, (GL.GL_COLOR_ATTACHMENT0, GL.GL_DEPTH_ATTACHMENT), strict=True
+        ):
+            GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, place, GL.GL_RENDERBUFFER, buffer)
+        status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
+        if status != GL.GL_FRAMEBUFFER_COMPLETE:
+            raise RuntimeError(f"the driver refuses a {width} x {height} image")
+
+    def bind(self) -> None:
+        """From now on it is what is drawn into."""
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._name)
+        GL.glViewport(0, 0, *self.size)
+
+    def copy_to(self, other: Target, depths: bool = False) -> None:
+        """Copy the colours, or what the samples of each pixel come to, and the depths if asked."""
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._name)
+        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, other._name)
+        rectangle = (0, 0, *self.size)
+        what = GL.GL_COLOR_BUFFER_BIT | (GL.GL_DEPTH_BUFFER_BIT if depths else 0)
+        GL.glBlitFramebuffer(*rectangle, *rectangle, what, GL.GL_NEAREST)
+
+    def read_colors(self, out: Pixels) -> None:
+        """Wait for the picture, of one sample a pixel: (height, width, 4), as the shaders wrote."""
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._name)
+        GL.glReadPixels(0, 0, *self.size, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, out)
+
+    def read_depths(self, out: Floats) -> None:
+        """Wait for the depths, (height, width) in 0..1, of one sample a pixel."""
+        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._name)
+        GL.glReadPixels(0, 0, *self.size, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT, out)
+
+    def delete(self) -> None:
+        """Free it."""
+        GL.glDeleteFramebuffers(1, [self._name])
+        GL.glDeleteRenderbuffers(2, self._buffers)
+
+
+class Targets:
+    """One target for each number of samples; it is made again where the size changes."""
+
+    def __init__(self) -> None:
+        self._targets: dict[int, Target] = {}
+
+    def of(self, size: tuple[int, int], samples: int) -> Target:
+        """The target of so many samples, for a picture of (width, height) pixels."""
+        target = self._targets.get(samples)
+        if target is None or target.size != size:
+            if target is not None:
+                target.delete()
+            target = self._targets[samples] = Target(*size, samples)
+        return target
+
+    def delete(self) -> None:
+        """Free all of them."""
+        for target in self._targets.values():
+            target.delete()
+        self._targets = {}
+
+
+class Kept:
+    """Pictures, with their depths, of what stays still, for the rest to be drawn upon.
+
+    Backdrop, most of the hair, neck and skull are a third of the work; to copy them is quick.
+
+    Args:
+        draw: draws what stays still into a target.
+    """
+
+    def __init__(self, draw: Callable[[Target, View], None]) -> None:
+        self._draw = draw
+        self._targets = Targets()
+        self._views: dict[int, View] = {}  # by samples
+
+    def has(self, view: View, samples: int) -> bool:
+        """Whether what stays still has been drawn already, as seen from there."""
+        return self._views.get(samples) == view
+
+    def copy_to(self, target: Target, view: View) -> None:
+        """Put what stays still into a target."""
+        kept = self._targets.of(view.size, target.samples)
+        if not self.has(view, target.samples):
+            self._draw(kept, view)
+            self._views[target.samples] = view
+        kept.copy_to(target, depths=True)
+
+    def delete(self) -> None:
+        """Free all of them."""
+        self._targets.delete()
+        self._views = {}

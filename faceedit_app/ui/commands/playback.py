@@ -1,0 +1,126 @@
+"""The Playback menu: playing, the playhead, and marking a selection at it."""
+
+from __future__ import annotations
+
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state.actions import Command, Menu
+
+
+class PlaybackCommands:
+    """Plays the take and moves the playhead."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
+        self._playback, self._timeline = workspace.playback, workspace.timeline
+        self._sound = workspace.sound_player
+
+    def play(self) -> None:
+        """Play or pause."""
+        self._playback.toggle()
+
+    def play_around(self) -> None:
+        """Play the selection, else around the playhead, once; then return."""
+        self._playback.play_around()
+
+    def shuttle(self, direction: int) -> None:
+        """Play forwards (1) or backwards (-1); again is faster."""
+        self._playback.shuttle(direction)
+
+    def stop(self) -> None:
+        """Pause."""
+        self._playback.pause()
+
+    @property
+    def loops(self) -> bool:
+        """Whether playing repeats."""
+        return self._playback.loop
+
+    def loop(self) -> None:
+        """Repeat the selection, or the whole take; or no longer."""
+        self._playback.set_loop(not self._playback.loop)
+
+    @property
+    def has_sound(self) -> bool:
+        """Whether there is something to be heard."""
+        return self._workspace.media.sound is not None
+
+    @property
+    def muted(self) -> bool:
+        """Whether the sound is silenced."""
+        return self._sound.muted
+
+    def mute(self) -> None:
+        """Silence the take's sound, or let it be heard again."""
+        self._sound.set_muted(not self._sound.muted)
+
+    # --- the playhead ------------------------------------------------------------------------
+
+    def step_frames(self, frames: int) -> None:
+        """Move the playhead by frames."""
+        self._timeline.go_to_frame(self._timeline.frame + frames)
+
+    def step_seconds(self, seconds: float) -> None:
+        """Move the playhead by seconds."""
+        self._timeline.go_to_time(self._timeline.time + seconds)
+
+    def go_to_start(self) -> None:
+        """Go to the first frame."""
+        self._timeline.go_to_frame(0)
+
+    def go_to_end(self) -> None:
+        """Go to the last frame."""
+        self._timeline.go_to_frame(self._timeline.frames - 1)
+
+    def type_time(self) -> None:
+        """Let the user type where to go."""
+        if self._workspace.page is not None:
+            self._workspace.page.transport.type_time()
+
+    def mark_start(self) -> None:
+        """Start the selection at the playhead."""
+        line = self._timeline
+        end = line.selection[1] if line.selection else line.duration
+        line.select((line.time, end if end > line.time else line.snap(line.duration)))
+
+    def mark_end(self) -> None:
+        """End the selection at the playhead."""
+        line = self._timeline
+        start = line.selection[0] if line.selection else 0.0
+        line.select((start if start < line.time else 0.0, line.time))
+
+
+# fmt: off
+MENU: Menu[PlaybackCommands] = Menu("Playback", (
+    Command("play", "&Play / pause", PlaybackCommands.play, ("Space",), "Play or pause", "play"),
+    Command("play_around", "Play a&round", PlaybackCommands.play_around, ("/",),
+            "Play the selection, else around the playhead, once; then return"),
+    Command("rewind", "Play bac&kwards", lambda do: do.shuttle(-1), ("J",),
+            "Play backwards; again: faster"),
+    Command("stop", "&Stop", PlaybackCommands.stop, ("K",), "Pause"),
+    Command("fast_forward", "Play for&wards", lambda do: do.shuttle(1), ("L",),
+            "Play forwards; again: faster"),
+    Command("loop", "&Loop", PlaybackCommands.loop, ("Ctrl+L",),
+            "Repeat the selection, or the whole take", "loop", checked=lambda do: do.loops),
+    Command("mute", "&Mute sound", PlaybackCommands.mute, ("Ctrl+M",),
+            "Silence the take's sound", "sound", enabled=lambda do: do.has_sound,
+            checked=lambda do: do.muted),
+    Command("back", "Frame &back", lambda do: do.step_frames(-1), ("Left",), "One frame back",
+            "back", starts_group=True),
+    Command("forward", "Frame &forward", lambda do: do.step_frames(1), ("Right",),
+            "One frame forward", "forward"),
+    Command("second_back", "Second back", lambda do: do.step_seconds(-1), ("Shift+Left",),
+            "One second back"),
+    Command("second_forward", "Second forward", lambda do: do.step_seconds(1), ("Shift+Right",),
+            "One second forward"),
+    Command("start", "Go to &start", PlaybackCommands.go_to_start, ("Home",),
+            "Go to the first frame", "start"),
+    Command("end", "Go to &end", PlaybackCommands.go_to_end, ("End",), "Go to the last frame",
+            "end"),
+    Command("go_to", "&Go to a time…", PlaybackCommands.type_time, ("G",),
+            "Type where to go: seconds, a frame or a timecode, as times are shown"),
+    Command("mark_start", "Selection starts &here", PlaybackCommands.mark_start, ("I",),
+            "Start the selection at the playhead", starts_group=True),
+    Command("mark_end", "Selection ends here", PlaybackCommands.mark_end, ("O",),
+            "End the selection at the playhead"),
+))
+# fmt: on

@@ -1,0 +1,132 @@
+"""Project files, saved and opened; what the File menu and the recovery do once all is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.fields import FieldError, Fields
+from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.files.journal import Pending
+from faceedit_app.editing.files.project import (
+    SUFFIX,
+    Located,
+    Project,
+    ViewState,
+    locate_take,
+    read_project,
+)
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.timing import counted
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state.clock import Unit
+
+
+def is_project(path: Path) -> bool:
+    """Whether a file is a project by its name."""
+    return path.suffix.lower() == SUFFIX
+
+
+def save(workspace: Workspace, path: Path) -> None:
+    """Save take, edits, view, sound and film as one project.
+
+    Raises:
+        FileError: it cannot be written; an existing file is then untouched.
+    """
+    workspace.document.save_project(path, view_of(workspace), workspace.media.placement)
+
+
+def view_of(workspace: Workspace) -> ViewState:
+    """How the take is being looked at."""
+    line = workspace.timeline
+    window = {
+        "falloff_out": line.falloff_out,
+        "unit": line.clock.unit.value,
+        "mirror_film": workspace.media.mirrored,
+    }
+    return ViewState(line.time, line.view, line.selection, line.falloff, window)
+
+
+def restore_view(workspace: Workspace, view: ViewState) -> None:
+    """Look at the open take as it was looked at."""
+    line = workspace.timeline
+    try:
+        fade_out = Fields(view.ui).number("falloff_out", view.falloff, 0.0)
+    except FieldError:
+        fade_out = view.falloff
+    line.set_falloffs(view.falloff, fade_out)
+    if view.visible is not None:
+        line.show_range(*view.visible)
+    line.select(view.selection)
+    line.go_to_time(view.playhead)
+    unit = view.ui.get("unit")
+    if unit in list(Unit):
+        line.clock.choose(Unit(str(unit)))
+    workspace.media.mirror(view.ui.get("mirror_film") is True)
+
+
+def read(
+    workspace: Workspace,
+    path: Path,
+    found: Callable[[Project, Located], None],
+    failed: Callable[[FaceEditError], None],
+) -> None:
+    """Read a project and look for its take, in the background."""
+
+    def work() -> tuple[Project, Located]:
+        project = read_project(path)
+        return project, locate_take(project, path)
+
+    def report(error: Exception) -> None:
+        workspace.opener.reading.emit("")
+        if not isinstance(error, FaceEditError):
+            raise error
+        failed(error)
+
+    workspace.opener.reading.emit(f"Opening {path.name}…")
+    workspace.background.run(work, lambda both: found(*both), report)
+
+
+def open_take(
+    workspace: Workspace, project: Project, path: Path, take: Path, is_as_it_was: bool
+) -> None:
+    """Open a project that was read.
+
+    Args:
+        path: the project's file.
+        take: the file that its edits are applied to.
+        is_as_it_was: the take is where and as the project knows it: nothing needs to be saved.
+    """
+
+    def prepare(session: EditSession) -> None:
+        # What stands beside the take by chance is not the project's.
+        media = Placement(project.audio, project.film)
+        session.begin_with(replace(project.state, media=media))
+        if is_as_it_was:
+            session.mark_saved()
+
+    def opened() -> None:
+        restore_view(workspace, project.view)
+
+    workspace.opener.open(take, prepare, opened, path, project.fps)
+
+
+def recover(workspace: Workspace, pending: Pending) -> None:
+    """Open the take of a session that ended without closing, with all that was done to it."""
+
+    def prepare(session: EditSession) -> None:
+        session.restore(pending.state)
+
+    def opened() -> None:
+        pending.discard()
+        steps = counted(pending.gestures, "step")
+        workspace.message.emit(
+            f"Recovered {steps} of {pending.take.name}; Undo takes all back at once"
+        )
+        session = workspace.session
+        if session is not None and session.fingerprint != pending.fingerprint:
+            workspace.warning.emit(f"{pending.take.name} has changed since these edits were made")
+
+    workspace.opener.open(pending.take, prepare, opened, pending.project, pending.fps)

@@ -1,0 +1,146 @@
+"""The Take menu: the frame rate of the open take, and the sound and film that belong to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.retiming import retimed
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.take import Take
+from faceedit_app.formats.timecode import start_of_day
+from faceedit_app.formats.timing import RateNeeded
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state.actions import Command, Menu
+
+
+class TakeCommands:
+    """Asks for frame rates; adds and removes sound and film, also those that are dropped."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace, self._media = workspace, workspace.media
+        self._dropped: list[Path] = []  # to be added when the take that came with them is open
+        workspace.opener.rate_needed.connect(self._ask_needed_rate)
+
+    # --- frame rate ----------------------------------------------------------------------------
+
+    def _ask_needed_rate(self, needed: RateNeeded, open_at: Callable[..., None]) -> None:
+        """Ask for the rate of a take that cannot be opened without one."""
+        question = f"{needed.path.name} {needed.problem}. How many frames make a second?"
+        window, rate = self._workspace.window, needed.rate
+        chosen = dialogs.ask_rate(window, question, needed.frames, rate)
+        if chosen is not None:
+            open_at(fps=chosen)
+            return
+        self._dropped = []
+        if self._workspace.rig is None:
+            self._workspace.opener.load_character()
+
+    def change_rate(self) -> None:
+        """Play the take at another frame rate; its edits stay on their frames."""
+        self._workspace.finish()
+        session = self._workspace.session
+        if session is None:
+            return
+        clip, take = session.take.clip, session.take
+        question = f"How many frames of {take.path.name} make a second?"
+        rate = dialogs.ask_rate(self._workspace.window, question, len(clip), clip.rate)
+        if rate is None or rate == clip.rate:
+            return
+        factor = clip.rate / rate
+        state = replace(session.state, edits=tuple(retimed(e, factor) for e in session.edits))
+
+        def prepare(again: EditSession) -> None:
+            again.begin_with(state)
+
+        project = self._workspace.document.project
+        self._workspace.opener.open(take.path, prepare, project=project, fps=rate)
+
+    # --- sound and film ------------------------------------------------------------------------
+
+    def ask_add(self) -> None:
+        """Add a sound or a film that the user chooses."""
+        preferences = self._workspace.preferences
+        path = dialogs.ask_media(self._workspace.window, preferences.folder("media"))
+        if path is not None:
+            preferences.set_folder("media", path.resolve().parent)
+            self._media.add(path)
+
+    @property
+    def has_sound(self) -> bool:
+        """Whether the take has a sound."""
+        return self._media.sound is not None
+
+    @property
+    def has_film(self) -> bool:
+        """Whether the take has a film."""
+        return self._media.film is not None
+
+    def remove_sound(self) -> None:
+        """Take the sound away from the take."""
+        self._media.remove_sound()
+
+    def remove_film(self) -> None:
+        """Take the film away from the take, and the sound that it brought."""
+        self._media.remove_film()
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether the film is shown as in a mirror."""
+        return self._media.mirrored
+
+    def mirror_film(self) -> None:
+        """Show the film as in a mirror, or as it is."""
+        self._media.mirror(not self._media.mirrored)
+
+    # --- what comes with a take --------------------------------------------------------------
+
+    def follow(self, take: Take, placement: Placement | None) -> None:
+        """A take is open: add what belongs to it, then what was dropped with it.
+
+        Args:
+            placement: what its project names; None = what lies beside it.
+        """
+        codes = take.clip.timecodes
+        began = start_of_day(codes) if codes else None
+        self._media.follow(take.path, began, placement)
+        dropped, self._dropped = self._dropped, []
+        for path in dropped:
+            self._media.add(path)
+
+    def drop(self, paths: list[Path], opens_take: bool) -> None:
+        """Sounds and films were dropped on the window.
+
+        Args:
+            opens_take: a take was dropped with them and is being opened.
+        """
+        self._dropped = paths if opens_take else []
+        if opens_take or not paths:
+            return
+        if self._workspace.session is None:
+            name = paths[0].name
+            self._workspace.message.emit(f"Open a take first, then drop {name} on it")
+            return
+        for path in paths:
+            self._media.add(path)
+
+
+# fmt: off
+MENU: Menu[TakeCommands] = Menu("Take", (
+    Command("frame_rate", "&Frame rate…", TakeCommands.change_rate, (),
+            "How many frames make a second, if the file does not tell it, or tells it wrong"),
+    Command("add_media", "&Add sound or film…", TakeCommands.ask_add, ("Ctrl+Shift+O",),
+            "Put a recording beside the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),
+    Command("mirror_film", "&Mirror film", TakeCommands.mirror_film,
+            tip="Show the film as in a mirror, where left and right are not those of the face",
+            enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),
+    Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
+            tip="Take the sound away from the take", enabled=lambda do: do.has_sound,
+            starts_group=True),
+    Command("remove_film", "Remove &film", TakeCommands.remove_film,
+            tip="Take the film away from the take", enabled=lambda do: do.has_film),
+))
+# fmt: on

@@ -1,0 +1,77 @@
+"""The Tools menu: what a drag on a curve does, and moving a curve by keys."""
+
+from __future__ import annotations
+
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state.actions import Command, Menu
+from faceedit_app.ui.state.tools import Tool
+
+STEP, FINE_STEP = 0.5, 0.05  # mm
+
+
+class ToolCommands:
+    """Chooses tools; raises and lowers the curve that has the focus."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace, self._tools = workspace, workspace.tools
+
+    @property
+    def tool(self) -> Tool:
+        """The present tool."""
+        return self._tools.tool
+
+    def choose(self, tool: Tool) -> None:
+        """Work with another tool."""
+        self._tools.choose(tool)
+
+    @property
+    def linked(self) -> bool:
+        """Whether left and right are edited together."""
+        return self._tools.linked
+
+    def link(self) -> None:
+        """Edit left and right together, or each on its own."""
+        self._tools.link(not self._tools.linked)
+
+    def nudge(self, millimetres: float) -> None:
+        """Move the curve that has the focus."""
+        page = self._workspace.page
+        if page is not None:
+            self._workspace.settle()
+            page.curves.nudge(millimetres)
+
+
+# fmt: off
+MENU: Menu[ToolCommands] = Menu("Tools", (
+    Command("tool_move", "&Move", lambda do: do.choose(Tool.MOVE), ("M",),
+            "Drag a curve up or down: it moves there, softly to either side", "tool_move",
+            checked=lambda do: do.tool is Tool.MOVE),
+    Command("tool_draw", "&Draw", lambda do: do.choose(Tool.DRAW), ("D",),
+            "Draw the curve freehand; Ctrl draws at 0: lips or lids touching", "tool_draw",
+            checked=lambda do: do.tool is Tool.DRAW),
+    Command("tool_smooth", "&Smooth", lambda do: do.choose(Tool.SMOOTH), ("S",),
+            "Paint over shaking to calm it: as strong as the slider beside it says",
+            "tool_smooth", checked=lambda do: do.tool is Tool.SMOOTH),
+    Command("tool_scale", "S&cale", lambda do: do.choose(Tool.SCALE), ("X",),
+            "Drag up for larger movements, down for smaller ones", "tool_scale",
+            checked=lambda do: do.tool is Tool.SCALE),
+    Command("tool_flatten", "&Flatten", lambda do: do.choose(Tool.FLATTEN), ("H",),
+            "Paint to hold the curve where it was pressed", "tool_flatten",
+            checked=lambda do: do.tool is Tool.FLATTEN),
+    Command("tool_restore", "&Back to tracked", lambda do: do.choose(Tool.RESTORE), ("R",),
+            "Paint over edits to erase them: the face goes back to the recording",
+            "tool_restore", checked=lambda do: do.tool is Tool.RESTORE),
+    Command("link", "&Left = right", ToolCommands.link, ("U",),
+            "Edit both sides of the face together; hold Alt for one side only", "link",
+            checked=lambda do: do.linked, starts_group=True),
+    Command("raise", "&Raise the curve", lambda do: do.nudge(STEP), ("Ctrl+Up",),
+            "Raise the curve that has the focus by 0.5 mm, at the playhead or in the selection",
+            starts_group=True),
+    Command("lower", "L&ower the curve", lambda do: do.nudge(-STEP), ("Ctrl+Down",),
+            "Lower the curve that has the focus by 0.5 mm"),
+    Command("raise_fine", "Raise a little", lambda do: do.nudge(FINE_STEP), ("Ctrl+Shift+Up",),
+            "Raise the curve that has the focus by 0.05 mm"),
+    Command("lower_fine", "Lower a little", lambda do: do.nudge(-FINE_STEP),
+            ("Ctrl+Shift+Down",), "Lower the curve that has the focus by 0.05 mm"),
+))
+# fmt: on

@@ -1,0 +1,161 @@
+"""The face as a picture: what is drawn, from where, by which renderer. Knows no widget."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QRect, Qt
+from PySide6.QtGui import QColor, QImage, QPainter
+
+from faceedit_app import render
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.rig import Rig
+from faceedit_app.render.difference import tint_of
+from faceedit_app.ui.look.palette import BORDER, TEXT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Size = tuple[int, int]  # pixels
+
+
+class FacePicture:
+    """Draws one face, or two beside each other.
+
+    Attributes:
+        camera: where the face is looked at from.
+        image: what was drawn last.
+    """
+
+    def __init__(self) -> None:
+        self.camera = render.Camera()
+        self.image: QImage | None = None
+        self._pixels: NDArray[np.uint8] | None = None  # the image is a view of it
+        self._rig: Rig | None = None
+        self._renderer: render.FaceRenderer | None = None
+        self._weights: Floats | None = None
+        self._beside: Floats | None = None
+        self._against: Floats | None = None
+        self._begun = False
+
+    def open(self, rig: Rig, size: Size) -> None:
+        """Start drawing a character.
+
+        Raises:
+            FaceEditError: it cannot be drawn on this machine.
+        """
+        self.close()
+        if self._rig is not None and self._rig is not rig:
+            # Another character's weights mean nothing here.
+            self._weights = self._beside = self._against = None
+        self._rig = rig
+        self._renderer = render.open_renderer(rig, *size)
+
+    def close(self) -> None:
+        """Free the graphics memory."""
+        renderer, self._renderer = self._renderer, None
+        self.image = self._pixels = None
+        self._begun = False
+        if renderer is not None:
+            with contextlib.suppress(Exception):  # a context that is lost cannot be freed
+                renderer.close()
+
+    @property
+    def can_draw(self) -> bool:
+        """Whether there is a face to see."""
+        return self._renderer is not None
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether two faces stand beside each other."""
+        return self._beside is not None
+
+    @property
+    def is_tinted(self) -> bool:
+        """Whether the face is tinted by its distance from another one."""
+        return self._against is not None
+
+    def show(self, weights: Floats | None, beside: Floats | None, against: Floats | None) -> None:
+        """Draw these from now on; see `Viewport.show_weights`."""
+        self._weights, self._beside, self._against = weights, beside, against
+
+    def aim(self, aim: render.Aim, aspect: float) -> None:
+        """Point the camera, for a picture of width / height `aspect`."""
+        if self._rig is not None:
+            faces = 2 if self.is_pair else 1
+            self.camera = render.aimed_camera(self._rig, aim, aspect / faces)
+
+    def begin(self, size: Size) -> None:
+        """Have a rough picture of one face drawn while something else is done.
+
+        `draw` finishes it. Drivers and PyOpenGL raise all kinds of errors.
+        """
+        if self._renderer is None or self._rig is None or self.is_pair:
+            return
+        self._renderer.resize(*size)
+        vertices, tint = self._first(self._rig)
+        self._renderer.begin(vertices, self.camera, smooth=False, tint=tint)
+        self._begun = True
+
+    def forget_begun(self) -> None:
+        """What was begun is out of date."""
+        self._begun = False
+
+    def draw(self, size: Size, smooth: bool) -> None:
+        """Make `image` anew. Drivers and PyOpenGL raise all kinds of errors.
+
+        Args:
+            size: width and height.
+            smooth: with smooth edges, which takes longer.
+        """
+        if self._renderer is None or self._rig is None:
+            return
+        pixels = self._pixels = self._faces(self._renderer, self._rig, size, smooth)
+        height, width = pixels.shape[:2]
+        self.image = QImage(
+            pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
+        )
+
+    def prepare(self) -> None:
+        """Do now what the next picture will need, as long as none has been begun."""
+        if self._renderer is not None and not self._begun:
+            self._renderer.prepare()
+
+    def _first(self, rig: Rig) -> tuple[Floats, Floats | None]:
+        """The vertices (V, 3) of the face and, where it is tinted, by how much (V,)."""
+        vertices = rig.neutral if self._weights is None else rig.vertices(self._weights)
+        if self._against is None:
+            return vertices, None
+        return vertices, tint_of(vertices, rig.vertices(self._against))
+
+    def _faces(
+        self, renderer: render.FaceRenderer, rig: Rig, size: Size, smooth: bool
+    ) -> NDArray[np.uint8]:
+        """(H, W, 4) the picture: one face, or two beside each other."""
+        if self._begun and not smooth:
+            self._begun = False
+            return renderer.finish()
+        self._begun = False
+        width, height = size
+        shown = [self._first(rig)]
+        if self._beside is not None:
+            shown.insert(0, (rig.vertices(self._beside), None))
+        renderer.resize(max(width // len(shown), 1), height)
+        pictures = []
+        for vertices, tint in shown:
+            pixels = renderer.draw(vertices, self.camera, smooth=smooth, tint=tint)
+            if len(shown) == 1:
+                return pixels
+            pictures.append(pixels.copy())  # the renderer may draw the next one into it
+        return np.ascontiguousarray(np.concatenate(pictures, axis=1))
+
+
+def paint_names(painter: QPainter, room: QRect) -> None:
+    """Say which of two faces is which."""
+    half, height = room.width() // 2, room.height()
+    painter.fillRect(half, 0, 1, height, QColor(BORDER))
+    painter.setPen(QColor(TEXT))
+    for x, name in ((0, "Tracked"), (half, "Edited")):
+        painter.drawText(QRect(x, height - 34, half, 24), Qt.AlignmentFlag.AlignCenter, name)

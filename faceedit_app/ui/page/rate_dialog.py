@@ -1,0 +1,100 @@
+"""Asking for a frame rate: the common ones, any other, and how long the take would be."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QDialog,
+    QDialogButtonBox,
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QLabel,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from faceedit_app.formats.timing import COMMON_RATES, counted, exact_rate, format_rate, format_time
+
+_LOWEST, _HIGHEST = 1.0, 1000.0
+_DECIMALS = 3
+_SHOWN_RATES = tuple(rate for rate in COMMON_RATES if rate <= 60)
+
+
+class RateDialog(QDialog):
+    """Asks how many frames make a second.
+
+    Args:
+        question: why it is asked, as text for people.
+        frames: how many frames the take has.
+        rate: what is chosen at first.
+    """
+
+    def __init__(self, parent: QWidget | None, question: str, frames: int, rate: float) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Frame rate")
+        self._frames = frames
+        column = QVBoxLayout(self)
+        column.setSpacing(12)
+        text = QLabel(question)
+        text.setTextFormat(Qt.TextFormat.PlainText)  # a file's name may look like a tag
+        text.setWordWrap(True)
+        text.setMinimumWidth(380)
+        column.addWidget(text)
+        column.addLayout(self._common_rates())
+        column.addLayout(self._any_rate())
+        self.length = QLabel()
+        column.addWidget(self.length)
+        buttons = QDialogButtonBox(
+            QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
+        )
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        column.addWidget(buttons)
+        self.spin.valueChanged.connect(self._show_rate)
+        self.spin.setValue(rate)
+        self._show_rate()
+        self.spin.setFocus()
+        self.spin.selectAll()
+
+    @property
+    def rate(self) -> float:
+        """The rate that is chosen."""
+        return exact_rate(self.spin.value())
+
+    def _common_rates(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        self.group = QButtonGroup(self)
+        for rate in _SHOWN_RATES:
+            button = QToolButton()
+            button.setText(format_rate(rate).removesuffix(" fps"))
+            button.setCheckable(True)
+            button.setAccessibleName(format_rate(rate))
+            button.clicked.connect(lambda _checked=False, chosen=rate: self.spin.setValue(chosen))
+            self.group.addButton(button)
+            row.addWidget(button)
+        return row
+
+    def _any_rate(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        label = QLabel("&Frames per second")
+        self.spin = QDoubleSpinBox()
+        self.spin.setRange(_LOWEST, _HIGHEST)
+        self.spin.setDecimals(_DECIMALS)
+        self.spin.setAccessibleName("Frames per second")
+        label.setBuddy(self.spin)
+        row.addWidget(label)
+        row.addWidget(self.spin)
+        row.addStretch(1)
+        return row
+
+    def _show_rate(self) -> None:
+        rate = self.rate
+        self.group.setExclusive(False)  # none of them may be the one
+        for button, common in zip(self.group.buttons(), _SHOWN_RATES, strict=True):
+            button.setChecked(abs(common - rate) < 10**-_DECIMALS)
+        self.group.setExclusive(True)
+        length = format_time(self._frames / rate)
+        self.length.setText(f"At {format_rate(rate)} the take lasts {length}.")
+        self.length.setToolTip(counted(self._frames, "frame"))

@@ -1,0 +1,20 @@
+"""What a crash left behind is offered when the window opens."""
+
+from __future__ import annotations
+
+from faceedit_app.editing.files.journal import pending_journals
+from faceedit_app.ui.commands import dialogs, projects
+from faceedit_app.ui.commands.workspace import Workspace
+
+
+def offer_recovery(workspace: Workspace) -> bool:
+    """Ask about the newest session that ended without closing; whether it is being opened."""
+    pending = pending_journals()
+    if pending:
+        match dialogs.ask_recover(workspace.window, pending[0]):
+            case dialogs.Recover.RECOVER:
+                projects.recover(workspace, pending[0])
+                return True
+            case dialogs.Recover.DISCARD:
+                pending[0].discard()
+    return False

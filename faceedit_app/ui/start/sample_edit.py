@@ -1,0 +1,19 @@
+"""The edit that FaceEdit makes by itself, where nobody drags a curve: headless and smoke test."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+
+
+def sample_edit(session: EditSession) -> Edit:
+    """Opens the mouth wider at an ordinary moment in the middle of the take."""
+    times = session.take.clip.times
+    opening = session.tracked[:, CONTROL_INDEX[LIP_OPENING]]
+    inner = slice(len(times) // 4, max(3 * len(times) // 4, len(times) // 4 + 1))
+    ordinary = int(np.argmin(np.abs(opening[inner] - np.median(opening))))
+    moment = float(times[inner][ordinary])
+    return Edit((LIP_OPENING,), Op.OFFSET, moment - 0.15, moment + 0.15, 0.25, 10.0)

@@ -1,0 +1,123 @@
+"""Reads takes beside the window and hands them to the document; asks the user nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Signal
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.timing import RateNeeded
+from faceedit_app.ui.state import loading
+from faceedit_app.ui.state.background import Background
+from faceedit_app.ui.state.document import Document
+
+
+class TakeOpener(QObject):
+    """Opens takes, with one character for all takes of the window.
+
+    Attributes:
+        rig: the character, once it is loaded.
+
+    Signals:
+        reading(str): what is being read; empty when that is over.
+        character_loaded(Rig): the character can be drawn.
+        opened(Path): a take was opened.
+        failed(object): a FaceEditError about a take, or about the character.
+        rate_needed(RateNeeded, object): only the user can know the take's frame rate; the
+            function opens it at a rate.
+    """
+
+    reading = Signal(str)
+    character_loaded = Signal(object)
+    opened = Signal(object)
+    failed = Signal(object)
+    rate_needed = Signal(object, object)
+
+    def __init__(self, document: Document, background: Background, parent: QObject) -> None:
+        super().__init__(parent)
+        self._document, self._background = document, background
+        self.rig: Rig | None = None
+        self._wanted: Path | None = None
+
+    @property
+    def is_reading(self) -> bool:
+        """Whether a take is being read."""
+        return self._wanted is not None
+
+    def open(
+        self,
+        path: Path,
+        prepare: Callable[[EditSession], None] = lambda session: None,
+        then: Callable[[], None] = lambda: None,
+        project: Path | None = None,
+        fps: float | None = None,
+    ) -> None:
+        """Read a take and show it; on an error the present one stays open.
+
+        Args:
+            prepare: brings edits into its session before anything is shown.
+            then: is done when it is shown.
+            project: the project that it belongs to.
+            fps: its frame rate, if its file does not tell it or is not believed.
+        """
+        self._wanted = path
+
+        def read() -> tuple[Rig, EditSession]:
+            rig = self.rig or loading.load_character()
+            return rig, loading.open_session(path, rig, fps)
+
+        def done(found: tuple[Rig, EditSession]) -> None:
+            if path != self._wanted:  # another one was asked for meanwhile
+                return
+            self._wanted = None
+            rig, session = found
+            self.use_character(rig)
+            prepare(session)
+            self._document.adopt(session, project)
+            self.reading.emit("")
+            then()
+            self.opened.emit(path)
+
+        def failed(error: Exception) -> None:
+            if path != self._wanted:
+                return
+            self._wanted = None
+            self.reading.emit("")
+            if isinstance(error, RateNeeded):
+                self.rate_needed.emit(error, partial(self.open, path, prepare, then, project))
+            else:
+                self._failed(error)
+
+        self.reading.emit(f"Opening {path.name}…")
+        self._background.run(read, done, failed)
+
+    def _failed(self, error: Exception) -> None:
+        if not isinstance(error, FaceEditError):
+            raise error
+        self.failed.emit(error)
+        if self.rig is None:
+            self.load_character(error)
+
+    def load_character(self, known: Exception | None = None) -> None:
+        """Fetch the character without a take.
+
+        Args:
+            known: an error that the user has heard of; the same one is not said again.
+        """
+
+        def failed(error: Exception) -> None:
+            if known is None or str(known) != str(error):
+                self.failed.emit(error)
+
+        self._background.run(loading.load_character, self.use_character, failed)
+
+    def use_character(self, rig: Rig) -> None:
+        """Keep the character for all takes of this window."""
+        if self.rig is None:
+            self.rig = rig
+            self.character_loaded.emit(rig)

@@ -1,0 +1,172 @@
+"""Names of shapes are matched to ARKit's channels, however they are spelt."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from faceedit_app.characters.names import Half, match_channels
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+
+
+def snake(name: str) -> str:
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name)
+
+
+def cut(name: str, left: str, right: str) -> str:
+    """The side at the end in other letters; jawLeft and mouthRight have none."""
+    if name in ("jawLeft", "jawRight", "mouthLeft", "mouthRight"):
+        return name
+    return (
+        name.removesuffix("Left") + left
+        if name.endswith("Left")
+        else (name.removesuffix("Right") + right if name.endswith("Right") else name)
+    )
+
+
+def side_first(name: str) -> str:
+    for side in ("Left", "Right"):
+        if name.endswith(side) and name != f"jaw{side}" and name != f"mouth{side}":
+            return f"{side[0]}_{name.removesuffix(side)}"
+    return name
+
+
+SCHEMES: dict[str, Callable[[str], str]] = {
+    "as ARKit": lambda n: n,
+    "capital first": lambda n: n[0].upper() + n[1:],
+    "lower case": str.lower,
+    "upper snake case": lambda n: snake(n).upper(),
+    "snake case": snake,
+    "words": lambda n: snake(n).replace("_", " ").title(),
+    "dashes": lambda n: snake(n).replace("_", "-"),
+    "_L and _R": lambda n: cut(n, "_L", "_R"),
+    "L and R": lambda n: cut(n, "L", "R"),
+    "_Left and _Right": lambda n: cut(n, "_Left", "_Right"),
+    "Blender's .L and .R": lambda n: cut(n, ".L", ".R"),
+    "numbered": lambda n: f"A{ARKIT_CHANNELS.index(n) + 1:02}_{snake(n).title()}",
+    "Maya's node": lambda n: "blendShape1." + cut(n, "_L", "_R"),
+    "namespace": lambda n: f"head:face|{n}",
+    "ARKit_ before": lambda n: f"ARKit_{n}",
+    "its own name before": lambda n: f"Emma_Head_{n}",
+    "its own name and ARKit": lambda n: f"emma_ARKit_{n}",
+    "side first": side_first,
+    "control names": lambda n: f"CTRL_expressions_{n}",
+    "facs_bs_": lambda n: f"facs_bs_{n[0].upper() + n[1:]}",
+    "_shape after": lambda n: f"{n}_shape",
+    "a copy in Blender": lambda n: f"{n}.001",
+    "Unity's": lambda n: f"blendShape2.{n[0].upper() + n[1:]}",
+}
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_every_channel_is_found_in_every_spelling(scheme: str) -> None:
+    names = [SCHEMES[scheme](channel) for channel in ARKIT_CHANNELS]
+    match = match_channels(names)
+    assert match.matched == {c: (n,) for c, n in zip(ARKIT_CHANNELS, names, strict=True)}
+    assert match.missing == match.unknown == match.lost == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "channel"),
+    [
+        ("Mouth_L", "mouthLeft"),
+        ("mouth_right", "mouthRight"),
+        ("Jaw_Left", "jawLeft"),
+        ("left_eye_blink", "eyeBlinkLeft"),
+        ("eye_left_blink", "eyeBlinkLeft"),
+        ("Brow_Drop_R", "browDownRight"),
+        ("Brow_Raise_Outer_L", "browOuterUpLeft"),
+        ("EyesClosed_L", "eyeBlinkLeft"),
+        ("Nose_Wrinkle_Right", "noseSneerRight"),
+    ],
+)
+def test_single_spellings(name: str, channel: str) -> None:
+    assert match_channels([name]).matched == {channel: (name,)}
+
+
+def test_two_halves_make_one() -> None:
+    match = match_channels(["browInnerUp_L", "browInnerUp_R", "Brow_Drop_L"])
+    assert match.several == {"browInnerUp": ("browInnerUp_L", "browInnerUp_R")}
+    assert match.matched["browDownLeft"] == ("Brow_Drop_L",)
+
+
+def test_the_whole_wins_over_its_halves() -> None:
+    match = match_channels(["cheekPuff_L", "cheekPuff", "cheekPuff_R"])
+    assert match.matched == {"cheekPuff": ("cheekPuff",)}
+    assert match.unknown == ("cheekPuff_L", "cheekPuff_R")
+
+
+def test_a_shape_of_both_sides_is_cut_in_two() -> None:
+    match = match_channels(["eyeBlink", "mouthSmile"])
+    (left,), (right,) = match.shares["eyeBlinkLeft"], match.shares["eyeBlinkRight"]
+    assert (left.name, left.half) == ("eyeBlink", Half.LEFT)
+    assert (right.name, right.half) == ("eyeBlink", Half.RIGHT)
+    assert set(match.matched) == {
+        *("eyeBlinkLeft", "eyeBlinkRight", "mouthSmileLeft", "mouthSmileRight")
+    }
+
+
+def test_a_shape_of_both_sides_is_left_where_each_side_has_its_own() -> None:
+    match = match_channels(["eyesClosed", "eyeBlinkLeft", "eyeBlinkRight"])
+    assert match.matched["eyeBlinkLeft"] == ("eyeBlinkLeft",)
+    assert match.unknown == ("eyesClosed",)
+
+
+def test_other_spellings_of_one_shape_are_not_added_to_it() -> None:
+    match = match_channels(["head.jawOpen", "jawOpen", "teeth.jawOpen"])
+    assert match.matched == {"jawOpen": ("jawOpen",)}
+    assert match.alike == {"jawOpen": ("head.jawOpen", "teeth.jawOpen")}
+    assert match.unknown == ()
+
+
+VRM_0 = (
+    "neutral a i u e o blink joy angry sorrow fun "
+    "lookup lookdown lookleft lookright blink_l blink_r"
+)
+
+
+def test_presets_of_vrm_stand_for_channels_and_say_so() -> None:
+    match = match_channels(VRM_0.split())
+    assert match.matched["jawOpen"] == ("a",)
+    assert match.matched["eyeBlinkLeft"] == ("blink_l",)
+    assert match.matched["eyeLookOutLeft"] == match.matched["eyeLookInRight"] == ("lookleft",)
+    assert match.shares["browDownRight"][0].half is Half.UPPER_RIGHT
+    assert "mouthClose" in match.missing
+    assert "a stands for jawOpen" in match.lost
+    assert set(match.unknown) == {"neutral", "blink", "joy"}
+
+
+def test_visemes_are_used_only_where_nothing_better_is() -> None:
+    match = match_channels(["viseme_aa", "viseme_E", "viseme_PP", "jawOpen"])
+    assert match.matched["jawOpen"] == ("jawOpen",)
+    assert match.matched["mouthLowerDownLeft"] == ("viseme_E",)
+    assert "viseme_aa" in match.unknown
+
+
+def test_japanese_names_of_mikumikudance() -> None:
+    match = match_channels(["あ", "い", "う", "お", "まばたき", "まゆげ"])
+    assert match.matched["jawOpen"] == ("あ",)
+    assert match.matched["eyeBlinkRight"] == ("まばたき",)
+    assert match.unknown == ("まゆげ",)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", "Basis", "jawOpenCorrective2x", "mouthJaw", "ear_L", "smile_eye", "眉", "Left", "l_r"],
+)
+def test_what_is_no_channel_is_not_taken_for_one(name: str) -> None:
+    match = match_channels([name])
+    assert match.matched == {}
+    assert match.unknown == (name,)
+
+
+@given(st.lists(st.text(max_size=20) | st.sampled_from(["jawOpen", "JAW_OPEN", "Blink", "a_L"])))
+def test_each_name_is_accounted_for_once(names: list[str]) -> None:
+    match = match_channels(names)
+    used = {name for parts in match.matched.values() for name in parts}
+    alike = {name for others in match.alike.values() for name in others}
+    assert used | alike | set(match.unknown) == set(names)
+    assert len(used) + len(alike) + len(match.unknown) == len(set(names))

@@ -1,0 +1,138 @@
+"""Closing: lips and lids shut on another character where they shut on ours."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from support.faces import shipped_rig
+
+from faceedit_app.characters.closure import Gaps, closure
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.solving.closing import Closing
+
+JAW, CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
+
+
+@lru_cache(maxsize=1)
+def leaky_rig() -> Rig:
+    """Our character with a mouthClose and a blink that do not close all the way."""
+    rig = shipped_rig()
+    deltas = rig.deltas.copy()
+    deltas[rig.channel_index["mouthClose"]] *= 0.8
+    deltas[rig.channel_index["jawOpen"]] *= 1.1
+    for side in ("Left", "Right"):
+        deltas[rig.channel_index[f"eyeBlink{side}"]] *= 0.85
+    return replace(rig, deltas=deltas)
+
+
+@lru_cache(maxsize=1)
+def speech() -> Floats:
+    """Four seconds at 30 fps: lips that meet by mouthClose, blinks, some smile."""
+    time = np.arange(120) / 30.0
+    weights = np.zeros((120, 52), np.float32)
+    open_ = 0.5 - 0.5 * np.cos(2 * np.pi * 1.5 * time)
+    weights[:, JAW] = 0.15 + 0.3 * open_
+    weights[:, CLOSE] = weights[:, JAW] * (1 - open_)
+    weights[:, ARKIT_INDEX["mouthSmileLeft"]] = 0.2 + 0.2 * np.sin(time)
+    blink = np.exp(-(((time % 1.3) - 0.6) ** 2) / 0.005)
+    for side in ("Left", "Right"):
+        weights[:, ARKIT_INDEX[f"eyeBlink{side}"]] = 0.9 * blink
+    return weights
+
+
+@pytest.fixture(scope="module")
+def closing() -> Closing:
+    return Closing(shipped_rig(), leaky_rig())
+
+
+@pytest.fixture(scope="module")
+def closed(closing: Closing) -> Floats:
+    return closing(speech())
+
+
+def test_what_was_open_is_shut(closing: Closing, closed: Floats) -> None:
+    ours = closing.ours.measure(speech())
+    before = closure(ours, closing.theirs.measure(speech()))
+    after = closure(ours, closing.theirs.measure(closed))
+    assert before.lips_open_share > 0.3
+    assert before.lids_open_share > 0.5
+    assert after.lips_open_share == after.lids_open_share == 0
+    assert after.lips_within_share > 0.95
+    assert after.lids_within_share > 0.95
+
+
+def test_nothing_goes_through_anything(closing: Closing, closed: Floats) -> None:
+    heights = -closing.theirs.distances.vectors(closed)[..., 1]
+    before = -closing.theirs.distances.vectors(speech())[..., 1]
+    assert (heights > np.minimum(before, -0.2)).all()
+
+
+def test_the_smallest_change_is_a_small_one(closed: Floats) -> None:
+    change = np.abs(closed - speech())
+    assert change[:, JAW].max() < 0.2
+    assert change.max() < 0.7
+
+
+def test_other_channels_and_open_frames_keep_their_bits(closing: Closing, closed: Floats) -> None:
+    wide = closing.ours.measure(speech())[:, 0] > 8
+    awake = closing.ours.measure(speech())[:, 1:].min(axis=1) > 5
+    rest = wide & awake
+    assert rest.sum() > 10
+    np.testing.assert_array_equal(closed[rest], speech()[rest])
+    nose = ARKIT_INDEX["noseSneerLeft"]
+    np.testing.assert_array_equal(closed[:, nose], speech()[:, nose])
+
+
+def test_mouth_close_stays_below_jaw_open(closed: Floats) -> None:
+    assert (closed[:, CLOSE] <= closed[:, JAW] + 1e-6).all()
+    assert closed.min() >= 0
+    assert closed.max() <= 1
+
+
+def test_each_frame_is_solved_by_itself(closing: Closing, closed: Floats) -> None:
+    """Part and whole agree: within the last bits of a matrix product."""
+    np.testing.assert_allclose(closing(speech()[40:60]), closed[40:60], atol=2e-3)
+
+
+def test_a_character_that_closes_as_ours_does_keeps_its_weights_nearly() -> None:
+    same = Closing(shipped_rig(), shipped_rig())
+    assert np.abs(same(speech()) - speech()).max() < 0.25
+
+
+def test_what_a_take_has_no_column_for_stays(closing: Closing) -> None:
+    without = frozenset(ARKIT_CHANNELS) - {"jawOpen", "eyeBlinkLeft"}
+    part = Closing(shipped_rig(), leaky_rig(), without)(speech())
+    for channel in ("jawOpen", "mouthClose", "eyeBlinkLeft"):
+        column = ARKIT_INDEX[channel]
+        np.testing.assert_array_equal(part[:, column], speech()[:, column])
+
+
+def test_a_character_without_lids_closes_its_lips(closing: Closing) -> None:
+    pairs = leaky_rig().control_pairs.copy()
+    pairs[6:] = -1
+    half = Closing(shipped_rig(), replace(leaky_rig(), control_pairs=pairs))
+    after = half(speech())
+    blink = ARKIT_INDEX["eyeBlinkLeft"]
+    np.testing.assert_array_equal(after[:, blink], speech()[:, blink])
+    gaps = Gaps.of(leaky_rig()).measure(after)
+    assert closure(closing.ours.measure(speech()), gaps).lips_open_share == 0
+
+
+def test_only_edited_frames_are_closed_and_softly_at_their_edges(closing: Closing) -> None:
+    tracked = speech().copy()
+    edited = tracked.copy()
+    edited[30:70, ARKIT_INDEX["mouthSmileLeft"]] += 0.1
+    times = np.arange(120) / 30.0
+    after = closing.where_edited(tracked, edited, times)
+    np.testing.assert_array_equal(after[:30], tracked[:30])
+    np.testing.assert_array_equal(after[70:], tracked[70:])
+    change = np.abs(after - edited)[:, JAW]
+    assert change[35:65].max() > 0
+    assert change[30] < 0.3 * np.abs(closing(edited) - edited)[30, JAW] + 1e-3
+    nothing = closing.where_edited(tracked, tracked, times)
+    np.testing.assert_array_equal(nothing, tracked)

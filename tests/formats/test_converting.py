@@ -1,0 +1,164 @@
+"""From any source to another format or frame rate, as other readers find it."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from support import recordings
+from support.takes import livelink_names, make_livelink_csv, make_plain_csv
+
+from faceedit_app.cli import main
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.formats.converting import choose_format, convert
+from faceedit_app.formats.opening import open_take
+from faceedit_app.formats.registry import writable
+
+WEIGHTS = recordings.face(60)
+
+
+@pytest.fixture
+def source(tmp_path: Path) -> Path:
+    path = tmp_path / "take.txt"
+    path.write_text(recordings.facecap(WEIGHTS))
+    return path
+
+
+def test_a_live_link_face_csv_is_as_the_application_writes_it(source: Path) -> None:
+    out = source.with_name("out.csv")
+    convert(out, open_take(source), choose_format(out))
+    with out.open(newline="") as file:
+        header, *rows = csv.reader(file)
+    example = make_livelink_csv(source.with_name("app.csv")).read_text().splitlines()[0]
+    assert ",".join(header).lower() == example.lower()
+    assert header[2:54] == livelink_names()
+    assert {len(row) for row in rows} == {63}
+    assert [row[0] for row in rows[29:32]] == [
+        "00:00:00:58.000",
+        "00:00:01:00.000",
+        "00:00:01:02.000",
+    ]
+    assert {row[1] for row in rows} == {"61"}
+    column = header.index("MouthSmileLeft")
+    wanted = open_take(source).clip.arkit_weights()[:, ARKIT_CHANNELS.index("mouthSmileLeft")]
+    assert np.allclose([float(row[column]) for row in rows], wanted, atol=1e-9)
+
+
+def test_an_audio2face_export_has_its_own_layout(source: Path) -> None:
+    out = source.with_name("out.json")
+    convert(out, open_take(source), choose_format(out))
+    document = json.loads(out.read_text())
+    assert document["exportFps"] == 30
+    assert (document["numPoses"], document["numFrames"]) == (52, 60)
+    assert document["facsNames"] == list(ARKIT_CHANNELS)
+    assert np.allclose(document["weightMat"], open_take(source).clip.arkit_weights(), atol=1e-6)
+
+
+@pytest.mark.parametrize("rate", [24, 25, 30, 48, 50, 60, 30000 / 1001, 24000 / 1001, 60000 / 1001])
+@pytest.mark.parametrize("key", [form.key for form in writable()])
+def test_what_is_written_opens_at_the_rate_that_was_asked_for(
+    tmp_path: Path, key: str, rate: float
+) -> None:
+    take = open_take(make_plain_csv(tmp_path / "take.csv", seconds=80, rate=30))
+    form = choose_format(Path("x"), key)
+    out = tmp_path / f"out{form.endings[0]}"
+    written = convert(out, take, form, rate)
+    clip = open_take(out).clip
+    assert clip.rate == pytest.approx(rate, rel=1e-6)
+    assert clip.duration == pytest.approx(80, abs=1 / rate)
+    assert clip.gaps == ()
+    assert np.allclose(clip.arkit_weights(), written.arkit_weights(), atol=1e-6)
+
+
+@settings(
+    deadline=None,
+    derandomize=True,
+    max_examples=40,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(data=st.data())
+def test_weights_and_gaps_survive_every_way_round(tmp_path: Path, data: st.DataObject) -> None:
+    lost = data.draw(st.sets(st.integers(2, 115), max_size=8))
+    path = make_livelink_csv(tmp_path / "take.csv", rate=60, seconds=2, dropped=lost)
+    clip = before = open_take(path).clip
+    for form in data.draw(st.lists(st.sampled_from(["livelink", "csv"]), min_size=1, max_size=4)):
+        out = tmp_path / "out.csv"
+        convert(out, open_take(path), choose_format(out, form))
+        path = out.rename(tmp_path / "next.csv")
+        clip = open_take(path).clip
+    assert np.allclose(clip.arkit_weights(), before.arkit_weights(), atol=2e-6)
+    assert clip.gaps == before.gaps
+    assert clip.rate == before.rate
+
+
+def test_gaps_stay_gaps_at_another_rate_and_are_drawn_in_where_there_are_no_times(
+    tmp_path: Path,
+) -> None:
+    lost = range(60, 90)
+    take = open_take(make_livelink_csv(tmp_path / "take.csv", seconds=3, untracked=lost))
+    slower = convert(tmp_path / "a.csv", take, choose_format(Path("x"), "csv"), 30)
+    assert [(gap.frame, gap.missing) for gap in slower.gaps] == [(29, 15)]
+    whole = convert(tmp_path / "a.json", take, choose_format(Path("x"), "audio2face"))
+    assert len(whole) == 180
+    assert whole.gaps == ()
+
+
+def test_a_timecode_goes_on_from_where_the_recording_began(tmp_path: Path) -> None:
+    take = open_take(make_livelink_csv(tmp_path / "take.csv", seconds=2))
+    convert(tmp_path / "out.csv", take, choose_format(Path("x"), "livelink"), 30)
+    assert (tmp_path / "out.csv").read_text().splitlines()[1].startswith("12:00:00:00.169,61,")
+
+
+def test_the_own_format_at_the_own_rate_is_byte_for_byte(tmp_path: Path) -> None:
+    path = make_livelink_csv(tmp_path / "take.csv", extra={"Angry": "x"})
+    assert main(["convert", str(path), str(tmp_path / "out.csv")]) == 0
+    assert (tmp_path / "out.csv").read_bytes() == path.read_bytes()
+
+
+def test_the_command_says_what_it_wrote_and_what_it_left_out(
+    source: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    out = source.with_name("out.csv")
+    assert main(["convert", str(source), str(out), "--fps", "60", "--format", "csv"]) == 0
+    said = capfd.readouterr().out
+    assert "CSV with ARKit names, 120 frames at 60 fps" in said
+    assert "left out, being no channels: k, headX" in said
+    assert open_take(out).clip.rate == 60
+
+
+def test_a_take_without_times_is_converted_frame_by_frame(tmp_path: Path) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    path.write_text("jawOpen\n" + "".join(f"{0.01 * n:.2f}\n" for n in range(50)))
+    assert main(["convert", str(path), str(out)]) == 2
+    assert main(["convert", str(path), str(out), "--fps", "24"]) == 0
+    assert (len(open_take(out).clip), open_take(out).clip.rate) == (50, 24)
+    assert main(["convert", str(path), str(out), "--take-fps", "50", "--fps", "25"]) == 0
+    assert (len(open_take(out).clip), open_take(out).clip.rate) == (25, 25)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["out.xyz"], "its ending names no format that can be written"),
+        (["out.csv", "--format", "fbx"], "must be one of livelink, csv, audio2face"),
+        (["out.csv", "--fps", "0"], "frames per second"),
+    ],
+)
+def test_what_cannot_be_converted_is_said_in_one_line(
+    source: Path, options: list[str], says: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["convert", str(source), *options]) == 2
+    error = capfd.readouterr().err
+    assert says in error
+    assert len(error.splitlines()) == 1
+
+
+def test_an_unknown_format_is_refused() -> None:
+    with pytest.raises(FaceEditError, match="must be one of"):
+        choose_format(Path("x.csv"), "usd")
