@@ -14,8 +14,8 @@ from support.sessions import session_by_rig, take_of
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.solving.solver import Settings
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.take import Take
 
@@ -172,7 +172,7 @@ def test_smooth_and_reset_never_overshoot() -> None:
 
 def test_falloffs_may_differ() -> None:
     edit = replace(A, falloff=0.5, falloff_out=0.1)
-    assert edit.reach == (0.5, 1.6)
+    assert edit.span == (0.5, 1.6)
     mask = edit.mask(np.array([0.5, 0.75, 1.0, 1.5, 1.55, 1.6]))
     np.testing.assert_allclose(mask, [0, 0.5, 1, 1, 0.5, 0], atol=1e-9)
     same = replace(A, falloff_out=0.2)

@@ -97,7 +97,7 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "no control": (without("control"), '"control"'),
     "number as control": (without(control=5), '"control"'),
     "both spellings": (without(controls=["mouth_width"]), '"control"'),
-    "empty controls": (without("control", controls=[]), "names no control"),
+    "empty controls": (without("control", controls=[]), "has no control"),
     "number among controls": (without("control", controls=["mouth_width", 1]), '"controls"'),
     "a control twice": (without("control", controls=["mouth_width"] * 2), "twice"),
     "unknown op": (without(op="shake"), "offset, set, scale, smooth, reset"),
@@ -114,13 +114,13 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "negative scale": (without(op="scale", value=-1), "at least 0"),
     "negative smooth": (without(op="smooth", value=-1), "at least 0"),
     "endless smooth": (without(op="smooth", value=1e5), "at most 10 seconds"),
-    "infinite": (without(value=float("inf")), "must lie between"),
-    "not a number": (without(start=float("nan")), "must lie between"),
-    "beyond all sums": (without(start=-1e308, falloff=1e308), "must lie between"),
+    "infinite": (without(value=float("inf")), "must be between"),
+    "not a number": (without(start=float("nan")), "must be between"),
+    "beyond all sums": (without(start=-1e308, falloff=1e308), "must be between"),
     "endless name": (without(name="x" * 1001), '"name" is longer than 1,000 characters'),
     "endless control": (without(control="[" * 900), "unknown control '[[["),
     "half a character": (without(name="\ud83d"), '"name" has a damaged character'),
-    "beyond all floats": (without(value=10**400), "must lie between"),
+    "beyond all floats": (without(value=10**400), "must be between"),
 }
 
 
@@ -134,14 +134,14 @@ def test_bad_edit_is_told_with_its_number(tmp_path: Path, name: str) -> None:
 
 BAD_FILES: dict[str, tuple[bytes, str]] = {
     "empty": (b"", "not JSON"),
-    "PNG": (b"\x89PNG\r\n\x1a\n\x00\xff", "no edits file"),
+    "PNG": (b"\x89PNG\r\n\x1a\n\x00\xff", "not a valid edits file"),
     "cut off": (b'{"version": 1,\n "edits": [', "line 2"),
-    "list": (b"[]", "no edits file"),
+    "list": (b"[]", "not a valid edits file"),
     "edits are an object": (b'{"version": 1, "edits": {}}', '"edits"'),
     "no version": (b'{"edits": []}', "version None"),
     "later version": (b'{"version": 2, "edits": []}', "version 2"),
-    "endless lists": (b"[" * 100_000, "no edits file"),
-    "endless number": (b'{"version": ' + b"1" * 5000 + b', "edits": []}', "no edits file"),
+    "endless lists": (b"[" * 100_000, "not a valid edits file"),
+    "endless number": (b'{"version": ' + b"1" * 5000 + b', "edits": []}', "not a valid edits file"),
 }
 
 

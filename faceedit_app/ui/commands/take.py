@@ -1,23 +1,65 @@
-"""The Take menu: the sound and the film that belong to the open take."""
+"""The Take menu: the frame rate of the open take, and the sound and film that belong to it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.retiming import retimed
+from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
-from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
+from faceedit_app.formats.timecode import start_of_day
+from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
 
 class TakeCommands:
-    """Adds and removes sound and film, also those that are dropped on the window."""
+    """Asks for frame rates; adds and removes sound and film, also those that are dropped."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._media = workspace, workspace.media
         self._dropped: list[Path] = []  # to be added when the take that came with them is open
+        workspace.opener.rate_needed.connect(self._ask_needed_rate)
+
+    # --- frame rate ----------------------------------------------------------------------------
+
+    def _ask_needed_rate(self, needed: RateNeeded, open_at: Callable[..., None]) -> None:
+        """Ask for the rate of a take that cannot be opened without one."""
+        question = f"{needed.path.name} {needed.problem}. How many frames make a second?"
+        window, rate = self._workspace.window, needed.rate
+        chosen = dialogs.ask_rate(window, question, needed.frames, rate)
+        if chosen is not None:
+            open_at(fps=chosen)
+            return
+        self._dropped = []
+        if self._workspace.rig is None:
+            self._workspace.opener.load_character()
+
+    def change_rate(self) -> None:
+        """Play the take at another frame rate; its edits stay on their frames."""
+        self._workspace.finish()
+        session = self._workspace.session
+        if session is None:
+            return
+        clip, take = session.take.clip, session.take
+        question = f"How many frames of {take.path.name} make a second?"
+        rate = dialogs.ask_rate(self._workspace.window, question, len(clip), clip.rate)
+        if rate is None or rate == clip.rate:
+            return
+        factor = clip.rate / rate
+        state = replace(session.state, edits=tuple(retimed(e, factor) for e in session.edits))
+
+        def prepare(again: EditSession) -> None:
+            again.begin_with(state)
+
+        project = self._workspace.document.project
+        self._workspace.opener.open(take.path, prepare, project=project, fps=rate)
+
+    # --- sound and film ------------------------------------------------------------------------
 
     def ask_add(self) -> None:
         """Add a sound or a film that the user chooses."""
@@ -62,9 +104,8 @@ class TakeCommands:
         Args:
             placement: what its project names; None = what lies beside it.
         """
-        codes, began = take.clip.timecodes, None
-        if codes:
-            began = time_of_day(codes[0], derive_base(parse_timecodes(codes))[0])
+        codes = take.clip.timecodes
+        began = start_of_day(codes) if codes else None
         self._media.follow(take.path, began, placement)
         dropped, self._dropped = self._dropped, []
         for path in dropped:
@@ -89,8 +130,10 @@ class TakeCommands:
 
 # fmt: off
 MENU: Menu[TakeCommands] = Menu("Take", (
+    Command("frame_rate", "&Frame rate…", TakeCommands.change_rate, (),
+            "How many frames make a second, if the file does not tell it, or tells it wrong"),
     Command("add_media", "&Add sound or film…", TakeCommands.ask_add, ("Ctrl+Shift+O",),
-            "Put a recording beside the take: WAV, MP3, M4A, MOV, MP4…"),
+            "Put a recording beside the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),
     Command("mirror_film", "&Mirror film", TakeCommands.mirror_film,
             tip="Show the film as in a mirror, where left and right are not those of the face",
             enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),

@@ -26,15 +26,19 @@ def load_character() -> Rig:
     return opening.shipped_rig()
 
 
-def open_session(path: Path, rig: Rig) -> EditSession:
+def open_session(path: Path, rig: Rig, fps: float | None = None) -> EditSession:
     """Read a take, to be edited without networks until they are loaded.
 
+    Args:
+        fps: its frame rate, if its file does not tell it or is not believed.
+
     Raises:
+        RateNeeded: its file does not tell its frame rate, and there is no `fps`.
         FileError: it is no take, or a damaged one.
     """
     from faceedit_app.editing import opening
 
-    return opening.open_session(path, rig)
+    return opening.open_session(path, rig, fps=fps)
 
 
 def prepare_renderer() -> None:
