@@ -13,11 +13,11 @@ from faceedit_app.ui.state.actions import Command, Menu
 
 
 class TakeCommands:
-    """Adds and removes sound and film, also those that are dropped on the window."""
+    """Adds and removes sound and film, including files dropped on the window."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._media = workspace, workspace.media
-        self._dropped: list[Path] = []  # to be added when the take that came with them is open
+        self._dropped: list[Path] = []  # to be added once the take dropped with them is open
 
     def ask_add(self) -> None:
         """Add a sound or a film that the user chooses."""
@@ -29,7 +29,7 @@ class TakeCommands:
 
     @property
     def has_sound(self) -> bool:
-        """Whether the take has a sound."""
+        """Whether the take has sound."""
         return self._media.sound is not None
 
     @property
@@ -38,29 +38,29 @@ class TakeCommands:
         return self._media.film is not None
 
     def remove_sound(self) -> None:
-        """Take the sound away from the take."""
+        """Remove the sound from the take."""
         self._media.remove_sound()
 
     def remove_film(self) -> None:
-        """Take the film away from the take, and the sound that it brought."""
+        """Remove the film from the take, with its sound."""
         self._media.remove_film()
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether the film is shown as in a mirror."""
+        """Whether the film is mirrored."""
         return self._media.mirrored
 
     def mirror_film(self) -> None:
-        """Show the film as in a mirror, or as it is."""
+        """Mirror the film, or show it as it is."""
         self._media.mirror(not self._media.mirrored)
 
-    # --- what comes with a take --------------------------------------------------------------
+    # --- with a take -------------------------------------------------------------------------
 
     def follow(self, take: Take, placement: Placement | None) -> None:
         """A take is open: add what belongs to it, then what was dropped with it.
 
         Args:
-            placement: what its project names; None = what lies beside it.
+            placement: the project's; None: the files found beside the take.
         """
         codes, began = take.clip.timecodes, None
         if codes:
@@ -90,14 +90,14 @@ class TakeCommands:
 # fmt: off
 MENU: Menu[TakeCommands] = Menu("Take", (
     Command("add_media", "&Add sound or film…", TakeCommands.ask_add, ("Ctrl+Shift+O",),
-            "Put a recording beside the take: WAV, MP3, M4A, MOV, MP4…"),
+            "Add sound or film to the take: WAV, MP3, M4A, MOV, MP4…"),
     Command("mirror_film", "&Mirror film", TakeCommands.mirror_film,
-            tip="Show the film as in a mirror, where left and right are not those of the face",
+            tip="Flip the film, if its left and right do not match the face",
             enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
-            tip="Take the sound away from the take", enabled=lambda do: do.has_sound,
+            tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
             starts_group=True),
     Command("remove_film", "Remove &film", TakeCommands.remove_film,
-            tip="Take the film away from the take", enabled=lambda do: do.has_film),
+            tip="Remove the film from the take", enabled=lambda do: do.has_film),
 ))
 # fmt: on

@@ -69,7 +69,7 @@ class EditsPanel(QWidget):
         selection.selectionChanged.connect(self._sync)
         timeline.selection_changed.connect(self._other_range)
         timeline.falloff_changed.connect(self._other_falloff)
-        self.model.bringing.connect(self._bring)
+        self.model.moving.connect(self._bring)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
         self.refresh()
