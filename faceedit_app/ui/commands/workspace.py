@@ -75,7 +75,7 @@ class Workspace(QObject):
         return self.opener.rig
 
     def suggest(self, kind: str, tail: str, ending: str) -> Path:
-        """A file name beside the take; for the demo take, whose folder is read-only, in another one.
+        """A file name beside the take; for the demo take, in another folder.
 
         Args:
             kind: of the file, see `Preferences.folder`.
