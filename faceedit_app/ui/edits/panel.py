@@ -117,9 +117,7 @@ class EditsPanel(QWidget):
 
     def _slider(self) -> GestureSlider:
         slider = GestureSlider(0, STRONGEST, 130)
-        slider.setToolTip(
-            "Edit strength: how much of the selected edits is applied. 100 %: as you made them."
-        )
+        slider.setToolTip("Edit strength: how much of the edit is applied.\n100 %: as you made it.")
         slider.dragged.connect(self._drag_strength)
         slider.sliderReleased.connect(self._released)
         slider.stepped.connect(self._step_strength)

@@ -26,7 +26,7 @@ class OffsetBox(QDoubleSpinBox):
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.setAccessibleName(f"Offset of the {what}")
         self.setToolTip(
-            f"Time in the take at which the {what} begins, in seconds; arrow keys move it by 10 ms.\n"
+            f"Second of the take at which the {what} begins; arrow keys move it by 10 ms.\n"
             "A film and its own sound move together."
         )
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

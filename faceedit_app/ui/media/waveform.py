@@ -32,7 +32,7 @@ _LOUD = 0.99  # quantile of the samples that fits the row's height
 _QUIETEST = 0.05  # of full scale; quieter sound is not enlarged to fill the row
 _TIP = (
     "The take's sound. Drag to scrub.\n"
-    "Alt+drag or the number on the left moves it in time; with Shift, ten times finer."
+    "Alt+drag moves it in time; with Shift, ten times finer. Or type a number on the left."
 )
 
 
