@@ -90,7 +90,7 @@ def test_the_suggested_name_is_taken_and_its_ending_added(parent: QWidget, tmp_p
 
 @pytest.mark.parametrize(
     ("gestures", "words"),
-    [(1, "1 step that was not saved"), (3, "3 steps that were not saved")],
+    [(1, "1 unsaved step"), (3, "3 unsaved steps")],
 )
 def test_recovery_counts_in_whole_sentences(
     parent: QWidget, tmp_path: Path, gestures: int, words: str

@@ -186,8 +186,8 @@ def test_before_it_has_looked_it_does_not_say_that_all_is_well(bench: Bench) -> 
     editor.problems.restart()
     head = editor.findChild(ProblemsHead)
     assert head is not None
-    assert head.count.text() == "Looking …"
-    bench.qtbot.waitUntil(lambda: head.count.text() != "Looking …")
+    assert head.count.text() == "Looking…"
+    bench.qtbot.waitUntil(lambda: head.count.text() != "Looking…")
 
 
 def test_a_mark_is_clicked(window: MainWindow) -> None:

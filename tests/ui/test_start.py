@@ -107,7 +107,7 @@ def test_networks_answer_once_they_are_loaded(
     window = bench.editing()
     assert window.document.session is not None
     assert window.document.session.has_engine
-    assert window.status.networks.text() == "Networks: ready"
+    assert window.status.networks.text() == "Ready"
     assert not window.banner.isVisible()
 
 

@@ -59,9 +59,8 @@ class Layout:
         metrics, bold = QFontMetricsF(name), QFontMetricsF(value)
         name_height = metrics.boundingRect(room, _LEFT, label).height()
         text_height = name_height + bold.height()
-        if (
-            2 * metrics.height() + bold.height() > height
-        ):  # enough for names of two lines, so that all rows match
+        # Room for names of two lines, even if this one is shorter, so that all rows match.
+        if 2 * metrics.height() + bold.height() > height:
             return cls._low(widget, label, room)
         with_note = text_height + metrics.height() <= height + _SQUEEZE
         whole = text_height + (metrics.height() if with_note else 0.0)

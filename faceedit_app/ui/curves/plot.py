@@ -127,9 +127,7 @@ class CurvePlot(pg.PlotWidget, Mouse):
     def _lay_out(self, axis: ValueAxis) -> None:
         self.plotItem.hideAxis("bottom")
         for unseen in ("top", "right", "bottom"):
-            self.plotItem.getAxis(
-                unseen
-            ).unlinkFromView()  # or they would be numbered although hidden
+            self.plotItem.getAxis(unseen).unlinkFromView()  # else numbered, though hidden
         self.plotItem.hideButtons()
         self.plotItem.layout.setContentsMargins(0, 0, 0, 0)
         axis.setStyle(tickFont=style.scaled_font(self, 0.82))

@@ -67,10 +67,10 @@ class Lines:
 class VisibleCurves:
     """The visible part of a session's C curves.
 
-    A line that is drawn as before stays the same object: what shows it has nothing to do.
+    A line that has not changed stays the same object, so that it need not be drawn again.
 
-    Few frames are drawn one by one; of many, what each column of pixels shows is read from
-    `Extremes` that are kept up to date with what edits change.
+    A few frames are drawn one by one; for many, each pixel column shows the lowest and highest
+    value from `Extremes`, which are updated as edits change.
 
     Attributes:
         low, high: (C,) mm, of the take as tracked.

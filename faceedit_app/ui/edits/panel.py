@@ -104,7 +104,7 @@ class EditsPanel(QWidget):
         bar.setSpacing(GAP // 2)
         bar.addWidget(self.title)
         bar.addStretch()
-        bar.addWidget(caption("Strength", self.strength))
+        bar.addWidget(caption("Edit strength", self.strength))
         bar.addWidget(self.strength)
         bar.addWidget(self.percent)
         bar.addSpacing(GAP)
@@ -277,13 +277,13 @@ class EditsPanel(QWidget):
 
     def _step_strength(self, percent: int) -> None:
         edits, rows = self._strengthened(percent), tuple(self.rows)
-        self._document.act(lambda session: session.put(edits, "Strength", ("strength", rows)))
+        self._document.act(lambda session: session.put(edits, "Edit strength", ("strength", rows)))
 
     def settle(self) -> None:
         """Commit a drag of the strength."""
         if self._is_dragged:
             self._is_dragged = False
-            self._document.commit("Strength")
+            self._document.commit("Edit strength")
 
     def cancel(self) -> bool:
         """Cancel a drag of the strength; False if there is none."""

@@ -47,7 +47,7 @@ class SoundPlayer(QObject):
     # --- volume ------------------------------------------------------------------------------
 
     def set_volume(self, volume: float) -> None:
-        """Set the volume, 0..1; raising it unmutes."""
+        """Set the volume, 0..1; above 0 it also unmutes."""
         self.volume = min(max(volume, 0.0), 1.0)
         self.muted = False if volume > 0 else self.muted
         self._show_volume()

@@ -38,13 +38,13 @@ class Banner(QFrame):
         row.addWidget(close)
         self.hide()
 
-    def say(self, text: str, detail: str = "") -> None:
+    def show_message(self, text: str, detail: str = "") -> None:
         """Show a message below any others, with details in its tooltip."""
         self._messages.pop(text, None)
         self._messages[text] = detail
         self._show()
 
-    def unsay(self, text: str) -> None:
+    def remove(self, text: str) -> None:
         """Remove a message that no longer holds."""
         self._messages.pop(text, None)
         self._show()

@@ -23,7 +23,7 @@ class ToolBar(QWidget):
         self.tool_buttons = [_spelled(actions[f"tool_{tool}"]) for tool in Tool]
         for button in self.tool_buttons:
             row.addWidget(button)
-        self._strength = caption("Strength", self.smooth)
+        self._strength = caption("Brush strength", self.smooth)
         row.addWidget(self._strength)
         row.addWidget(self.smooth)
         row.addWidget(divider())

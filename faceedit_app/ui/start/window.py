@@ -98,9 +98,9 @@ class MainWindow(WindowBase):
         opener.character_loaded.connect(self._prepare_face)
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
-        workspace.warning.connect(self.banner.say)
+        workspace.warning.connect(self.banner.show_message)
         media.failed.connect(self._show_error)
-        media.missed.connect(lambda error: self.banner.say(str(error), str(error)))
+        media.missed.connect(lambda error: self.banner.show_message(str(error), str(error)))
         self.start_page.chosen.connect(self.commands.file.open_if_saved)
         self.keys.glancing.connect(self.commands.view.glance)
 
@@ -183,7 +183,7 @@ class MainWindow(WindowBase):
     def _prepare_face(self, rig: Rig) -> None:
         """The character is loaded: prepare to draw it, then load the model."""
         if rig.missing_note:
-            self.banner.say(rig.missing_note)
+            self.banner.show_message(rig.missing_note)
 
         def prepared(_: None) -> None:
             self._can_draw = True
@@ -208,7 +208,7 @@ class MainWindow(WindowBase):
 
     def _do_without_engine(self, error: Exception) -> None:
         self.status.set_networks("missing", str(error))
-        self.banner.say(
+        self.banner.show_message(
             "The face model could not be loaded. Edits still work, but look less natural:"
             f" {getattr(error, 'problem', error)}.",
             str(error),
@@ -233,7 +233,7 @@ class MainWindow(WindowBase):
             QTimer.singleShot(0, page.hints.begin)  # after the layout
         self.commands.take.follow(session.take, session.state.media)
         if problem := self._preferences.problem():
-            self.banner.say(problem, problem)
+            self.banner.show_message(problem, problem)
 
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path
@@ -241,9 +241,9 @@ class MainWindow(WindowBase):
             self.setWindowTitle(f"{name.name}[*] – FaceEdit")
         before, self._journal_note = self._journal_note, self.document.journal_note
         if self._journal_note and self._journal_note != before:
-            self.banner.say(self._journal_note, self._journal_note)
+            self.banner.show_message(self._journal_note, self._journal_note)
         elif before and not self._journal_note:
-            self.banner.unsay(before)
+            self.banner.remove(before)
         self.setWindowModified(not self.document.is_clean)
 
     def _say_reading(self, text: str) -> None:
