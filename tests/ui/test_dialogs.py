@@ -107,4 +107,4 @@ def test_recovery_counts_in_whole_sentences(
     pending = Pending(tmp_path / "journal", take, None, None, state, gestures, 0.0)
     assert dialogs.ask_recover(parent, pending) is dialogs.Recover.LATER
     assert said[0].startswith(words)
-    assert ("at once" in said[0]) == (gestures > 1)
+    assert ("single Undo" in said[0]) == (gestures > 1)
