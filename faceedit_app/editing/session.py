@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +22,7 @@ from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
+from faceedit_app.editing.solving.answerable import Lack
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState, Steps
@@ -95,6 +96,11 @@ class EditSession:
     def limits(self) -> list[tuple[float, float]]:
         """Lowest and highest mm of each control that a face, or this take, can do."""
         return self._solver.limits
+
+    @property
+    def lacks(self) -> Mapping[str, Lack]:
+        """The curves that the take's channels cannot answer, by control: edits leave them."""
+        return self._solver.lacks
 
     @property
     def is_exported(self) -> bool:

@@ -1,1 +1,1 @@
-"""The region networks (torch): models, their files, and answering in process."""
+"""Trained networks: their files, the character they are made for, answering in process."""

@@ -48,18 +48,14 @@ class MadeFor:
         )
 
     def difference(self, rig: Rig) -> str:
-        """How a rig differs from the character, in words; "" if it does not.
-
-        Controls that the rig lacks are not compared: the same head may name fewer.
-        """
+        """How a rig differs from the character, in words; "" if it does not."""
         here = MadeFor.of(rig, self.controls).controls
-        known = {name: v for name, v in self.controls.items() if name not in rig.missing_controls}
-        if not known:
-            return "this one has none of its controls"
-        for control, vectors in known.items():
+        for control, vectors in self.controls.items():
             if np.abs(vectors - here[control]).max() <= TOLERANCE:
                 continue
             label = control_named(control).label.lower()
+            if control in rig.missing_controls:
+                return f"it has a {label}, this one does not"
             ours, theirs = (float(np.linalg.norm(v[0])) for v in (vectors, here[control]))
             if abs(ours - theirs) > TOLERANCE:
                 return f"its {label} at rest is {ours:.1f} mm, here {theirs:.1f} mm"

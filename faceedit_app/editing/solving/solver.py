@@ -72,7 +72,8 @@ class Solver:
         """Answer by these networks from now on; chunks may lie elsewhere than before."""
         self.engine = engine
         clip, present = self.clip, frozenset(self.clip.channels)
-        self._mute = self._missing | find_lacks(present, self.distances, engine).keys()
+        self.lacks = find_lacks(present, self.distances, engine)
+        self._mute = self._missing | self.lacks.keys()
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
         self.chunks = Chunks(clip.times, clip.rate, len(self.grid), scale, context)
         may = present if "jawOpen" in present else present - {"mouthClose"}

@@ -10,10 +10,10 @@ from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files.journal import Pending
+from faceedit_app.editing.files.project import SUFFIX
 from faceedit_app.media import ENDINGS
+from faceedit_app.ui.page.rate_dialog import RateDialog
 
-TAKES = "Takes (*.csv);;All files (*)"
-OPENED = "Takes and projects (*.csv *.faceedit);;All files (*)"
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
@@ -37,16 +37,36 @@ class Recover(Enum):
     LATER = auto()
 
 
+def takes_pattern() -> str:
+    """File name patterns of all take formats, for a file dialog."""
+    from faceedit_app.formats.registry import endings  # not needed before the window is up
+
+    return " ".join(f"*{ending} *{ending.upper()}" for ending in endings())
+
+
+def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float | None:
+    """The frame rate of a take.
+
+    Args:
+        frames: how many it has.
+        rate: what is likely.
+    """
+    dialog = RateDialog(parent, question, frames, rate)
+    return dialog.rate if dialog.exec() else None
+
+
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
+    kinds = f"Takes and projects ({takes_pattern()} *{SUFFIX});;All files (*)"
     return _chosen(
-        QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), OPENED)
+        QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
     )
 
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the edited take."""
-    return _save_name(parent, "Export the edited take", suggestion, TAKES)
+    kinds = f"Takes (*{suggestion.suffix});;All files (*)"
+    return _save_name(parent, "Export the edited take", suggestion, kinds)
 
 
 def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:
@@ -67,8 +87,9 @@ def ask_take_of_project(
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()
     if box.clickedButton() is look:
+        kinds = f"Takes ({takes_pattern()});;All files (*)"
         return _chosen(
-            QFileDialog.getOpenFileName(parent, "The project's take", str(folder), TAKES)
+            QFileDialog.getOpenFileName(parent, "The project's take", str(folder), kinds)
         )
     return next((path for button, path in paths.items() if button is box.clickedButton()), None)
 

@@ -122,7 +122,9 @@ class FileCommands:
     def export(self) -> bool:
         """Export the take; False if the user cancels or it fails."""
         self._workspace.finish()
-        suggestion = self._workspace.suggest("export", "_edited", ".csv")
+        take = self._document.path
+        ending = take.suffix if take is not None else ""
+        suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
         path = dialogs.ask_export(self._window, suggestion)
         return path is not None and self._write(self._document.export, path, "export", "Exported")
 
@@ -177,7 +179,7 @@ class FileCommands:
 # fmt: off
 MENU: Menu[FileCommands] = Menu("File", (
     Command("open", "&Open…", FileCommands.ask_open, ("Ctrl+O",),
-            "Open a tracked take (CSV) or a project", "open", needs_take=False),
+            "Open a tracked take or a project", "open", needs_take=False),
     Command("open_demo", "Open &demo take", FileCommands.open_demo, (),
             "Open the take that ships with FaceEdit", needs_take=False),
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),

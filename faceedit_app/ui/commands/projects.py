@@ -107,7 +107,10 @@ def open_take(
         if is_as_it_was:
             session.mark_saved()
 
-    workspace.opener.open(take, prepare, lambda: restore_view(workspace, project.view), path)
+    def opened() -> None:
+        restore_view(workspace, project.view)
+
+    workspace.opener.open(take, prepare, opened, path, project.fps)
 
 
 def recover(workspace: Workspace, pending: Pending) -> None:
@@ -126,4 +129,4 @@ def recover(workspace: Workspace, pending: Pending) -> None:
         if session is not None and session.fingerprint != pending.fingerprint:
             workspace.warning.emit(f"{pending.take.name} has changed since these edits were made")
 
-    workspace.opener.open(pending.take, prepare, opened, pending.project)
+    workspace.opener.open(pending.take, prepare, opened, pending.project, pending.fps)

@@ -1,23 +1,65 @@
-"""The Take menu: the sound and the film that belong to the open take."""
+"""The Take menu: the frame rate, sound and film of the open take."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.retiming import retimed
+from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
-from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
+from faceedit_app.formats.timecode import start_of_day
+from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
 
 class TakeCommands:
-    """Adds and removes sound and film, including files dropped on the window."""
+    """Asks for frame rates; adds and removes sound and film, including dropped files."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._media = workspace, workspace.media
         self._dropped: list[Path] = []  # to be added once the take dropped with them is open
+        workspace.opener.rate_needed.connect(self._ask_needed_rate)
+
+    # --- frame rate ----------------------------------------------------------------------------
+
+    def _ask_needed_rate(self, needed: RateNeeded, open_at: Callable[..., None]) -> None:
+        """Ask for the rate of a take that cannot be opened without one."""
+        question = f"{needed.path.name} {needed.problem}. What is its frame rate?"
+        window, rate = self._workspace.window, needed.rate
+        chosen = dialogs.ask_rate(window, question, needed.frames, rate)
+        if chosen is not None:
+            open_at(fps=chosen)
+            return
+        self._dropped = []
+        if self._workspace.rig is None:
+            self._workspace.opener.load_character()
+
+    def change_rate(self) -> None:
+        """Change the take's frame rate; its edits stay on their frames."""
+        self._workspace.finish()
+        session = self._workspace.session
+        if session is None:
+            return
+        clip, take = session.take.clip, session.take
+        question = f"What is the frame rate of {take.path.name}?"
+        rate = dialogs.ask_rate(self._workspace.window, question, len(clip), clip.rate)
+        if rate is None or rate == clip.rate:
+            return
+        factor = clip.rate / rate
+        state = replace(session.state, edits=tuple(retimed(e, factor) for e in session.edits))
+
+        def prepare(again: EditSession) -> None:
+            again.begin_with(state)
+
+        project = self._workspace.document.project
+        self._workspace.opener.open(take.path, prepare, project=project, fps=rate)
+
+    # --- sound and film ------------------------------------------------------------------------
 
     def ask_add(self) -> None:
         """Add a sound or a film that the user chooses."""
@@ -62,9 +104,8 @@ class TakeCommands:
         Args:
             placement: the project's; None: the files found beside the take.
         """
-        codes, began = take.clip.timecodes, None
-        if codes:
-            began = time_of_day(codes[0], derive_base(parse_timecodes(codes))[0])
+        codes = take.clip.timecodes
+        began = start_of_day(codes) if codes else None
         self._media.follow(take.path, began, placement)
         dropped, self._dropped = self._dropped, []
         for path in dropped:
@@ -89,8 +130,10 @@ class TakeCommands:
 
 # fmt: off
 MENU: Menu[TakeCommands] = Menu("Take", (
+    Command("frame_rate", "&Frame rate…", TakeCommands.change_rate, (),
+            "Set the take's frame rate, if the file does not give it or gives a wrong one"),
     Command("add_media", "&Add sound or film…", TakeCommands.ask_add, ("Ctrl+Shift+O",),
-            "Add sound or film to the take: WAV, MP3, M4A, MOV, MP4…"),
+            "Add sound or film to the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),
     Command("mirror_film", "&Mirror film", TakeCommands.mirror_film,
             tip="Flip the film, if its left and right do not match the face",
             enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),

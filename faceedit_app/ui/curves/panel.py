@@ -65,6 +65,7 @@ class CurvesPanel(QWidget):
         self.timeline = timeline
         self.tools = tools or Tools(self)
         self.session: EditSession | None = None
+        self._impossible: dict[str, str] | None = None  # why, by control; None: not shown yet
         self._width = 0.0  # seconds in view
         self._curves: VisibleCurves | None = None
         self._columns = 0  # screen dots across a plot
@@ -192,23 +193,29 @@ class CurvesPanel(QWidget):
         for plot in self.plots:
             plot.show_gaps(gaps)
             plot.values_chosen = plot.close_up = False
-        self._show_missing_controls()
+        self._show_impossible_curves()
         self._width = 0.0
         self._show_view()
 
-    def _show_missing_controls(self) -> None:
-        """Disable curves whose control the character lacks, and show why."""
-        rig = self.session.rig if self.session is not None else None
-        missing = rig.missing_controls if rig is not None else ()
+    def _show_impossible_curves(self) -> None:
+        """Disable curves that the character or the take lacks, and show why."""
+        why: dict[str, str] = {}
+        if self.session is not None:
+            why = {control: str(lack) for control, lack in self.session.lacks.items()}
+            why |= dict.fromkeys(self.session.rig.missing_controls, self.session.rig.missing_note)
+        if why == self._impossible:
+            return
+        self._impossible = why
         for plot, header in zip(self.plots, self.headers, strict=True):
-            lacks = plot.control.id in missing
-            plot.setEnabled(not lacks)
-            header.show_missing(rig.missing_note if rig is not None and lacks else "")
+            reason = why.get(plot.control.id, "")
+            plot.setEnabled(not reason)
+            header.show_missing(reason)
 
     def refresh(self) -> None:
         """Draw the session again; axes fit once no gesture is in progress."""
         if self._curves is not None:
             self._curves.refresh()
+        self._show_impossible_curves()  # the engine, once loaded, knows what the take lacks
         self._show_lines()
         self._fit_axes()
         self._show_state()

@@ -54,6 +54,7 @@ class MainWindow(WindowBase):
         self._preferences, self._background = preferences, workspace.background
         self._can_draw = False  # once the renderer is prepared
         self._journal_note = ""  # as last shown
+        self._lacks_shown: set[str] = set()  # controls of the open take already warned about
         self.commands = Commands(workspace)
         self.actions_ = Actions(self, self.document, self.commands.menus())
         self.start_page = StartPage(self.actions_)
@@ -93,6 +94,7 @@ class MainWindow(WindowBase):
         workspace, opener, media = self.workspace, self.workspace.opener, self.media
         self.document.opened.connect(self._opened)
         self.document.changed.connect(self._mark_modified)
+        self.document.changed.connect(self._warn_of_lacks)
         self.document.saved.connect(self._mark_modified)
         opener.reading.connect(self._say_reading)
         opener.character_loaded.connect(self._prepare_face)
@@ -220,6 +222,7 @@ class MainWindow(WindowBase):
     def _opened(self) -> None:
         session = self.document.session
         assert session is not None
+        self._lacks_shown.clear()
         self.playback.pause()
         page = self.build_editor()
         page.open()
@@ -227,6 +230,7 @@ class MainWindow(WindowBase):
         self._pages.setCurrentWidget(page)
         page.curves.setFocus()
         self._mark_modified()
+        self._warn_of_lacks()
         self._open_face()
         if self.document.keeps_journal and self._preferences.hints_wanted():
             self._preferences.set_hints_seen()
@@ -234,6 +238,16 @@ class MainWindow(WindowBase):
         self.commands.take.follow(session.take, session.state.media)
         if problem := self._preferences.problem():
             self.banner.show_message(problem, problem)
+
+    def _warn_of_lacks(self) -> None:
+        """Warn, once per take and control, of edits that the take's channels cannot show."""
+        session = self.document.session
+        if session is None or not session.lacks:
+            return
+        edited = {control for edit in session.edits for control in edit.controls}
+        for control in [name for name in session.lacks if name in edited - self._lacks_shown]:
+            self._lacks_shown.add(control)
+            self.banner.show_message(str(session.lacks[control]))
 
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path
@@ -272,7 +286,10 @@ class MainWindow(WindowBase):
         self.commands.take.drop(media, opens_take=path is not None)
         if path is None:
             return
-        if path.suffix.lower() == ".json" and self.document.session is not None:
+        from faceedit_app.formats.registry import is_take  # not needed before the window is up
+
+        is_open = self.document.session is not None
+        if path.suffix.lower() == ".json" and is_open and not is_take(path):
             self.commands.file.load_edits(path)
         else:
             self.commands.file.open_if_saved(path)

@@ -26,15 +26,19 @@ def load_character() -> Rig:
     return opening.shipped_rig()
 
 
-def open_session(path: Path, rig: Rig) -> EditSession:
+def open_session(path: Path, rig: Rig, fps: float | None = None) -> EditSession:
     """Read a take; it is edited without the model until that is loaded.
 
+    Args:
+        fps: its frame rate, if its file gives none or a wrong one.
+
     Raises:
+        RateNeeded: its file does not give its frame rate, and `fps` is None.
         FileError: it is not a take, or damaged.
     """
     from faceedit_app.editing import opening
 
-    return opening.open_session(path, rig)
+    return opening.open_session(path, rig, fps=fps)
 
 
 def prepare_renderer() -> None:

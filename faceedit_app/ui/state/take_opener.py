@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
@@ -10,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.document import Document
@@ -26,12 +28,15 @@ class TakeOpener(QObject):
         character_loaded(Rig): the character is loaded.
         opened(Path): a take was opened.
         failed(object): a FaceEditError about a take, or about the character.
+        rate_needed(RateNeeded, object): only the user can know the take's frame rate; the
+            function opens it at a rate.
     """
 
     reading = Signal(str)
     character_loaded = Signal(object)
     opened = Signal(object)
     failed = Signal(object)
+    rate_needed = Signal(object, object)
 
     def __init__(self, document: Document, background: Background, parent: QObject) -> None:
         super().__init__(parent)
@@ -50,6 +55,7 @@ class TakeOpener(QObject):
         prepare: Callable[[EditSession], None] = lambda session: None,
         then: Callable[[], None] = lambda: None,
         project: Path | None = None,
+        fps: float | None = None,
     ) -> None:
         """Read a take and open it; on an error the current one stays open.
 
@@ -57,12 +63,13 @@ class TakeOpener(QObject):
             prepare: adds edits to its session before it is shown.
             then: called once it is shown.
             project: the project that it belongs to.
+            fps: its frame rate, if its file does not tell it or is not believed.
         """
         self._wanted = path
 
         def read() -> tuple[Rig, EditSession]:
             rig = self.rig or loading.load_character()
-            return rig, loading.open_session(path, rig)
+            return rig, loading.open_session(path, rig, fps)
 
         def done(found: tuple[Rig, EditSession]) -> None:
             if path != self._wanted:  # another one was opened meanwhile
@@ -76,14 +83,20 @@ class TakeOpener(QObject):
             then()
             self.opened.emit(path)
 
-        self.reading.emit(f"Opening {path.name}…")
-        self._background.run(read, done, lambda error: self._failed(path, error))
+        def failed(error: Exception) -> None:
+            if path != self._wanted:
+                return
+            self._wanted = None
+            self.reading.emit("")
+            if isinstance(error, RateNeeded):
+                self.rate_needed.emit(error, partial(self.open, path, prepare, then, project))
+            else:
+                self._failed(error)
 
-    def _failed(self, path: Path, error: Exception) -> None:
-        if path != self._wanted:
-            return
-        self._wanted = None
-        self.reading.emit("")
+        self.reading.emit(f"Opening {path.name}…")
+        self._background.run(read, done, failed)
+
+    def _failed(self, error: Exception) -> None:
         if not isinstance(error, FaceEditError):
             raise error
         self.failed.emit(error)

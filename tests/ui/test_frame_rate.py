@@ -1,0 +1,198 @@
+"""Takes whose time only the user can know, and takes that cannot answer all curves."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PySide6.QtWidgets import QWidget
+from support import recordings
+from support.windows import Bench, add_edit, bench, drop, open_path, session_of, trigger
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.files.project import read_project
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.start.window import MainWindow
+
+__all__ = ["bench"]
+
+MIDDLE = [name for name in ARKIT_CHANNELS if not name.endswith(("Left", "Right"))]
+
+
+class Asked:
+    """Answers the question for a frame rate, and remembers what was asked."""
+
+    def __init__(self, answer: float | None) -> None:
+        self.answer = answer
+        self.questions: list[tuple[str, int, float]] = []
+
+    def __call__(self, _: QWidget, question: str, frames: int, rate: float) -> float | None:
+        self.questions.append((question, frames, rate))
+        return self.answer
+
+
+@pytest.fixture
+def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[[float | None], Asked]:
+    def answer(rate: float | None) -> Asked:
+        asked = Asked(rate)
+        monkeypatch.setattr(dialogs, "ask_rate", asked)
+        return asked
+
+    return answer
+
+
+@pytest.fixture
+def untimed(tmp_path: Path) -> Path:
+    """90 frames without times."""
+    path = tmp_path / "untimed.csv"
+    path.write_text("jawOpen\n" + "".join(f"{0.004 * n:.3f}\n" for n in range(90)))
+    return path
+
+
+def wait_for(bench: Bench, window: MainWindow, path: Path) -> None:
+    bench.qtbot.waitUntil(lambda: window.document.path == path, timeout=10_000)
+
+
+def test_a_take_without_times_is_asked_about_and_opens(
+    bench: Bench, untimed: Path, answered: Callable[[float | None], Asked]
+) -> None:
+    asked = answered(30.0)
+    window = bench.window()
+    drop(window, untimed)
+    wait_for(bench, window, untimed)
+    (question,) = asked.questions
+    assert question == (
+        "untimed.csv has no column with times. What is its frame rate?",
+        90,
+        60.0,
+    )
+    assert session_of(window).take.clip.duration == pytest.approx(3)
+    assert "30 fps" in window.status.facts.text()
+    assert bench.errors == []
+
+
+def test_who_gives_no_rate_keeps_the_open_take(
+    bench: Bench, untimed: Path, answered: Callable[[float | None], Asked]
+) -> None:
+    asked = answered(None)
+    window = bench.editing()
+    drop(window, untimed)
+    bench.qtbot.waitUntil(lambda: len(asked.questions) == 1)
+    assert open_path(window) == bench.take
+    assert not window.workspace.opener.is_reading
+
+
+def test_the_rate_can_be_changed_and_edits_stay_on_their_frames(
+    bench: Bench, answered: Callable[[float | None], Asked]
+) -> None:
+    window = bench.editing()
+    add_edit(window)
+    session = session_of(window)
+    asked = answered(30.0)
+    trigger(window, "frame_rate")
+    bench.qtbot.waitUntil(lambda: session_of(window) is not session)
+    assert asked.questions[0][1:] == (180, 60.0)
+    again = session_of(window)
+    assert (again.take.clip.rate, again.take.fps) == (30, 30)
+    assert [(edit.start, edit.end) for edit in again.edits] == [(2.0, pytest.approx(2.8))]
+    assert window.isWindowModified()
+
+
+def test_the_same_rate_changes_nothing(
+    bench: Bench, answered: Callable[[float | None], Asked]
+) -> None:
+    window = bench.editing()
+    session = session_of(window)
+    answered(60.0)
+    trigger(window, "frame_rate")
+    assert session_of(window) is session
+    assert not window.workspace.opener.is_reading
+
+
+def test_a_project_opens_at_the_rate_it_was_saved_with(
+    bench: Bench, untimed: Path, answered: Callable[[float | None], Asked]
+) -> None:
+    asked = answered(25.0)
+    window = bench.window()
+    drop(window, untimed)
+    wait_for(bench, window, untimed)
+    bench.answers["save_project"] = project = bench.folder / "scene.faceedit"
+    trigger(window, "save")
+    assert read_project(project).fps == 25
+    other = bench.window(project)
+    assert session_of(other).take.clip.rate == 25
+    assert len(asked.questions) == 1
+
+
+def test_a_json_take_opens_where_edits_would_be_loaded(bench: Bench, tmp_path: Path) -> None:
+    window = bench.editing()
+    take, edits = tmp_path / "export.json", tmp_path / "edits.json"
+    take.write_text(recordings.audio2face(recordings.face()), encoding="utf-8")
+    edit = {"control": "mouth_opening", "op": "offset", "start": 0.1, "end": 0.2}
+    edits.write_text(json.dumps({"version": 1, "edits": [edit | {"falloff": 0, "value": 3}]}))
+    drop(window, edits)
+    assert len(session_of(window).edits) == 1
+    bench.answers["unsaved"] = dialogs.Unsaved.DISCARD
+    drop(window, take)
+    wait_for(bench, window, take)
+    assert session_of(window).take.format == "Audio2Face JSON"
+
+
+def test_the_export_of_a_json_take_is_suggested_as_json(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    take = tmp_path / "export.json"
+    take.write_text(recordings.audio2face(recordings.face()), encoding="utf-8")
+    window = bench.window(take)
+    suggested: list[Path] = []
+
+    def ask(_: QWidget, suggestion: Path) -> None:
+        suggested.append(suggestion)
+
+    monkeypatch.setattr(dialogs, "ask_export", ask)
+    trigger(window, "export")
+    assert [path.name for path in suggested] == ["export_edited.json"]
+
+
+def test_file_dialogs_offer_takes_of_every_format() -> None:
+    assert dialogs.takes_pattern() == ("*.csv *.CSV *.json *.JSON *.txt *.TXT *.glb *.GLB")
+
+
+def test_a_curve_that_the_take_cannot_answer_takes_no_mouse_and_says_why(
+    bench: Bench, tmp_path: Path
+) -> None:
+    path = tmp_path / "middle.csv"
+    row = ",".join(["0.1"] * len(MIDDLE))
+    rows = "".join(f"{n / 30:.4f},{row}\n" for n in range(60))
+    path.write_text(f"time_s,{','.join(MIDDLE)}\n{rows}")
+    window = bench.window(path)
+    page = window.editor
+    assert page is not None
+    eye, mouth = CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["mouth_opening"]
+    why = "“Left eye opening” cannot be changed: the take has no eyeBlinkLeft"
+    assert not page.curves.plots[eye].isEnabled()
+    assert why in page.curves.headers[eye].toolTip()
+    assert page.curves.plots[mouth].isEnabled()
+    assert not window.banner.isVisible()
+    session_of(window).add(Edit(("left_eyelid", "mouth_opening"), Op.OFFSET, 0.5, 0.8, 0.1, 3.0))
+    assert why in window.banner.text.text()
+    window.banner.dismiss()
+    session_of(window).undo()
+    session_of(window).redo()
+    assert not window.banner.isVisible()  # it is said once
+
+
+def test_another_take_has_its_curves_back(bench: Bench, tmp_path: Path) -> None:
+    path = tmp_path / "jaw.csv"
+    path.write_text("time_s,jawOpen\n" + "".join(f"{n / 30:.4f},0.1\n" for n in range(60)))
+    window = bench.window(path)
+    page = window.editor
+    assert page is not None
+    assert not all(plot.isEnabled() for plot in page.curves.plots)
+    drop(window, bench.take)
+    wait_for(bench, window, bench.take)
+    assert all(plot.isEnabled() for plot in page.curves.plots)
