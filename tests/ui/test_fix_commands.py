@@ -240,7 +240,7 @@ def test_a_preset_is_saved_applied_and_deleted(
 def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
     session, line = session_of(window), window.timeline
     trigger(window, "copy")
-    assert "Select a range" in window.status.currentMessage()
+    assert "select it first" in window.status.currentMessage()
     trigger(window, "paste")
     assert session.edits == ()
     line.select((5.0, 6.0))

@@ -211,8 +211,7 @@ class MainWindow(WindowBase):
     def _do_without_engine(self, error: Exception) -> None:
         self.status.set_networks("missing", str(error))
         self.banner.show_message(
-            "The face model could not be loaded. Edits still work, but look less natural:"
-            f" {getattr(error, 'problem', error)}.",
+            f"The face model could not be loaded, so edits look less natural. {error}",
             str(error),
         )
         self.settled.emit()
