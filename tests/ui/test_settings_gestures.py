@@ -11,9 +11,9 @@ from support.films import make_wav
 from support.windows import Bench, add_edit, drag_curve, session_of, trigger
 
 from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.actions import help_rows
 
 LEFT = Qt.MouseButton.LeftButton
 

@@ -39,6 +39,11 @@ class ViewCommands:
 
     # --- time --------------------------------------------------------------------------------
 
+    def fit_values(self) -> None:
+        """Fit each value axis to the part of its curve in view."""
+        if self._workspace.page is not None:
+            self._workspace.page.curves.fit_values()
+
     def fit(self) -> None:
         """Show the selection; if there is none or it is shown already, the whole take."""
         line = self._timeline
@@ -174,6 +179,8 @@ MENU: Menu[ViewCommands] = Menu("View", (
             "Look closely at the eyes", submenu=CAMERA),
     Command("fit", "&Zoom to fit", ViewCommands.fit, ("F",),
             "Show the selection or the whole take", "fit"),
+    Command("fit_values", "Fit &values", lambda do: do.fit_values(), ("Shift+F",),
+            "Fit each value axis to what is in view"),
     Command("zoom_in", "Zoom &in", lambda do: do.zoom(ZOOM), ("+", "="),
             "Show less time around the playhead", "zoom_in"),
     Command("zoom_out", "Zoom &out", lambda do: do.zoom(1 / ZOOM), ("-",),

@@ -19,6 +19,7 @@ from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
+from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.proposal_bar import ProposalBar
@@ -105,6 +106,7 @@ class Editor(QWidget):
         self.problems.found.connect(actions.refresh)
         self.proposal.toggled.connect(actions.refresh)
         self.face.switched.connect(actions.refresh)
+        connect_menus(self.curves, actions)
 
     def _first_steps(self) -> tuple[Step, ...]:
         return (
