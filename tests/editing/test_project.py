@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.edits import edits
 from support.sessions import session_by_rig
 from support.takes import make_livelink_csv, make_plain_csv
-from test_edits_file import edits
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped

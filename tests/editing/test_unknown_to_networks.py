@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.faces import shipped_rig, talking_clip
 from support.networks import random_content, random_description, write_models
-from support.rigs import NoFile
+from support.takes import NoFile
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.regions import REGIONS

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import shutil
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -138,7 +138,7 @@ def test_long_takes_repeat_the_demo() -> None:
 
 
 def test_references_that_are_absent_are_none(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
-    monkeypatch.setattr(references.importlib.util, "find_spec", lambda _name: None)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _name: None)
     monkeypatch.setattr(shutil, "which", lambda _name: None)
     assert references.in_torch("unet", 1) is None
     assert references.cpu_limit(shipped("models"), 1) is None
@@ -202,12 +202,10 @@ def test_a_blender_that_hangs_is_stopped_with_its_display(
     monkeypatch.delenv("DISPLAY")
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     monkeypatch.setattr(references, "_BLENDER_SECONDS", 0.5)
-    programs("blender", "sleep 60")
+    programs("blender", "sleep 600")  # longer than a test may take
     programs("xvfb-run", 'shift 3; "$@"; true')  # waits for Blender, as the real one does
     told: list[str] = []
-    began = time.monotonic()
     assert references.blender(rig, 1, told.append) is None
-    assert time.monotonic() - began < 30.0
     assert told == ["blender: not done after 0.5 seconds"]
 
 

@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QKeySequence
+from PySide6.QtGui import QAccessible, QKeySequence
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialog, QLabel, QToolButton, QWidget
 from support.windows import Bench, trigger
@@ -18,6 +18,12 @@ from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.actions import shown_keys
 
 COMMANDS = [command for menu in MENUS for command in menu.commands]
+
+
+def words_of(dialog: QDialog) -> str:
+    label = dialog.findChild(QLabel)
+    assert isinstance(label, QLabel)
+    return label.text()
 
 
 def press(window: MainWindow, key: Qt.Key, shift: bool = False) -> None:
@@ -48,7 +54,7 @@ def test_the_help_names_every_shortcut(bench: Bench, window: MainWindow) -> None
         for keys in command.keys:
             assert shown_keys(keys) in told
     dialog = shortcuts_dialog(window, help_rows())
-    text = dialog.findChild(QLabel).text()
+    text = words_of(dialog)
     assert "Ctrl+Z" in text
     assert "Hold B" in text
     dialog.close()
@@ -58,7 +64,7 @@ def test_about_cites_the_paper_and_lists_the_libraries_that_are_installed(
     window: MainWindow,
 ) -> None:
     trigger(window, "about")
-    text = next(d for d in window.findChildren(QDialog) if d.isVisible()).findChild(QLabel).text()
+    text = words_of(next(d for d in window.findChildren(QDialog) if d.isVisible()))
     assert "A Robust Interactive Facial Animation Editing System" in text
     assert "Barrielle" in text
     for name in ("numpy", "PySide6_Essentials", "av"):
@@ -69,7 +75,7 @@ def test_about_cites_the_paper_and_lists_the_libraries_that_are_installed(
 
 def test_about_names_whose_work_the_character_is(window: MainWindow) -> None:
     dialog = about_dialog(window, "Somebody, CC0")
-    assert "Somebody, CC0" in dialog.findChild(QLabel).text()
+    assert "Somebody, CC0" in words_of(dialog)
     dialog.close()
 
 
@@ -96,15 +102,24 @@ def test_space_plays_whatever_has_the_focus(bench: Bench, window: MainWindow) ->
     window.playback.pause()
 
 
+def spoken(widget: QWidget) -> str:
+    """What a screen reader says when the widget has the focus."""
+    return QAccessible.queryAccessibleInterface(widget).text(QAccessible.Text.Name)
+
+
 def test_every_focusable_widget_has_a_name_for_screen_readers(window: MainWindow) -> None:
-    assert window.editor is not None
-    for widget in (
-        window.editor.settings_bar.natural,
-        window.editor.curves.fields.fade_in,
-        window.editor.transport.speed,
-        window.editor.face.viewport,
-    ):
-        assert widget.accessibleName()
+    """Those too that come only when they are needed; what has a proxy never has the focus."""
+    trigger(window, "go_to")  # the field for a time is named when it comes
+    widgets = [
+        widget
+        for widget in window.findChildren(QWidget)
+        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus
+        and widget.focusProxy() is None
+        and widget.window() is window
+    ]
+    assert set(widgets) > {w for w in focusable(window) if w.focusProxy() is None} - {window}
+    nameless = [widget for widget in widgets if not spoken(widget).strip()]
+    assert not nameless
 
 
 def test_arrows_move_the_playhead(window: MainWindow) -> None:

@@ -1,4 +1,4 @@
-"""Project files, saved and opened; what the File menu and the recovery do once all is asked."""
+"""Saving and opening project files, for the File menu and for recovery."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from faceedit_app.ui.state.clock import Unit
 
 
 def is_project(path: Path) -> bool:
-    """Whether a file is a project by its name."""
+    """Whether a file is a project, by its suffix."""
     return path.suffix.lower() == SUFFIX
 
 
@@ -39,7 +39,7 @@ def save(workspace: Workspace, path: Path) -> None:
 
 
 def view_of(workspace: Workspace) -> ViewState:
-    """How the take is being looked at."""
+    """The current view of the take."""
     line = workspace.timeline
     window = {
         "falloff_out": line.falloff_out,
@@ -50,7 +50,7 @@ def view_of(workspace: Workspace) -> ViewState:
 
 
 def restore_view(workspace: Workspace, view: ViewState) -> None:
-    """Look at the open take as it was looked at."""
+    """Restore the view of the open take."""
     line = workspace.timeline
     try:
         fade_out = Fields(view.ui).number("falloff_out", view.falloff, 0.0)
@@ -73,7 +73,7 @@ def read(
     found: Callable[[Project, Located], None],
     failed: Callable[[FaceEditError], None],
 ) -> None:
-    """Read a project and look for its take, in the background."""
+    """Read a project and find its take, in the background."""
 
     def work() -> tuple[Project, Located]:
         project = read_project(path)
@@ -92,7 +92,7 @@ def read(
 def open_take(
     workspace: Workspace, project: Project, path: Path, take: Path, is_as_it_was: bool
 ) -> None:
-    """Open a project that was read.
+    """Open a project that has been read.
 
     Args:
         path: the project's file.
@@ -114,7 +114,7 @@ def open_take(
 
 
 def recover(workspace: Workspace, pending: Pending) -> None:
-    """Open the take of a session that ended without closing, with all that was done to it."""
+    """Open the take of a session that ended in a crash, with its edits."""
 
     def prepare(session: EditSession) -> None:
         session.restore(pending.state)
@@ -123,7 +123,7 @@ def recover(workspace: Workspace, pending: Pending) -> None:
         pending.discard()
         steps = counted(pending.gestures, "step")
         workspace.message.emit(
-            f"Recovered {steps} of {pending.take.name}; Undo takes all back at once"
+            f"Recovered {steps} of {pending.take.name}; a single Undo takes them all back"
         )
         session = workspace.session
         if session is not None and session.fingerprint != pending.fingerprint:

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import pyqtgraph as pg
-from pyqtgraph.functions import arrayToQPath
-from PySide6.QtGui import QPainter, QPainterPath, QPen, QTransform
+from pyqtgraph.functions import arrayToQPath, create_qpolygonf, ndarray_from_qpolygonf
+from PySide6.QtGui import QPainter, QPainterPath, QPen, QPolygonF, QTransform
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.visible_curves import EMPTY, Lines, Polyline
 
-_EDGE = 5.0  # pixels at most from the middle of a line to its edge
+_EDGE = 5.0  # greatest pixels from the centre of a line to its edge
 
 
 class CurveLines(pg.UIGraphicsItem):
-    """Draws tracked, face and asked; repaints only between the moments that changed.
+    """Draws the tracked, face and asked-for lines; repaints only between the times that changed.
 
-    pyqtgraph's own curve items cost three times as much: one each, and wide pens (see `Stroke`).
+    pyqtgraph's own curve items take three times as long: one per line, and wide pens (`Stroke`).
     """
 
     def __init__(self, color: str) -> None:
+        # Edge, left, right, top and height of the view.
+        self._room: tuple[float, float, float, float, float] | None = None
         super().__init__()
         self.lines = Lines()
         self._tracked = Stroke(style.tracked_pen())
@@ -30,7 +33,7 @@ class CurveLines(pg.UIGraphicsItem):
         self._asked = Stroke(style.asked_pen())
 
     def show_lines(self, lines: Lines) -> None:
-        """Draw these."""
+        """Set the lines to draw."""
         self.lines = lines
         changed = (
             self._tracked.show_line(lines.tracked),
@@ -41,18 +44,25 @@ class CurveLines(pg.UIGraphicsItem):
         if spans:
             self._update_between(min(span[0] for span in spans), max(span[1] for span in spans))
 
+    def viewRangeChanged(self) -> None:
+        """Other pixels."""
+        self._room = None
+        super().viewRangeChanged()
+
     def _update_between(self, first: float, last: float) -> None:
-        rect = self.boundingRect()
-        edge = _EDGE * self.getViewBox().viewPixelSize()[0]
-        rect.setLeft(max(first - edge, rect.left()))
-        rect.setRight(min(last + edge, rect.right()))
-        if rect.isValid():
-            self.update(rect)
+        if self._room is None:
+            rect = self.boundingRect()
+            edge = _EDGE * self.getViewBox().viewPixelSize()[0]
+            self._room = edge, rect.left(), rect.right(), rect.top(), rect.height()
+        edge, left, right, top, height = self._room
+        left, right = max(first - edge, left), min(last + edge, right)
+        if left < right:
+            self.update(left, top, right - left, height)
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Draw the lines, the face over the take and what is asked for over the face."""
+        """Draw the lines, from back to front: tracked, face, asked for."""
         ratio = painter.device().devicePixelRatioF()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
         for stroke in (self._tracked, self._face, self._asked):
@@ -60,11 +70,11 @@ class CurveLines(pg.UIGraphicsItem):
 
 
 class Stroke:
-    """Draws a hairline several times, fractions of a pixel apart.
+    """Draws a wide line as several hairlines, fractions of a pixel apart.
 
-    Qt has a fast path for antialiased lines up to one pixel wide. Any wider, it computes the
-    outline with all its joints, which takes 20 times as long for 200 points and 200 times for
-    2,000; drawn as single segments instead, the joints show as beads.
+    Qt draws antialiased lines up to one pixel wide on a fast path. For wider ones it computes the
+    outline with all its joints, which takes 20 times as long for 200 points and 200 times as
+    long for 2,000. Drawn as single segments, the joints would show as beads.
 
     Args:
         pen: colour, dashes, and the width in pixels of a screen with 96 dots per inch.
@@ -72,25 +82,27 @@ class Stroke:
 
     def __init__(self, pen: QPen) -> None:
         self._wanted, self._dashed = pen, bool(pen.dashPattern())
-        self._line, self._path = EMPTY, QPainterPath()
+        self._line, self._points, self._path = EMPTY, QPolygonF(), QPainterPath()
         self._hair: tuple[float, QPen] = (0.0, pen)
 
     def show_line(self, line: Polyline) -> Interval | None:
-        """Draw other points; returns between which seconds that can be seen, None for nowhere."""
+        """Set the points; returns first and last second of the visible change, None if none."""
         changed = line.changed_from(self._line)
         if changed is not None:
             self._line = line
-            joined = "all" if line.joined is None else line.joined
-            self._path = arrayToQPath(line.x, line.y, joined, finiteCheck=False)
+            if line.joined is None:
+                self._points = _polygon(line)
+            else:
+                self._path = arrayToQPath(line.x, line.y, line.joined, finiteCheck=False)
             if self._dashed and len(line.x):
                 changed = changed[0], max(changed[1], float(line.x[-1]))  # all dashes move
         return changed
 
     def paint(self, painter: QPainter, ratio: float) -> None:
-        """Draw it, in its full width unless it fills its pixel columns anyway.
+        """Draw the line, in full width unless it fills its pixel columns anyway.
 
         Args:
-            ratio: dots of the screen to a pixel.
+            ratio: screen dots per pixel.
         """
         if len(self._line.x) < 2:
             return
@@ -100,12 +112,24 @@ class Stroke:
         place = painter.transform()
         for dx, dy in offsets(1.0 if self._line.thinned else ratio * self._wanted.widthF()):
             painter.setTransform(place * QTransform.fromTranslate(dx / ratio, dy / ratio))
-            painter.drawPath(self._path)
+            if self._line.joined is None:
+                painter.drawPolyline(self._points)
+            else:
+                painter.drawPath(self._path)
         painter.setTransform(place)
 
 
+def _polygon(line: Polyline) -> QPolygonF:
+    """Its points, for Qt."""
+    polygon: QPolygonF = create_qpolygonf(len(line.x))
+    if len(line.x):
+        points = ndarray_from_qpolygonf(polygon)
+        points[:, 0], points[:, 1] = line.x, line.y
+    return polygon
+
+
 def _hairline(pen: QPen, ratio: float) -> QPen:
-    """The pen, one dot of the screen wide, with dashes that look as long as on any other."""
+    """The pen, one screen dot wide, with dashes of the same length on every screen."""
     hair = QPen(pen.color(), 1.0)
     hair.setCosmetic(True)
     if pen.dashPattern():
@@ -113,8 +137,9 @@ def _hairline(pen: QPen, ratio: float) -> QPen:
     return hair
 
 
+@lru_cache(maxsize=8)
 def offsets(width: float) -> list[tuple[float, float]]:
-    """Where to draw a line of 1 pixel so that it looks `width` pixels wide in any direction."""
+    """Offsets of 1-pixel lines that together look `width` pixels wide in any direction."""
     if width <= 1:
         return [(0.0, 0.0)]
     radius = 0.5 * (width - 1)

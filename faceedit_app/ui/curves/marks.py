@@ -1,4 +1,4 @@
-"""What stands on the time axis besides curves: selection, gaps, playhead, handles."""
+"""Items on the time axis other than curves: selection, gaps, playhead, handles."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ from faceedit_app.ui.curves.scale import Interval, Scale
 
 LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is in view
 _NONE = QPen(Qt.PenStyle.NoPen)
-_FAINTEST = 0.12  # of a span's strength, at the ends of its falloffs
+_FAINTEST = 0.12  # factor on a span's opacity at the ends of its falloffs
 
 
 class SpanRegion(pg.LinearRegionItem):
     """A span of time with four edges: its hold, and the falloffs on either side.
 
-    Its fill fades as an edit there fades. pyqtgraph's own two lines stay hidden: as items of
-    their own, four edges take as long to paint as the curves.
+    Its fill fades as the edit does. pyqtgraph's own two lines stay hidden: as separate items, four
+    edges would take as long to paint as the curves.
 
     Args:
         color: of the fill.
@@ -53,13 +53,14 @@ class SpanRegion(pg.LinearRegionItem):
         self._color, self._hold, self._falloff = color, hold, falloff
         self._shown: tuple[Span | None, int] = (None, 0)
         self._rect: QRectF | None = None
-        self._fades: list[QBrush] = []
+        self._fills: list[tuple[QRectF, QBrush]] = []
+        self._edges: list[tuple[QPen, list[QLineF]]] = []
         for line in self.lines:
             line.hide()
         self.hide()
 
     def show_span(self, span: Span | None, alpha: int) -> None:
-        """Show it, or nothing; the fill's strength is 0..255."""
+        """Show a span, or None; `alpha` is the opacity of the fill, 0..255."""
         if (span, alpha) == self._shown:
             return
         self._shown = span, alpha
@@ -70,73 +71,80 @@ class SpanRegion(pg.LinearRegionItem):
         self.viewRangeChanged()
         self.setRegion((span.start, span.end))
         self.setBrush(style.color(self._color, alpha))
-        ramps = (span.ends[0], span.start), (span.end, span.ends[1])
-        self._fades = [self._fade(span, *ramp, alpha) for ramp in ramps]
         self.update()
 
-    def _fade(self, span: Span, first: float, last: float, alpha: int) -> QBrush:
-        fade = QLinearGradient(first, 0.0, last, 0.0)
-        for place, strength in _stops(span, first, last):
-            seen = alpha * (_FAINTEST + (1 - _FAINTEST) * strength)
-            fade.setColorAt(place, style.color(self._color, round(seen)))
-        return QBrush(fade)
-
     def viewRangeChanged(self) -> None:
-        """It is as tall as the view, and never thinner than a pixel."""
+        """Fit the height of the view, and stay at least one pixel wide."""
         self._rect = None
         self.prepareGeometryChange()
 
     def boundingRect(self) -> QRectF:
-        """From the first to the last second that an edit changes."""
+        """The whole span, hold and falloffs."""
         if self._rect is None:
             view = self.viewRect()
             if view is None:
                 return QRectF()
-            first, last = self.span.ends
-            pixel = self.getViewBox().viewPixelSize()[0]
-            first, last = first - pixel, last + pixel
-            self._rect = QRectF(first, view.top(), last - first, view.height())
+            self._rect = self._measure(view, self.getViewBox().viewPixelSize()[0])
         return self._rect
+
+    def _measure(self, view: QRectF, pixel: float) -> QRectF:
+        """Work out what is painted where; a frame's hold is a pixel wide."""
+        span, top, height = self.span, view.top(), view.height()
+        first, last = span.ends
+        hold = max(span.end - span.start, pixel)
+        self._fills = [(QRectF(span.start, top, hold, height), self.brush)]
+        for start, end in ((first, span.start), (span.end, last)):
+            if end > start:
+                rect = QRectF(start, top, end - start, height)
+                self._fills.append((rect, self._fade(start, end)))
+        pens = (self._hold, (span.start, span.end)), (self._falloff, (first, last))
+        self._edges = [
+            (pen, [QLineF(x, top, x, top + height) for x in edges])
+            for pen, edges in pens
+            if pen is not _NONE
+        ]
+        return QRectF(first - pixel, top, last - first + 2.0 * pixel, height)
+
+    def _fade(self, first: float, last: float) -> QBrush:
+        fade = QLinearGradient(first, 0.0, last, 0.0)
+        for place, strength in _stops(self.span, first, last):
+            seen = self._shown[1] * (_FAINTEST + (1 - _FAINTEST) * strength)
+            fade.setColorAt(place, style.color(self._color, round(seen)))
+        return QBrush(fade)
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
         """Fill hold and falloffs, then draw the edges."""
-        rect, span = self.boundingRect(), self.span
-        top, height = rect.top(), rect.height()
-        least = self.getViewBox().viewPixelSize()[0]
-        (first, last), hold = span.ends, max(span.end - span.start, least)
-        painter.fillRect(QRectF(span.start, top, hold, height), self.brush)
-        for start, end, fade in ((first, span.start, 0), (span.end, last, 1)):
-            if end > start:
-                painter.fillRect(QRectF(start, top, end - start, height), self._fades[fade])
-        for pen, edges in ((self._hold, (span.start, span.end)), (self._falloff, (first, last))):
+        for rect, brush in self._fills:
+            painter.fillRect(rect, brush)
+        for pen, edges in self._edges:
             painter.setPen(pen)
-            painter.drawLines([QLineF(x, top, x, top + height) for x in edges])
+            painter.drawLines(edges)
 
 
 @lru_cache(maxsize=16)
 def _stops(span: Span, first: float, last: float) -> list[tuple[float, float]]:
     """(position 0..1, strength 0..1) along one of a span's falloffs."""
-    # The edit's own mask, so that the picture cannot tell another story than the result.
+    # The edit's own mask, so that the picture always matches the result.
     ramp = np.linspace(0.0, 1.0, 7)
     mask = span.edit((LIP_OPENING,), Op.OFFSET).mask(first + ramp * (last - first))
     return [(float(p), float(s)) for p, s in zip(ramp, mask, strict=True)]
 
 
 def selection_region() -> SpanRegion:
-    """The selection: edges that can be seen on any curve."""
+    """The selection: its edges are visible on any curve."""
     falloff = QPen(style.color(style.SELECTION, 90), 0, Qt.PenStyle.DashLine)
     return SpanRegion(style.SELECTION, style.hairline(style.SELECTION, 190), falloff)
 
 
 def edit_region() -> SpanRegion:
-    """Where an edit acts, or would act."""
+    """The span of an edit, actual or possible."""
     return SpanRegion(style.EDITED, falloff=style.hairline(style.EDITED, 100))
 
 
 class Gaps(pg.UIGraphicsItem):
-    """Hatches what the recording lost."""
+    """Hatches the gaps."""
 
     def __init__(self, alpha: int) -> None:
         super().__init__()
@@ -145,7 +153,7 @@ class Gaps(pg.UIGraphicsItem):
         self._fill = style.color(style.GAP, alpha // 6)
 
     def show_gaps(self, gaps: Sequence[Interval]) -> None:
-        """From the last second before each gap to the first after it."""
+        """Hatch from the last frame before each gap to the first after it."""
         self._gaps = gaps
         self.setVisible(bool(gaps))
         self.update()
@@ -153,7 +161,7 @@ class Gaps(pg.UIGraphicsItem):
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Hatch in pixels: a pattern would be stretched with the seconds."""
+        """Hatch in pixels: a pattern in seconds would be stretched."""
         view, place = self.boundingRect(), painter.transform()
         painter.resetTransform()
         for first, last in self._gaps:
@@ -167,17 +175,43 @@ class Gaps(pg.UIGraphicsItem):
 
 
 class Playhead(pg.InfiniteLine):
-    """The line of the frame on screen, one dot wide so that it is crisp."""
+    """The line of the frame on screen, one dot wide so that it is crisp.
+
+    pyqtgraph measures its line again wherever it goes; this one is measured once for each view.
+    """
 
     def __init__(self) -> None:
         super().__init__(0.0, 90, pen=style.hairline(style.PLAYHEAD, 215))
+        self._rect: QRectF | None = None
+
+    def viewRangeChanged(self) -> None:
+        """It is as long as the view is high."""
+        self._rect = None
+        self.prepareGeometryChange()
+
+    def boundingRect(self) -> QRectF:
+        """Along the line, which is turned by 90 degrees."""
+        if self._rect is None:
+            view = self.getViewBox()
+            low, high = view.viewRange()[1]
+            edge = 2.0 * view.viewPixelSize()[0]
+            self._rect = QRectF(low, -edge, high - low, 2.0 * edge)
+        return self._rect
+
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Draw it."""
+        rect = self.boundingRect()
+        painter.setPen(self.pen)
+        painter.drawLine(QLineF(rect.left(), 0.0, rect.right(), 0.0))
 
 
 class Marker(QGraphicsPathItem):
-    """A small shape that is as large at any scale.
+    """A small shape with the same size at any scale.
 
     Args:
-        shape: around where it stands, in pixels.
+        shape: around its position, in pixels.
         fill, edge: colours.
     """
 
@@ -203,7 +237,7 @@ def dot(radius: float, fill: str, edge: str) -> Marker:
 
 
 def grip() -> Marker:
-    """What one grabs to scrub, with its point on the playhead's foot."""
+    """The handle for scrubbing, pointing at the playhead."""
     shape = QPainterPath()
     corners = [(0.5, 0.0), (-4.5, -5.0), (-4.5, -10.0), (5.5, -10.0), (5.5, -5.0)]
     shape.addPolygon(QPolygonF([QPointF(x, y) for x, y in corners]))
@@ -214,7 +248,7 @@ def grip() -> Marker:
 class Numbers(QGraphicsItem):
     """Lines of numbers beside a point, kept inside the plot.
 
-    pyqtgraph's text items lay out a document for each change, which takes longer than the curves.
+    pyqtgraph's text items lay out a document for each change, which is slower than the curves.
     """
 
     def __init__(self, font: QFont) -> None:
@@ -237,11 +271,11 @@ class Numbers(QGraphicsItem):
         self.setPos(point)
 
     def boundingRect(self) -> QRectF:
-        """Where they stand, from the point."""
+        """Their box, relative to the point."""
         return self._box.adjusted(-1.0, -1.0, 1.0, 1.0)
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Draw them on their ground."""
+        """Draw them on their background."""
         draw_tag(painter, self._box, self._lines, self._font)

@@ -1,4 +1,4 @@
-"""What a crash left behind is offered when the window opens."""
+"""Offers to recover what a crash left behind, when the window opens."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from faceedit_app.ui.commands.workspace import Workspace
 
 
 def offer_recovery(workspace: Workspace) -> bool:
-    """Ask about the newest session that ended without closing; whether it is being opened."""
+    """Ask about the newest session that ended in a crash; True if it is being opened."""
     pending = pending_journals()
     if pending:
         match dialogs.ask_recover(workspace.window, pending[0]):
