@@ -121,9 +121,9 @@ def test_no_triangles(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
-        ("a.glb", b"", "no character file"),
+        ("a.glb", b"", "not a character file"),
         ("a.glb", b"glTF", "cut short"),
-        ("a.glb", b"solid cube", "no character file"),
+        ("a.glb", b"solid cube", "not a character file"),
         ("a.gltf", b"{}", "which glTF"),
         ("a.gltf", b'{"asset": {"version": "3.0"}}', "is glTF 3.0"),
         ("a.gltf", b'{"asset": {"version": "1.0"}}', "is glTF 1.0"),
@@ -134,13 +134,13 @@ def test_no_triangles(tmp_path: Path) -> None:
         ("a.fbx", b"Kaydara FBX Binary  \x00\x1a\x00" + struct.pack("<I", 9000), "newer"),
         ("a.fbx", b"nothing", "is not an FBX"),
         ("a.obj", b"# empty", "no triangles"),
-        ("a.obj", b"v 0 0 0\nf 1 2 3\n", "not there"),
+        ("a.obj", b"v 0 0 0\nf 1 2 3\n", "does not exist"),
         ("a.obj", b"v 0 0\nf 1 1 1\n", "three numbers"),
         ("a.obj", b"v a b c\nf 1 1 1\n", "three numbers"),
         ("a.obj", b"v 0 0 inf\nf 1 1 1\n", "not numbers"),
         ("a.blend", b"BLENDER-v300", "Blender"),
         ("a.usdz", b"PK", "USD"),
-        ("a.png", b"\x89PNG", "no character file"),
+        ("a.png", b"\x89PNG", "not a character file"),
     ],
 )
 def test_other_files_say_what_to_do(tmp_path: Path, name: str, content: bytes, says: str) -> None:
@@ -158,7 +158,7 @@ def test_missing_files_and_folders_without_heads(tmp_path: Path) -> None:
     assert "no OBJ" in complaint(tmp_path)
     write_objs(tmp_path / "head")
     (tmp_path / "head" / "neutral.obj").unlink()
-    assert "called neutral" in complaint(tmp_path / "head")
+    assert "named neutral" in complaint(tmp_path / "head")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes have no names here")

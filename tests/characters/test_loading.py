@@ -218,7 +218,7 @@ def test_names_that_say_the_wrong_side_are_put_right(tmp_path: Path) -> None:
     rig = fitted.rig
     smile = np.abs(rig.deltas[rig.channels.index("mouthSmileLeft")]).max(axis=1)
     assert rig.neutral[smile.argmax(), 0] > 0
-    assert "wrong way about" in fitted.checklist.remarks[0]
+    assert "reversed" in fitted.checklist.remarks[0]
     assert rig.neutral[fitted.points["left_upper_lid"], 0] > 0
 
 

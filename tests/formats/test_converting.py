@@ -145,7 +145,7 @@ def test_a_take_without_times_is_converted_frame_by_frame(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["out.xyz"], "its ending names no format that can be written"),
+        (["out.xyz"], "no format with this ending can be written"),
         (["out.csv", "--format", "fbx"], "must be one of livelink, csv, audio2face"),
         (["out.csv", "--fps", "0"], "frames per second"),
     ],

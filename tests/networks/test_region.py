@@ -93,7 +93,7 @@ def test_pickle_is_refused_and_never_executed(tmp_path: Path) -> None:
 )
 def test_file_that_is_no_model_is_refused(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "x.onnx").write_bytes(content)
-    assert "no FaceEdit model" in complaint(tmp_path / "x.onnx")
+    assert "not a FaceEdit model" in complaint(tmp_path / "x.onnx")
 
 
 def test_what_cannot_be_read_is_named(tmp_path: Path) -> None:
@@ -124,7 +124,7 @@ def test_onnx_of_something_else_is_refused(tmp_path: Path) -> None:
     model = as_model(graph(), TEXT)
     helper.set_model_props(model, {"author": "somebody"})
     (tmp_path / "x").write_bytes(model.SerializeToString())
-    assert "no FaceEdit model" in complaint(tmp_path / "x")
+    assert "not a FaceEdit model" in complaint(tmp_path / "x")
 
 
 # --- graphs that could do harm -----------------------------------------------------------------
@@ -271,7 +271,7 @@ def test_graph_that_wants_much_memory_is_refused_without_taking_it() -> None:
         node.input[0], node.output[0] = before, after
         changed.node.insert(list(changed.node).index(grow), node)
     grow.input[0] = "g29"
-    with pytest.raises(FileError, match="no FaceEdit model") as caught:
+    with pytest.raises(FileError, match="not a FaceEdit model") as caught:
         RegionAnswer(content_of(changed), Path("x.onnx"))
     assert "BFCArena" in str(caught.value.__cause__)
 
@@ -293,7 +293,7 @@ def test_graph_whose_sizes_do_not_fit_is_refused() -> None:
     changed = graph()
     tensor = next(t for t in changed.initializer if t.name == "coarse.w")
     tensor.CopyFrom(numpy_helper.from_array(np.zeros((6, 5, 3), np.float32), tensor.name))
-    with pytest.raises(FileError, match="no FaceEdit model"):
+    with pytest.raises(FileError, match="not a FaceEdit model"):
         RegionAnswer(content_of(changed), Path("x.onnx"))
 
 
@@ -373,7 +373,7 @@ def test_model_that_is_not_what_it_says_is_refused(tmp_path: Path, name: str) ->
 )
 def test_description_that_is_none_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "x").write_bytes(as_model(graph(), text).SerializeToString())
-    assert "no FaceEdit model" in complaint(tmp_path / "x")
+    assert "not a FaceEdit model" in complaint(tmp_path / "x")
 
 
 @pytest.mark.parametrize("entry", [name for name in json.loads(TEXT) if name != "natural"])
