@@ -286,23 +286,23 @@ def test_alt_drag_moves_the_sound_and_esc_takes_it_back(
     bench: Bench, devices: list[FakeOutput]
 ) -> None:
     window = with_media(bench, make_wav(bench.folder / "voice.wav"))
-    wave, strip = editor_of(window).sound.waveform, editor_of(window).sound
+    wave, row = editor_of(window).sound.waveform, editor_of(window).sound
     per_pixel = wave.scale.seconds_per_pixel
     alt, shift = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier
     drag(wave, 100, 160, alt)
     assert window.media.sound is not None
     assert window.media.sound.offset == pytest.approx(60 * per_pixel, abs=1e-3)
-    assert strip.offset.value() == pytest.approx(60 * per_pixel, abs=1e-3)
+    assert row.offset.value() == pytest.approx(60 * per_pixel, abs=1e-3)
     assert devices[0].offset == window.media.sound.offset
     drag(wave, 100, 160, alt | shift)
     assert window.media.sound.offset == pytest.approx(66 * per_pixel, abs=1e-3)
     mouse(wave, QEvent.Type.MouseButtonPress, 50, alt)
     mouse(wave, QEvent.Type.MouseMove, 150, alt)
-    assert wave.is_moving
+    assert window.media.is_held
     QTest.keyClick(wave, Qt.Key.Key_Escape)
-    assert not wave.is_moving
+    assert not window.media.is_held
     assert window.media.sound.offset == pytest.approx(66 * per_pixel, abs=1e-3)
-    strip.offset.setValue(-0.25)
+    row.offset.setValue(-0.25)
     assert window.media.sound.offset == -0.25
 
 
@@ -655,15 +655,15 @@ def test_adding_moving_and_removing_are_one_step_each(
     assert window.isWindowModified()
     added = Placement(MediaFile(film), MediaFile(film))
     assert window.media.placement == added
-    strip = editor_of(window).sound
+    row = editor_of(window).sound
     for _ in range(5):  # the arrows of the number
-        QTest.keyClick(strip.offset, Qt.Key.Key_Up)
+        QTest.keyClick(row.offset, Qt.Key.Key_Up)
     moved = Placement(MediaFile(film, 0.05), MediaFile(film, 0.05))
     assert window.media.placement == moved
     trigger(window, "undo")
     assert window.media.placement == added, "five presses are one step"
     trigger(window, "redo")
-    drag(strip.waveform, 100, 160, Qt.KeyboardModifier.AltModifier)
+    drag(row.waveform, 100, 160, Qt.KeyboardModifier.AltModifier)
     dragged = window.media.placement
     assert dragged != moved
     trigger(window, "remove_film")

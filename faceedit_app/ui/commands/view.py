@@ -9,9 +9,8 @@ from PySide6.QtCore import QBuffer, QByteArray, QIODevice
 from PySide6.QtGui import QGuiApplication, QImage
 
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.controls import CONTROLS
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.render import Aim
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
@@ -51,6 +50,17 @@ class ViewCommands:
                 return
         line.show_range(0.0, line.duration)
 
+    def fit_curve(self) -> None:
+        """Let the values of the curve that has the focus fit what is in view."""
+        page = self._workspace.page
+        if page is not None and page.curves.focused_control is not None:
+            page.curves.fit_values(CONTROL_INDEX[page.curves.focused_control])
+
+    def fit_curves(self) -> None:
+        """Let the values of all curves fit what is in view."""
+        if self._workspace.page is not None:
+            self._workspace.page.curves.fit_values()
+
     def zoom(self, factor: float) -> None:
         """Scale the time in view around the playhead."""
         self._timeline.zoom(factor, self._timeline.time)
@@ -71,10 +81,10 @@ class ViewCommands:
         if self.face is not None:
             self.face.viewport.reset_camera()
 
-    def aim(self, aim: Aim) -> None:
-        """Point the camera at the face from a side, or at a part of it."""
+    def aim(self, aim: str) -> None:
+        """Point the camera at the face from a side, or at a part of it: see `render.Aim`."""
         if self.face is not None:
-            self.face.viewport.aim(aim)
+            self.face.aim(aim)
 
     def copy_picture(self) -> None:
         """Put the picture of the face on the clipboard, as it is shown."""
@@ -164,13 +174,13 @@ def _shows_edited(do: ViewCommands) -> bool:
 MENU: Menu[ViewCommands] = Menu("View", (
     Command("reset_camera", "&Reset camera", ViewCommands.reset_camera, ("0",),
             "Look at the face from the front", "camera", needs_take=False),
-    Command("camera_left", "&Left side", lambda do: do.aim(Aim.LEFT), ("Shift+L",),
+    Command("camera_left", "&Left side", lambda do: do.aim("left"), ("Shift+L",),
             "Look at the character's left side", submenu=CAMERA),
-    Command("camera_right", "&Right side", lambda do: do.aim(Aim.RIGHT), ("Shift+R",),
+    Command("camera_right", "&Right side", lambda do: do.aim("right"), ("Shift+R",),
             "Look at the character's right side", submenu=CAMERA),
-    Command("camera_mouth", "&Mouth", lambda do: do.aim(Aim.MOUTH), ("Shift+M",),
+    Command("camera_mouth", "&Mouth", lambda do: do.aim("mouth"), ("Shift+M",),
             "Look at the mouth from near", submenu=CAMERA),
-    Command("camera_eyes", "&Eyes", lambda do: do.aim(Aim.EYES), ("Shift+E",),
+    Command("camera_eyes", "&Eyes", lambda do: do.aim("eyes"), ("Shift+E",),
             "Look at the eyes from near", submenu=CAMERA),
     Command("fit", "&Zoom to fit", ViewCommands.fit, ("F",),
             "Show the whole take, or the selection", "fit"),
@@ -178,6 +188,10 @@ MENU: Menu[ViewCommands] = Menu("View", (
             "Show less time around the playhead", "zoom_in"),
     Command("zoom_out", "Zoom &out", lambda do: do.zoom(1 / ZOOM), ("-",),
             "Show more time around the playhead", "zoom_out"),
+    Command("fit_curve", "Fit values of this curve", ViewCommands.fit_curve,
+            tip="Let the scale of the curve that has the focus fit what is in view"),
+    Command("fit_curves", "Fit values of &all curves", ViewCommands.fit_curves, ("Shift+F",),
+            "Let the scales of all curves fit what is in view"),
     Command("unit_seconds", "&Seconds", lambda do: do.show_time_as(Unit.SECONDS),
             tip="Time in seconds", checked=lambda do: do.unit is Unit.SECONDS,
             submenu="Show &time as"),

@@ -115,10 +115,6 @@ class Timeline(QObject):
             self.selection = selection
             self.selection_changed.emit()
 
-    def set_falloff(self, seconds: float) -> None:
-        """Choose how softly edits fade in and out alike."""
-        self.set_falloffs(seconds, seconds)
-
     def set_falloffs(self, fade_in: float, fade_out: float) -> None:
         """Choose how softly edits fade in, and how softly out."""
         low, high = FALLOFF_RANGE
