@@ -109,8 +109,8 @@ def apply(
 
     With --character, lips and lids also close on that character where edits close them.
     """
+    from faceedit_app.editing.edits.settings import Mode, Settings
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
-    from faceedit_app.editing.solving.solver import Mode, Settings
 
     if mode not in list(Mode):
         raise FaceEditError(f"--mode {mode}: must be {' or '.join(Mode)}")

@@ -149,8 +149,8 @@ def _install(folder: Path) -> None:
         (share / place).parent.mkdir(parents=True)
         (share / place).write_text(_described(source), "utf-8")
     for size in ICON_SIZES:
-        place = share / f"icons/hicolor/{size}x{size}/apps/faceedit.png"
-        _copy(MADE / "icons" / f"faceedit-{size}.png", place)
+        icon = share / f"icons/hicolor/{size}x{size}/apps/faceedit.png"
+        _copy(MADE / "icons" / f"faceedit-{size}.png", icon)
     _copy(MADE / "icons" / "faceedit.svg", share / "icons/hicolor/scalable/apps/faceedit.svg")
 
 

@@ -13,7 +13,9 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Callable, Iterable
+from email.message import Message
 from pathlib import Path
+from typing import cast
 
 _LINE = "=" * 78
 _LICENCE_FILE = re.compile(
@@ -122,7 +124,7 @@ def _standard_library() -> list[Path]:
 
 def _of_distribution(name: str) -> str:
     distribution = metadata.distribution(name)
-    about = distribution.metadata
+    about = cast("Message[str, str]", distribution.metadata)  # its protocol lacks `get`
     declared = about.get("License-Expression") or about.get("License") or ""
     classifiers = [c for c in about.get_all("Classifier") or [] if c.startswith("License")]
     head = [declared.strip()] if declared and "\n" not in declared.strip() else classifiers

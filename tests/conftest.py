@@ -13,6 +13,7 @@ with contextlib.suppress(ImportError):
 # Before Qt is imported by anything: tests need no display, and disturb none.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
+from support.media import devices
 from support.windows import bench
 
-__all__ = ["bench"]
+__all__ = ["bench", "devices"]

@@ -81,7 +81,7 @@ def test_types_hold() -> None:
 
 def _imported() -> dict[str, str]:
     """Top-level modules that the application imports, and a file that does."""
-    found = {}
+    found: dict[str, str] = {}
     for path in (ROOT / "faceedit_app").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []

@@ -1,1 +1,1 @@
-"""The vocabulary and the arithmetic of FaceEdit: clip, rig, controls (numpy only)."""
+"""What all other rooms build on: clips, rigs, controls, regions and errors."""

@@ -1,4 +1,4 @@
-"""The 52 ARKit blendshape names; how other spellings map to them is in `names.py`."""
+"""The 52 ARKit blendshape names; `names.py` maps other spellings to them."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ ARKIT_INDEX: dict[str, int] = {name: i for i, name in enumerate(ARKIT_CHANNELS)}
 
 
 def mirrored_channel(name: str) -> str:
-    """The channel of the other side of the face; a channel without a side is its own."""
+    """The same channel on the other side of the face; a channel without a side maps to itself."""
     if name.endswith("Left"):
         return name[: -len("Left")] + "Right"
     if name.endswith("Right"):

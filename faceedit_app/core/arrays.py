@@ -1,4 +1,4 @@
-"""The arrays that FaceEdit computes with, by what they hold."""
+"""Array types, named after what they hold."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float32]
-"""Weights, vertices and curves as they are kept and shown."""
+"""Weights, vertices and curves, as stored and shown."""
 
 Doubles = NDArray[np.float64]
-"""What is computed on the way."""
+"""Intermediate results."""
 
 Times = NDArray[np.float64]
 """Seconds."""
@@ -17,7 +17,7 @@ Times = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 Indices = NDArray[np.intp]
-"""Which rows or columns of another array."""
+"""Row or column numbers of another array."""
 
 Pixels = NDArray[np.uint8]
 """(height, width, channels) of a picture, top row first."""

@@ -1,4 +1,4 @@
-"""Write a file whole or not at all."""
+"""Write a file completely or not at all."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from faceedit_app.core.errors import FileError
 
 
 def write_atomically(path: Path | str, content: bytes) -> None:
-    """Replace `path` by `content`: temporary file in the same folder, fsync, rename.
+    """Replace the content of `path`: temporary file in the same folder, fsync, rename.
 
-    A reader sees the old file or the new one, never a part; after an error the old one is
-    untouched and no temporary file is left.
+    A reader sees the old file or the new one, never a part of it. After an error the old file is
+    untouched and no temporary file remains.
 
     Raises:
         FileError: the folder is missing or read-only, or the disk is full.
     """
-    path = Path(os.path.realpath(path))  # through a link, to the file that it means
-    if path.exists() and not path.is_file():  # such as /dev/null, which a rename would replace
-        raise FileError(path, "cannot be written (it is no file)", "choose another name")
+    path = Path(os.path.realpath(path))  # follow a link to its target
+    if path.exists() and not path.is_file():  # a rename would replace /dev/null
+        raise FileError(path, "cannot be written (it is not a file)", "choose another name")
     temporary: Path | None = None
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
@@ -30,7 +30,7 @@ def write_atomically(path: Path | str, content: bytes) -> None:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        # mkstemp makes private files; an export has the permissions of any other new file.
+        # mkstemp makes private files; an export gets the permissions of any other new file.
         temporary.chmod(_permissions(path))
         temporary.replace(path)
     except OSError as error:

@@ -12,11 +12,11 @@ from faceedit_app.core.arrays import Floats, Times
 
 @dataclass(frozen=True)
 class Gap:
-    """Frames that the recording lost between two frames that it has.
+    """Frames that the recording lost.
 
     Attributes:
         frame: index of the last frame before the gap.
-        missing: how many frames are absent.
+        missing: how many frames are missing.
     """
 
     frame: int
@@ -25,15 +25,15 @@ class Gap:
 
 @dataclass(frozen=True)
 class Clip:
-    """Blendshape weights of one performance, as recorded: no frame is invented or dropped.
+    """Blendshape weights over time, as recorded: no frame is added or dropped.
 
     Attributes:
-        weights: (T, K) float32, nominally 0..1; trackers do exceed 1, and that is kept.
-        channels: the K ARKit names (`arkit.ARKIT_CHANNELS` spelling) in the source's order.
+        weights: (T, K) float32, nominally 0..1; values above 1, which trackers write, are kept.
+        channels: the K ARKit names, spelled as in `arkit.ARKIT_CHANNELS`, in the source's order.
         times: (T,) float64, seconds from the first frame, strictly increasing.
         rate: nominal frames per second.
         gaps: where frames are missing.
-        timecodes: the T timecodes as the source spells them, if it has any.
+        timecodes: the T timecodes as the source writes them; empty if it has none.
     """
 
     weights: Floats
@@ -52,7 +52,7 @@ class Clip:
         return float(self.times[-1]) + 1.0 / self.rate
 
     def frame_at(self, seconds: float) -> int:
-        """Index of the frame that is on screen at a time (the nearest one)."""
+        """Index of the frame nearest to a time, which is the one on screen."""
         right = int(np.searchsorted(self.times, seconds))
         if right == 0:
             return 0

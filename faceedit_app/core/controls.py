@@ -1,9 +1,9 @@
 """The controls: the distances on a face that people edit as curves (paper, section 3.1).
 
-A control is one row of `CONTROLS`. All that FaceEdit knows of it stands there; what is called a
-mouth corner, an eyelid or the opening of the lips anywhere else follows from the rows. Another
-control takes a row here, its two vertices in a character (`Rig.control_pairs`), and a model that
-listens to it. Characters and models without it go on working, without its curve.
+`CONTROLS` has one row for each control, with everything that FaceEdit knows about it; the rest of
+the code asks the rows which controls are mouth corners, eyelids or lip openings. To add a control,
+add a row here, its control points to a character (`Rig.control_pairs`), and a model trained with
+it. Characters and models without it keep working, without its curve.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from enum import StrEnum
 
 
 class Closes(StrEnum):
-    """What touches where a control is 0."""
+    """What touches when a control is 0."""
 
     LIPS = "lips"
     EYES = "eyes"
@@ -21,22 +21,22 @@ class Closes(StrEnum):
 
 @dataclass(frozen=True)
 class Control:
-    """A distance between two vertices, in millimetres on the rig.
+    """A distance between two vertices of a rig, in millimetres.
 
     Attributes:
         id: the name in files and on the command line; it never changes.
-        label: the name in the window. Up on the curve is more of what it says.
-        hint: what the control does to the face, for tooltips.
-        region: the `Region.id` whose channels bring it to what is asked.
-        heard_by: other regions whose networks listen to it too.
-        key: gives the keyboard to its curve.
-        color: of its curve, as `#rrggbb`.
-        mirror: the control of the other half of the face, if there is one.
-        together: what it and others that say the same are called when edited as one.
-        leads: controls that go along when it is edited; see `solving.companions`.
-        expressive: it also goes along with one-click expressions of its region.
-        closes: what touches where it is 0, if anything does.
-        shuts: the two vertices can pass each other; from touching on the distance is 0.
+        label: the name in the window; a higher value means more of it.
+        hint: what the control does to the face; shown as a tooltip.
+        region: `Region.id` of the region whose channels move it.
+        heard_by: other regions whose networks take it as an input too.
+        key: the key that focuses its curve.
+        color: the colour of its curve, as `#rrggbb`.
+        mirror: the same control on the other side of the face, if there is one.
+        together: the name for it and the others with the same text when they are edited as one.
+        leads: controls that follow when it is edited; see `solving.companions`.
+        expressive: whether it also follows one-click expressions of its region.
+        closes: what touches when it is 0, if anything.
+        shuts: whether the two vertices can pass each other; the distance is then 0.
     """
 
     id: str
@@ -54,7 +54,7 @@ class Control:
     shuts: bool = False
 
 
-# Okabe and Ito's colours are told apart with any kind of colour blindness.
+# Okabe and Ito's colours: distinguishable with any kind of colour blindness.
 _SKY, _ORANGE = "#56b4e9", "#e69f00"
 _CORNERS, _WIDTH = ("left_corner", "right_corner"), "mouth_width"
 
@@ -157,11 +157,11 @@ SIDED_CONTROLS: tuple[str, ...] = tuple(c.id for c in CONTROLS if c.mirror)
 
 
 def control_named(name: str) -> Control:
-    """The row of a control's id."""
+    """The control with this id."""
     return CONTROLS[CONTROL_INDEX[name]]
 
 
-# What code elsewhere is about: closures, blinks and expressions.
+# The groups of controls that other code asks for.
 (LIP_OPENING,) = (c.id for c in CONTROLS if c.closes is Closes.LIPS)
 LIDS: tuple[str, ...] = tuple(c.id for c in CONTROLS if c.closes is Closes.EYES)
 MOUTH_WIDTH, MOUTH_CORNERS = _WIDTH, _CORNERS

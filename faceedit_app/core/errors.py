@@ -1,4 +1,4 @@
-"""Errors that are meant for the user: one plain line that says what, where and what to do."""
+"""Errors for the user: one plain line that says what is wrong, where, and what to do."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ class FaceEditError(Exception):
 
 
 class FileError(FaceEditError):
-    """A file that cannot be used, told as `file[, line N]: problem; remedy`.
+    """A file that cannot be used; the text is `file[, line N]: problem; remedy`.
 
     Args:
         path: the file as the user knows it.
         problem: what is wrong with it, without a full stop.
         remedy: what the user can do about it, without a full stop.
-        line: the 1-based line in the file, where there is one.
+        line: the line in the file, counted from 1, if there is one.
     """
 
     def __init__(self, path: Path | str, problem: str, remedy: str, line: int | None = None):
@@ -26,4 +26,4 @@ class FileError(FaceEditError):
 
 
 class Unavailable(FaceEditError):
-    """A part of the machine (such as OpenGL) that is missing; the text names the remedy."""
+    """Something the computer lacks, such as OpenGL; the text names the remedy."""

@@ -1,4 +1,4 @@
-"""Lowest and highest values of long signals: a picture of hours costs what one of seconds does."""
+"""Lowest and highest values of long signals, so that hours are drawn as fast as seconds."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Values = NDArray[Any]
 # Takes a slice of rows; returns the (N, C) values there.
 Source = Callable[[slice], Values]
 
-STEP = 4  # bins in one of the next level
+STEP = 4  # bins that make one bin of the next level
 _BLOCK = 1 << 14  # rows that are read at a time
 
 
 class Extremes:
-    """A pyramid of minima and maxima over (T, C) values; updating it costs what has changed.
+    """A pyramid of minima and maxima over (T, C) values; an update reads only what has changed.
 
     The first level holds bins of `base` rows, the next bins of `base * STEP` rows, and so on.
 
@@ -49,7 +49,7 @@ class Extremes:
         self.update(0, length)
 
     def update(self, first: int, last: int) -> None:
-        """Read the values of the rows from `first` to before `last` again."""
+        """Read rows `first` to `last` - 1 again."""
         if first >= last:
             return
         base, start = self.base, first - first % self.base
@@ -73,10 +73,10 @@ class Extremes:
         self._levels[level][0][bins], self._levels[level][1][bins] = low, high
 
     def bin_size(self, wanted: int) -> int:
-        """The largest size of bins that `bins` can answer, up to the size that is wanted.
+        """The largest bin size that `bins` supports, up to `wanted`.
 
         Args:
-            wanted: rows, `base` or more.
+            wanted: rows; `base` or more.
         """
         step = self._level_for(wanted)[1]
         return wanted - wanted % step
@@ -89,11 +89,11 @@ class Extremes:
         return level, step
 
     def bins(self, first: int, last: int, size: int) -> tuple[Values, Values]:
-        """Lowest and highest values (N, C) of bins.
+        """The lowest and the highest values of bins, (N, C) each.
 
         Args:
-            first, last: the first bin, and the one after the last.
-            size: rows in each, as `bin_size` gives it.
+            first, last: the first bin, and the one after the last bin.
+            size: rows in each bin, as returned by `bin_size`.
         """
         level, step = self._level_for(size)
         together = size // step

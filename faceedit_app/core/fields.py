@@ -1,7 +1,7 @@
-"""Reading FaceEdit's own JSON: each field is checked here, and named where it is wrong.
+"""Read FaceEdit's own JSON: every field is checked, and named if it is wrong.
 
-What comes out is bounded: numbers are finite and no larger than `LARGEST`, texts can be written
-again and are not endless, lists are no longer than their reader allows.
+Results are bounded: numbers are finite and at most `LARGEST`, texts can be written again and have
+a limited length, and lists are no longer than their reader allows.
 """
 
 from __future__ import annotations
@@ -18,27 +18,27 @@ from faceedit_app.core.errors import FileError
 
 Word = TypeVar("Word", bound=StrEnum)
 
-# Seconds or millimetres: far beyond any take and any face, far below where sums stop being numbers.
+# Seconds or millimetres: far beyond any take and any face, far below where sums overflow.
 LARGEST = 1e6
 LONGEST_TEXT = 1_000
-LONGEST_PATH = 32_767  # of Windows; other systems know less
+LONGEST_PATH = 32_767  # the limit on Windows; other systems allow less
 MOST_BYTES = 256 * 2**20
 MOST_ITEMS = 100_000
-DEEPEST = 8  # objects and lists within each other, in a field that may hold anything
-_QUOTED = 40  # characters of a text that stand in an error
+DEEPEST = 8  # nested objects and lists, in a field that may hold anything
+_QUOTED = 40  # characters of a text that an error quotes
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
 
 class FieldError(ValueError):
-    """Which field is wrong and how, as a phrase."""
+    """A field that is wrong; the text says which one and how, as a phrase."""
 
 
 def parse(content: bytes | str) -> Any:
-    """What a JSON text holds.
+    """Parse a JSON text.
 
     Raises:
-        json.JSONDecodeError: it is no JSON.
-        ValueError: it is no UTF-8, nested without end, or has a number of thousands of digits.
+        json.JSONDecodeError: it is not JSON.
+        ValueError: it is not UTF-8, nested too deeply, or has a number with thousands of digits.
     """
     try:
         return json.loads(content.decode("utf-8-sig") if isinstance(content, bytes) else content)
@@ -47,25 +47,25 @@ def parse(content: bytes | str) -> Any:
 
 
 def to_text(value: Any, indent: int | None = None) -> str:
-    """A JSON text that people can read; characters that UTF-8 cannot hold are escaped."""
+    """Readable JSON; characters that UTF-8 cannot hold are escaped."""
     text = json.dumps(value, indent=indent, ensure_ascii=False, allow_nan=False)
     return _SURROGATE.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def clean_text(text: str, longest: int = LONGEST_TEXT) -> str:
-    """A text from the user, without what could not be read back from a file."""
+    """A text from the user, without anything that could not be read back from a file."""
     return _SURROGATE.sub("\ufffd", text)[:longest]
 
 
 class Fields:
-    """The fields of a JSON object, each checked as it is read.
+    """The fields of a JSON object; each is checked when it is read.
 
     Args:
-        value: what should be an object.
-        name: where it stands in its document, such as `view`; empty for the document itself.
+        value: the object; anything else raises `FieldError`.
+        name: its place in the document, such as `view`; empty for the document itself.
 
     Raises:
-        FieldError: it is no object.
+        FieldError: `value` is not an object.
     """
 
     def __init__(self, value: Any, name: str = "") -> None:
@@ -81,10 +81,10 @@ class Fields:
         return name in self._values
 
     def finish(self) -> None:
-        """Make sure that nothing is left unread: it would be lost when the file is saved again.
+        """Check that every field was read: the others would be lost when the file is saved.
 
         Raises:
-            FieldError: there is a field that nobody asked for.
+            FieldError: there is an unknown field.
         """
         for name in sorted(self._values.keys() - self._known):
             raise FieldError(f"unknown field {_quoted(self._full(name))}")
@@ -96,13 +96,13 @@ class Fields:
         low: float = -LARGEST,
         high: float = LARGEST,
     ) -> float:
-        """A number in a range; the field must be there if there is no default."""
+        """A number in a range; the field is required if there is no default."""
         return self._number(name, self._value(name, default), low, high)
 
     def number_or_none(
         self, name: str, low: float = -LARGEST, high: float = LARGEST
     ) -> float | None:
-        """The same, of a field that may be absent."""
+        """A number in a range, or None if the field is null or absent."""
         return self.number(name, None, low, high) if self.has(name) else None
 
     def whole(self, name: str, low: int = 0, high: int = 2**53) -> int:
@@ -114,7 +114,7 @@ class Fields:
         return value
 
     def span(self, name: str) -> tuple[float, float] | None:
-        """Two numbers in order, or None where the field is null or absent."""
+        """Two numbers in order, or None if the field is null or absent."""
         if self._is_null(name):
             return None
         (span,) = self._pairs(name, [self._values[name]])
@@ -123,7 +123,7 @@ class Fields:
         return span
 
     def pairs(self, name: str, most: int = MOST_ITEMS) -> tuple[tuple[float, float], ...]:
-        """A list of two numbers each; none where the field is absent."""
+        """A list of pairs of numbers; empty if the field is absent."""
         return self._pairs(name, self.items(name, [], most))
 
     def text(self, name: str, default: str | None = None, longest: int = LONGEST_TEXT) -> str:
@@ -131,12 +131,12 @@ class Fields:
         return self._text(name, self._value(name, default), longest)
 
     def path(self, name: str) -> str:
-        """A path, as the file says it: not empty, and one that this system could have."""
+        """A path as the file spells it: not empty, and valid on this system."""
         value = self._value(name, None)
         if not isinstance(value, str) or not 0 < len(value) <= LONGEST_PATH or "\0" in value:
             raise FieldError(f"{self._full(name)} is not a path")
         try:
-            os.fsencode(value)  # it knows names that are not Unicode, where there are any
+            os.fsencode(value)  # accepts all that the system does, even names outside Unicode
         except UnicodeEncodeError:
             raise FieldError(f"{self._full(name)} is not a path") from None
         return value
@@ -149,14 +149,14 @@ class Fields:
         return value
 
     def choice(self, name: str, kind: type[Word], default: Word | None = None) -> Word:
-        """One of some words."""
+        """One of the words of an enumeration."""
         value = self._value(name, default)
         if not isinstance(value, str) or value not in list(kind):
             raise FieldError(f"{self._full(name)} must be one of {', '.join(kind)}")
         return kind(value)
 
     def choice_or_none(self, name: str, kind: type[Word]) -> Word | None:
-        """The same, or None where the field is null or absent."""
+        """One of the words of an enumeration, or None if the field is null or absent."""
         return None if self._is_null(name) else self.choice(name, kind)
 
     def items(
@@ -175,15 +175,15 @@ class Fields:
         return tuple(self._text(name, text, LONGEST_TEXT) for text in self.items(name, most=most))
 
     def fields(self, name: str, default: dict[str, Any] | None = None) -> Fields:
-        """An object; `default` where the field is absent."""
+        """An object; `default` if the field is absent."""
         return Fields(self._value(name, default), self._path(name))
 
     def fields_or_none(self, name: str) -> Fields | None:
-        """An object, or None where the field is null or absent."""
+        """An object, or None if the field is null or absent."""
         return None if self._is_null(name) else self.fields(name)
 
     def plain(self, name: str) -> dict[str, Any]:
-        """An object of anything that is bounded: its reader looks at it later. `{}` if absent."""
+        """An object whose fields are checked only for size; `{}` if the field is absent."""
         value = self._value(name, {})
         if not isinstance(value, dict):
             raise FieldError(f"{self._full(name)} is not an object")
@@ -213,8 +213,8 @@ class Fields:
         return float(value)
 
     def _within(self, name: str, value: float, low: float, high: float) -> None:
-        if not low <= value <= high:  # nor is NaN
-            raise FieldError(f"{self._full(name)} must lie between {low:,.10g} and {high:,.10g}")
+        if not low <= value <= high:  # true for NaN as well
+            raise FieldError(f"{self._full(name)} must be between {low:,.10g} and {high:,.10g}")
 
     def _text(self, name: str, value: Any, longest: int) -> str:
         if not isinstance(value, str):
@@ -227,7 +227,7 @@ class Fields:
 
     def _pairs(self, name: str, values: list[Any]) -> tuple[tuple[float, float], ...]:
         if not all(isinstance(pair, list) and len(pair) == 2 for pair in values):
-            raise FieldError(f"{self._full(name)} is not made of two numbers each")
+            raise FieldError(f"{self._full(name)} is not a list of pairs of numbers")
         low, high = -LARGEST, LARGEST
         return tuple(
             (self._number(name, a, low, high), self._number(name, b, low, high)) for a, b in values
@@ -250,7 +250,7 @@ class Fields:
 
 
 def _quoted(text: str) -> str:
-    """A text from a file as it may stand in an error: short, on one line."""
+    """A text from a file, made fit for an error: short and on one line."""
     short = text if len(text) <= _QUOTED else f'{text[:_QUOTED]}…"'
     return short.encode("unicode_escape").decode() if not short.isprintable() else short
 
@@ -261,10 +261,10 @@ def read_document(path: Path, kind: str, version: int) -> Fields:
     Args:
         path: the file.
         kind: what it should be, such as "edits file".
-        version: the only one that this FaceEdit knows.
+        version: the only version that this FaceEdit reads.
 
     Raises:
-        FileError: it cannot be read, is something else, or comes from a later FaceEdit.
+        FileError: it cannot be read, is something else, or was written by a newer FaceEdit.
     """
     try:
         document = parse(_content(path))
@@ -278,9 +278,9 @@ def read_document(path: Path, kind: str, version: int) -> Fields:
         ) from error
     except FieldError as error:
         remedy = "choose one that FaceEdit saved"
-        raise FileError(path, f"is no {kind}: {error}", remedy) from error
-    except ValueError as error:  # no UTF-8, or a number of thousands of digits
-        raise FileError(path, f"is no {kind}", "choose one that FaceEdit saved") from error
+        raise FileError(path, f"is not a valid {kind}: {error}", remedy) from error
+    except ValueError as error:  # not UTF-8, or a number with thousands of digits
+        raise FileError(path, f"is not a valid {kind}", "choose one that FaceEdit saved") from error
     found = document["version"] if fields.has("version") else None
     if found != version or isinstance(found, bool):
         raise FileError(
@@ -292,15 +292,15 @@ def read_document(path: Path, kind: str, version: int) -> Fields:
 
 
 def _content(path: Path) -> bytes:
-    """All of a file.
+    """The content of a file.
 
     Raises:
         OSError: it cannot be read.
-        FieldError: it is larger than any document, or a pipe or a device, which may have no end.
+        FieldError: it is too large for a document, or not a regular file (a pipe may never end).
     """
     about = path.stat()
     if not stat.S_ISREG(about.st_mode) and not stat.S_ISDIR(about.st_mode):
-        raise FieldError("it is no file")
+        raise FieldError("it is not a file")
     if about.st_size > MOST_BYTES:
-        raise FieldError(f"it has more than {MOST_BYTES // 2**20} MB")
+        raise FieldError(f"it is larger than {MOST_BYTES // 2**20} MB")
     return path.read_bytes()

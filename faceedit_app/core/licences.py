@@ -1,6 +1,6 @@
-"""The libraries that this installation stands on, and their licences, as their packages say.
+"""The libraries that FaceEdit uses, and their licences, from the metadata of their packages.
 
-The installed application carries the metadata of what is in it, and only of that.
+The installed application carries the metadata of the packages in it, and of no others.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from importlib import metadata
 from pathlib import Path
 
 APPLICATION = "faceedit"
-TEXTS = "THIRD_PARTY_LICENSES.txt"  # beside the installed application's program
-_SHORT = 60  # characters: a longer licence is its text, not its name
+TEXTS = "THIRD_PARTY_LICENSES.txt"  # next to the program of the installed application
+_SHORT = 60  # characters; anything longer is the licence's text, not its name
 
 
 @dataclass(frozen=True)
 class Library:
-    """One package: its name, its version, and the name of its licence."""
+    """A package: its name, its version, and the name of its licence."""
 
     name: str
     version: str
@@ -26,7 +26,7 @@ class Library:
 
 
 def libraries() -> list[Library]:
-    """What FaceEdit needs, and what that needs in turn, by name; what is absent is left out."""
+    """FaceEdit's dependencies, and theirs, by name; those that are not installed are left out."""
     found: dict[str, Library | None] = {}
     wanted = _needs(APPLICATION)
     while wanted:
@@ -35,7 +35,7 @@ def libraries() -> list[Library]:
             continue
         try:
             about = metadata.metadata(name)
-        except metadata.PackageNotFoundError:  # for another system, or not in the bundle
+        except metadata.PackageNotFoundError:  # needed on another system only, or not in the bundle
             found[_key(name)] = None
             continue
         found[_key(name)] = Library(about["Name"], about["Version"], licence_name(about))
@@ -56,16 +56,16 @@ def licence_name(about: metadata.PackageMetadata) -> str:
 
 
 def texts_file() -> Path | None:
-    """The file with the full texts of all licences; only the installed application has one."""
+    """The full texts of all licences, or None (installed application only)."""
     path = Path(sys.executable).with_name(TEXTS)
     return path if getattr(sys, "frozen", False) and path.is_file() else None
 
 
 def _needs(name: str) -> set[str]:
-    """What a package requires, without what it requires for extras."""
+    """The names of a package's requirements, without those of its extras."""
     try:
         requirements = metadata.requires(name) or []
-    except metadata.PackageNotFoundError:  # a source tree that was never installed
+    except metadata.PackageNotFoundError:  # a checkout that was never installed
         return set()
     return {
         match[0]
@@ -76,5 +76,5 @@ def _needs(name: str) -> set[str]:
 
 
 def _key(name: str) -> str:
-    """Names are the same whatever their case and separators."""
+    """A package's name without its case and separators, for comparison."""
     return re.sub(r"[-_.]+", "-", name).lower()

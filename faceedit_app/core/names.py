@@ -1,11 +1,11 @@
-"""From the names that files use to ARKit's: by rules.
+"""Map the channel names that files use to ARKit's, by rules.
 
 Tools spell one shape `eyeBlinkLeft`, `EyeBlinkLeft`, `eyeBlink_L`, `EYE_BLINK_LEFT`,
 `left_eye_blink`, `A14_Eye_Blink_Left`, `blendShape1.eyeBlink_L` or `head_ARKit_eyeBlinkLeft`.
 A name is split into words, namespaces and the usual prefixes are dropped, and a word for a side
-at either end becomes the side. Nothing is compared by likeness: a name that the rules do not
-bring to an ARKit name has none. Characters go on from here (`characters.names`): their shapes may
-be halves or both sides of a channel, and bear names that no column of a take does.
+at either end becomes the side. Names are never compared by similarity: if the rules do not lead to
+an ARKit name, there is none. `characters.names` builds on this: a character's shapes may be halves
+or both sides of a channel, and have names that no take has.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def canonical_channel(name: str) -> str | None:
 
 
 def _key(name: str) -> str:
-    """What all spellings of a shape have in common: its words in lower case, its side last."""
+    """What all spellings of a shape share: its words in lower case, the side last."""
     name = _PREFIX.sub("", _NAMESPACE.sub("", name.strip()))
     words = [w.lower() for w in _BETWEEN_PARTS.split(_BETWEEN_WORDS.sub(" ", name)) if w]
     if len(words) > 1:

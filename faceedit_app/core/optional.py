@@ -1,4 +1,4 @@
-"""Optional parts: said in one line when they are missing, before anything imports them."""
+"""Optional dependencies: check that they are installed before they are imported."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from faceedit_app.core.errors import Unavailable
 
 
 def require(module: str, extra: str) -> None:
-    """Make sure that a module of an optional part is installed.
+    """Check that an optional module is installed.
 
     Args:
         module: its name, such as `torch`.
-        extra: the name of the part, as in `pip install "faceedit[extra]"`.
+        extra: the extra that installs it, as in `pip install "faceedit[extra]"`.
 
     Raises:
-        Unavailable: it is not installed, or left out of the installed application.
+        Unavailable: it is not installed, or not part of the installed application.
     """
     if _present(module):
         return
@@ -24,7 +24,7 @@ def require(module: str, extra: str) -> None:
     if getattr(sys, "frozen", False):
         raise Unavailable(
             f"The installed application leaves {extra} out; "
-            f"in a Python 3.11 or newer of your own: {remedy}"
+            f"install FaceEdit in Python 3.11 or newer: {remedy}"
         )
     raise Unavailable(f"This needs {module.partition('.')[0]}, which is not installed; {remedy}")
 
@@ -32,5 +32,5 @@ def require(module: str, extra: str) -> None:
 def _present(module: str) -> bool:
     try:
         return find_spec(module) is not None
-    except ModuleNotFoundError:  # a package above it is missing
+    except ModuleNotFoundError:  # a parent package is missing
         return False

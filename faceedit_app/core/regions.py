@@ -14,9 +14,9 @@ class Region:
     Attributes:
         id: the name in files and on the command line.
         label: the name in the window.
-        together: what its own controls are called when they are edited as one.
-        channels: the K channels that its networks answer, in this order.
-        controls: ids of those that its networks listen to, in the order of the table.
+        together: the name of its own controls when they are edited as one.
+        channels: the K channels that its networks answer with, in this order.
+        controls: ids of the controls that its networks take, in the order of `CONTROLS`.
     """
 
     id: str
@@ -27,7 +27,7 @@ class Region:
 
     @property
     def own(self) -> tuple[str, ...]:
-        """Ids of the controls that its channels bring to what is asked."""
+        """Ids of the controls that its channels move."""
         return tuple(control.id for control in CONTROLS if control.region == self.id)
 
 

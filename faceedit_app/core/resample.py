@@ -1,4 +1,4 @@
-"""Between a clip's own times and steady ones: the networks' grid, and other frame rates."""
+"""Resample between a clip's own times and even ones: the networks' grid, or another frame rate."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ GRID_RATE = 25.0
 
 
 def grid_length(times: Times) -> int:
-    """How many grid frames (at 0, 0.04, 0.08 s, ...) cover a clip's `times` (T,)."""
+    """The number of grid frames (at 0, 0.04, 0.08 s, ...) that cover a clip's `times` (T,)."""
     return int(np.ceil(times[-1] * GRID_RATE - 1e-6)) + 1
 
 
 def to_grid(
     times: Times, values: NDArray[Any], start: int, stop: int, rate: float = GRID_RATE
 ) -> Doubles:
-    """Bring a signal to grid frames `start..stop-1`.
+    """Resample a signal to grid frames `start` to `stop` - 1.
 
     Each grid value is the mean of the linearly interpolated signal over the grid frame's own time
-    (40 ms at 25 fps), so that nothing, not even a spike of one frame at 60 fps, falls between two
-    grid frames. Before the first and after the last time the signal keeps its end value.
+    (40 ms at 25 fps), so that nothing is lost between grid frames, not even a spike of one frame
+    at 60 fps. Before the first and after the last time the signal keeps its end value.
 
     Args:
         times: (T,) seconds, increasing.
@@ -53,10 +53,10 @@ def to_grid(
 
 
 def from_grid(values: NDArray[np.floating[Any]], start: int, times: Times) -> Doubles:
-    """Read grid frames `values` (N, C), the first of which is grid frame `start`, at `times` (T,).
+    """Interpolate grid frames `values` (N, C), the first of which is `start`, at `times` (T,).
 
-    Cubic (Catmull-Rom): passes through the grid values, smooth between, and local: a value
-    shows only within two grid frames of its own.
+    Cubic (Catmull-Rom): it passes through the grid values, is smooth between them, and local: a
+    value has an effect only within two grid frames.
     """
     position = np.clip(times * GRID_RATE - start, 0, len(values) - 1)
     i = np.minimum(position.astype(np.int64), max(len(values) - 2, 0))
@@ -68,12 +68,12 @@ def from_grid(values: NDArray[np.floating[Any]], start: int, times: Times) -> Do
 
 
 def at_rate(times: Times, values: NDArray[Any], rate: float, own_rate: float) -> Doubles:
-    """Bring a signal to another frame rate: values at 0, 1 / rate, 2 / rate, ... seconds.
+    """Resample a signal to another frame rate: values at 0, 1 / rate, 2 / rate, ... seconds.
 
-    A slower rate takes the mean over each frame's own time, see `to_grid`, so that nothing falls
-    between two frames. A faster one, or the same, draws a curve through the values that goes
-    nowhere beyond them: a monotone cubic (Fritsch and Butland, "A method for constructing local
-    monotone piecewise cubic interpolants", 1984).
+    A lower rate takes the mean over each frame's own time, see `to_grid`, so that nothing is lost
+    between two frames. A higher one, or the same, interpolates without overshoot by a monotone
+    cubic (Fritsch and Butland, "A method for constructing local monotone piecewise cubic
+    interpolants", 1984).
 
     Args:
         times: (T,) seconds from 0, increasing.
@@ -82,7 +82,7 @@ def at_rate(times: Times, values: NDArray[Any], rate: float, own_rate: float) ->
         own_rate: nominal frames per second of the signal.
 
     Returns:
-        (N, C) float64; together they last as long as the signal, to the nearest frame.
+        (N, C) float64, as long as the signal to the nearest frame.
     """
     count = max(round((float(times[-1]) + 1 / own_rate) * rate), 1)
     if rate < 0.999 * own_rate:

@@ -1,4 +1,4 @@
-"""Where the files that ship with FaceEdit are: in a wheel beside the code, else in the checkout."""
+"""The files that ship with FaceEdit: next to the code in a wheel, else in the checkout."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def shipped(name: str) -> Path:
-    """Path of a shipped file or folder, such as `assets/character.glb` or `models`.
+    """The path of a shipped file or folder, such as `assets/character.glb` or `models`.
 
     Raises:
         FileError: it is missing from this installation.
@@ -23,7 +23,7 @@ def shipped(name: str) -> Path:
 
 
 def is_demo_take(path: Path) -> bool:
-    """Whether a file is the demo take, whose folder belongs to the installation."""
+    """Whether a file is the demo take; its folder belongs to the installation."""
     try:
         return path.resolve() == shipped(DEMO_TAKE).resolve()
     except FileError:

@@ -1,4 +1,4 @@
-"""A character that can be animated by blendshape weights, and the distances measured on it."""
+"""The rig of a character: blendshapes, and the distances measured on it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Material:
     """How a run of triangles is drawn: `faces[start:stop]` of the rig.
 
     Attributes:
-        surface: what it is, such as `skin` or `teeth`, where the name does not say so.
-        texture: which of the rig's textures has its colour, if one has.
-        cutoff: what has less alpha is not drawn; 0 draws all.
+        surface: what it is, such as `skin` or `teeth`, if the name does not say so.
+        texture: the number of its texture in `Rig.textures`, if it has one.
+        cutoff: pixels with less alpha are not drawn; 0 draws all.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Rig:
-    """Neutral shape, blendshape deltas and control definitions of one character.
+    """The neutral shape, the blendshapes and the control points of a character.
 
     Conventions: metres, Y up, +Z towards the viewer, +X is the character's left.
 
@@ -51,12 +51,12 @@ class Rig:
         deltas: (K, V, 3) float32, metres at weight 1.
         colors: (V, 4) float32 in 0..1, linear RGB and alpha.
         materials: runs of `faces`, in order, that cover all of them.
-        control_pairs: (C, 2) int32 vertex indices, in the order of `controls.CONTROLS`; -1 where
-            the character does not say which vertices a control joins.
+        control_pairs: (C, 2) int32 vertex indices of the control points, in the order of
+            `controls.CONTROLS`; -1 if the character lacks a control.
         name, attribution: shown to the user.
-        uv: (V, 2) float32, where vertices lie in their texture; (0, 0) is its upper left corner.
+        uv: (V, 2) float32 texture coordinates; (0, 0) is the upper left corner.
         textures: (H, W, 4) uint8 each, sRGB and alpha, top row first.
-        shading_groups: (V,) int32; vertices with one number have one normal (seams of a texture).
+        shading_groups: (V,) int32; vertices with the same number share a normal (texture seams).
     """
 
     neutral: Floats
@@ -81,7 +81,7 @@ class Rig:
         return np.ascontiguousarray(self.deltas.reshape(len(self.channels), -1))
 
     def vertices(self, weights: Floats) -> Floats:
-        """Vertices of one frame.
+        """The vertices of one frame.
 
         Args:
             weights: (K,) float32, in the order of `channels`.
@@ -94,32 +94,32 @@ class Rig:
 
     @cached_property
     def has_control(self) -> Bools:
-        """(C,) which controls can be measured and edited on this character."""
+        """(C,) whether each control can be measured and edited on this character."""
         has: Bools = self.control_pairs.min(axis=1) >= 0
         return has
 
     @property
     def missing_controls(self) -> tuple[str, ...]:
-        """Ids of the other controls: they are 0 in every frame, and no weight moves them."""
+        """Ids of the controls that this character lacks: they are 0 in every frame."""
         return tuple(c for c, has in zip(CONTROL_IDS, self.has_control, strict=True) if not has)
 
     @property
     def missing_note(self) -> str:
-        """One line for the user on the controls that are missing; empty if none is."""
+        """One line for the user about the missing controls; empty if there are none."""
         names = [f"“{control_named(name).label}”" for name in self.missing_controls]
         if not names:
             return ""
         curves = f"the curve{'s' * (len(names) > 1)} {', '.join(names)}"
-        return f"{self.name} has no vertices for {curves}, which cannot be edited"
+        return f"{self.name} lacks the control points of {curves}, which cannot be edited"
 
     def measures(self, region: Region) -> Region:
-        """The region with those of its controls that this character has."""
+        """The region, limited to the controls that this character has."""
         missing = self.missing_controls
         return replace(region, controls=tuple(c for c in region.controls if c not in missing))
 
     @cached_property
     def distances(self) -> Distances:
-        """The controls as a function of this rig's weights."""
+        """The controls as a function of weights (K,) in the order of `channels`."""
         # A control that is missing joins a vertex to itself.
         a, b = np.where(self.has_control, self.control_pairs.T, 0)
         return Distances(
@@ -130,7 +130,7 @@ class Rig:
 
     @cached_property
     def arkit_distances(self) -> Distances:
-        """The controls as a function of 52 weights in ARKit order."""
+        """The controls as a function of weights (52,) in ARKit order."""
         gradients = np.zeros((len(ARKIT_CHANNELS), *self.distances.gradients.shape[1:]), np.float32)
         for i, channel in enumerate(ARKIT_CHANNELS):
             if channel in self.channel_index:
@@ -138,11 +138,11 @@ class Rig:
         return replace(self.distances, gradients=gradients)
 
     def controls(self, weights: Floats) -> Floats:
-        """The control distances of a clip: weights (T, K) -> (T, C) float32, mm."""
+        """The controls of a clip: weights (T, K) -> (T, C) float32, mm."""
         return self.distances.measure(weights)
 
     def from_arkit(self, weights: Floats) -> Floats:
-        """Reorder (..., 52) weights in ARKit order to this rig's `channels`; others are 0."""
+        """Reorder weights (..., 52) from ARKit order to `channels`, (..., K); the rest is 0."""
         out = np.zeros((*weights.shape[:-1], len(self.channels)), np.float32)
         theirs, ours = self._arkit_places
         out[..., ours] = weights[..., theirs]
@@ -150,7 +150,7 @@ class Rig:
 
     @cached_property
     def _arkit_places(self) -> tuple[list[int], list[int]]:
-        """Where the channels that both have stand: in ARKit's order, and in ours."""
+        """The places of the shared channels: in ARKit's order, and in the rig's."""
         index = self.channel_index
         theirs = [i for i, channel in enumerate(ARKIT_CHANNELS) if channel in index]
         return theirs, [index[ARKIT_CHANNELS[i]] for i in theirs]
@@ -160,14 +160,13 @@ class Rig:
 class Distances:
     """Distances between vertex pairs that move linearly with the weights.
 
-    The two lids of an eye can pass each other when a tracker closes them harder than they are
-    apart. A shut eye is shut: such a distance counts as 0, where the bare length of the vector
-    would grow again.
+    The two lids of an eye pass each other if a tracker closes them farther than they are apart.
+    Such a distance counts as 0, although the length of the vector grows again.
 
     Attributes:
         offsets: (C, 3) float32, mm: the vector from the first to the second vertex, neutral.
         gradients: (K, C, 3) float32, mm: how each weight changes that vector.
-        shuts: (C,) bool: pairs that can pass each other: their heights change places.
+        shuts: (C,) bool: pairs that can pass each other, so that the lower vertex is above.
     """
 
     offsets: Floats
@@ -181,20 +180,20 @@ class Distances:
 
     @cached_property
     def farthest(self) -> Floats:
-        """(C,) mm that no weights in 0..1 can exceed."""
+        """(C,) mm: the largest distance that weights in 0..1 can reach."""
         moves = np.linalg.norm(self.gradients, axis=2).sum(axis=0)
         lengths: Floats = moves + np.linalg.norm(self.offsets, axis=1)
         return lengths
 
     def vectors(self, weights: NDArray[Any]) -> NDArray[Any]:
-        """Weights (T, K) -> (T, C, 3), mm, as exact as the weights are."""
+        """Weights (T, K) -> vectors (T, C, 3), mm, in the precision of the weights."""
         k, c, _ = self.gradients.shape
         moved: NDArray[Any] = weights @ self.gradients.reshape(k, c * 3)
         vectors: NDArray[Any] = self.offsets + moved.reshape(len(weights), c, 3)
         return vectors
 
     def signed(self, weights: Floats) -> Floats:
-        """Weights (T, K) -> lengths (T, C) float32, mm; negative where a pair has passed."""
+        """Weights (T, K) -> lengths (T, C) float32, mm; negative once a pair has passed."""
         return self.lengths(self.vectors(weights))
 
     def measure(self, weights: Floats) -> Floats:
@@ -202,10 +201,10 @@ class Distances:
         return np.maximum(self.signed(weights), 0.0)
 
     def jacobian(self, weights: Floats, passed: bool = False) -> tuple[Floats, Floats]:
-        """`signed` (T, C), mm, and its derivative by each weight (T, C, K), mm per unit.
+        """`signed` (T, C), mm, and its derivative by each weight (T, C, K), mm per unit of weight.
 
         Args:
-            passed: take each pair's heights as if they had changed places.
+            passed: treat each pair as if its vertices had passed each other.
         """
         vectors = self.vectors(weights)
         lengths = self.lengths(vectors)
@@ -215,10 +214,10 @@ class Distances:
     def directions(
         self, vectors: NDArray[Any], lengths: NDArray[Any], passed: bool = False
     ) -> NDArray[Any]:
-        """How the `lengths` (..., C) of `vectors` (..., C, 3) grow with them: (..., C, 3).
+        """The gradient (..., C, 3) of the `lengths` (..., C) by the `vectors` (..., C, 3).
 
         Args:
-            passed: take each pair's heights as if they had changed places.
+            passed: treat each pair as if its vertices had passed each other.
         """
         if passed:
             vectors = vectors * np.array([1, -1, 1], vectors.dtype)
@@ -226,7 +225,7 @@ class Distances:
         return directions
 
     def lengths(self, vectors: NDArray[Any]) -> NDArray[Any]:
-        """Lengths (..., C), mm, of `vectors` (..., C, 3); negative where a pair has passed."""
+        """Lengths (..., C), mm, of `vectors` (..., C, 3); negative once a pair has passed."""
         x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
         plain: NDArray[Any] = np.sqrt(x * x + y * y + z * z)
         if not self._may_pass:

@@ -1,7 +1,7 @@
-"""Matrix products on one thread, so that results do not depend on how many there are.
+"""Run matrix products on one thread, so that results do not depend on the number of threads.
 
-The last bits of a product depend on how BLAS shares it among threads. On matrices as small as ours
-a second thread gains nothing, and on a busy machine the two wait for each other.
+The last bits of a product depend on how BLAS divides it among threads. For matrices this small a
+second thread gains nothing, and on a busy machine the two wait for each other.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ _VARIABLES = (
 
 
 def use_one_thread() -> None:
-    """Have each BLAS of this process, loaded already or later, compute on one thread.
+    """Make every BLAS of this process, loaded now or later, use one thread.
 
-    Called when the package is imported, which is before anything of it can compute.
+    Called when the package is imported, before anything is computed.
     """
     os.environ.update(dict.fromkeys(_VARIABLES, "1"))
-    if "numpy" in sys.modules:  # which has read its variable
-        from threadpoolctl import threadpool_limits  # 10 ms, not needed where FaceEdit starts
+    if "numpy" in sys.modules:  # it has already read the variables
+        from threadpoolctl import threadpool_limits  # 10 ms, not needed when FaceEdit starts
 
         threadpool_limits(1, user_api="blas")

@@ -1,1 +1,1 @@
-"""Edits and what they do to a take: no Qt, no GL."""
+"""Edits, and what they do to a take. Works without Qt and OpenGL."""

@@ -1,4 +1,4 @@
-"""From files to an edit session: a take, the character and the networks, put together here only."""
+"""Open a session: read the take, the character and the model, and put them together."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from faceedit_app.networks.engine import Engine
 
 
 def shipped_rig() -> Rig:
-    """The character that ships with FaceEdit.
+    """Read the character that ships with FaceEdit.
 
     Raises:
         FileError: it is missing or damaged.
@@ -23,10 +23,14 @@ def shipped_rig() -> Rig:
 
 
 def load_engine(rig: Rig, models: Path | None = None) -> Engine:
-    """The networks of a folder, by default of those that ship, which must be made for the rig.
+    """Load a model for a rig.
+
+    Args:
+        rig: the character; the model must be made for it.
+        models: the folder of the model; None = the one that ships.
 
     Raises:
-        FileError: they are missing or damaged, or for another character.
+        FileError: the model is missing or damaged, or made for another character.
     """
     return Engine.load(models if models is not None else shipped("models"), rig)
 
@@ -42,11 +46,11 @@ def open_session(
     Args:
         take: the take, or its file.
         rig: the character; None = the one that ships.
-        engine: the networks; None = edits are answered by the rig alone.
-        fps: the take's frame rate, if its file does not tell it or is not believed.
+        engine: answers edits; None = the rig alone answers them.
+        fps: frames per second, if the file does not give them or is wrong.
 
     Raises:
-        RateNeeded: the file does not tell its frame rate, and there is no `fps`.
+        RateNeeded: the file does not give its frame rate, and `fps` is None.
         FileError: the take or the character cannot be read.
     """
     if not isinstance(take, Take):

@@ -1,4 +1,4 @@
-"""The edited take: what gestures do to it, and the live result that window and export read."""
+"""The session: what gestures do to a take, and the live result that is shown and exported."""
 
 from __future__ import annotations
 
@@ -29,32 +29,31 @@ from faceedit_app.editing.steps import EditState, Steps
 from faceedit_app.formats.opening import write_take
 from faceedit_app.formats.take import Take
 
-if TYPE_CHECKING:  # the window is there before the networks are imported
+if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.networks.engine import Engine
 
 
 class EditSession:
-    """One open take and what the user has done to it.
+    """An open take and its edits.
 
-    A gesture calls `preview…` as often as it likes, then `commit` or `cancel`. What is done by one
-    click is committed at once: `add`, `put`, `remove`, `configure` and so on are one step each.
+    A gesture calls `preview…` any number of times, then `commit` or `cancel`. Changes by one click
+    are committed at once: `add`, `put`, `remove`, `configure` and so on are one step each.
 
-    `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of the plots. `weights` is
+    `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of each plot. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
-    read them, do not keep or change them. `live.patience` says how long a change may take before
-    the rest is left to `live.work`.
+    read them, but do not keep or change them. `live.patience` limits how long a change may take
+    before the rest is left to `live.work`.
 
     Args:
         take: the open take.
         rig: the character.
-        engine: the networks, or None to edit by the rig alone.
+        engine: answers edits; None = the rig alone answers them.
 
     Signals:
-        previewed(): the session shows what is not kept: a gesture is in progress.
-        changed(): what is kept is shown, after a commit, cancel, undo or redo; or other networks
-            answer.
-        stepped(EditState): what is kept is another state; sent before `changed`, to those who
-            write it down.
+        previewed(): a gesture has changed what is shown.
+        changed(): the kept state is shown, after a commit, cancel, undo or redo, or after the
+            engine has changed.
+        stepped(EditState): the kept state has changed; sent before `changed`, for the journal.
     """
 
     previewed = Signal()
@@ -70,11 +69,11 @@ class EditSession:
         self.tracked, self.asked = self.live.tracked, self.live.asked
         self.achieved, self.weights = self.live.achieved, self.live.weights
 
-    # --- what is kept ------------------------------------------------------------------------
+    # --- the kept state ----------------------------------------------------------------------
 
     @property
     def state(self) -> EditState:
-        """All that is kept; a preview is not in it."""
+        """The kept state, without a preview."""
         return self._steps.state
 
     @property
@@ -89,12 +88,12 @@ class EditSession:
 
     @property
     def has_engine(self) -> bool:
-        """Whether the networks answer."""
+        """Whether an engine answers the edits."""
         return self._solver.engine is not None
 
     @property
     def limits(self) -> list[tuple[float, float]]:
-        """Lowest and highest mm of each control that a face, or this take, can do."""
+        """The lowest and highest value of each control that a face, or this take, can have, mm."""
         return self._solver.limits
 
     @property
@@ -104,18 +103,18 @@ class EditSession:
 
     @property
     def is_exported(self) -> bool:
-        """Whether the present edits are the ones last exported or saved, and media are saved."""
+        """Whether the edits have been exported or saved, and sound and film saved."""
         return self.state == self._saved
 
     # --- gestures ----------------------------------------------------------------------------
 
     @property
     def is_previewing(self) -> bool:
-        """Whether a gesture is in progress: what is shown is not yet kept."""
+        """Whether a gesture is in progress."""
         return self._steps.preview is not None
 
     def preview(self, *edits: Edit | None) -> None:
-        """Show the take with more edits, as a drag does. None is no edit; without any, cancel."""
+        """Show the take with further edits, as a drag does; None is ignored, no edit cancels."""
         more = tuple(edit for edit in edits if edit is not None)
         if more:
             self.preview_list(self.edits + more)
@@ -123,27 +122,27 @@ class EditSession:
             self.cancel()
 
     def preview_list(self, edits: Sequence[Edit]) -> None:
-        """Show the take with another list of edits: some of them are being changed."""
+        """Show the take with another list of edits."""
         self._preview(replace(self.state, edits=tuple(edits)))
 
     def preview_replace(self, index: int, edit: Edit) -> None:
-        """Show the take with another edit in place of one of the list."""
+        """Show the take with one edit of the list replaced."""
         self.preview_list(self._with(index, edit))
 
     def preview_settings(self, settings: Settings) -> None:
-        """Show the take as other settings answer its edits."""
+        """Show the take with other settings."""
         self._preview(replace(self.state, settings=settings))
 
     def preview_media(self, media: Placement) -> None:
-        """Show the take with this sound and film, there."""
+        """Show the take with this sound and film."""
         self._preview(replace(self.state, media=media))
 
     def commit(self, name: str = "", merge: Hashable = None) -> None:
-        """Keep what is previewed as one step.
+        """Keep the preview as one step.
 
         Args:
-            name: of the step, as Undo shows it; by default what the edits are called that it adds.
-            merge: extends the last step if that had the same key and nothing came between.
+            name: the step's name, which Undo shows; by default that of the edits that it adds.
+            merge: extends the last step if it had the same key and nothing happened between.
         """
         if self._steps.preview is not None:
             self._change(self._steps.preview, name, merge)
@@ -153,11 +152,11 @@ class EditSession:
         return self._steps.extends(merge)
 
     def seal(self) -> None:
-        """End the last gesture for good: whatever comes now is a step of its own."""
+        """Let no later commit extend the last step."""
         self._steps.seal()
 
     def cancel(self) -> bool:
-        """Drop what is previewed; False if nothing was."""
+        """Drop the preview; False if there is none."""
         was_previewing = self._steps.cancel()
         if was_previewing:
             self._arrive(is_step=False)
@@ -173,35 +172,35 @@ class EditSession:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a step back."""
+        """Whether there is a step to undo."""
         return bool(self._steps.done)
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is a step forward."""
+        """Whether there is a step to redo."""
         return bool(self._steps.undone)
 
     @property
     def undo_name(self) -> str:
-        """The step that Undo takes back; empty if there is none."""
+        """The name of the step that Undo takes back; empty if there is none."""
         return self._steps.done[-1].name if self.can_undo else ""
 
     @property
     def redo_name(self) -> str:
-        """The step that Redo takes again; empty if there is none."""
+        """The name of the step that Redo repeats; empty if there is none."""
         return self._steps.undone[-1].name if self.can_redo else ""
 
     def undo(self) -> None:
-        """Take the last step back, and drop what is previewed."""
+        """Undo the last step, and drop the preview."""
         if self._steps.undo():
             self._arrive()
 
     def redo(self) -> None:
-        """Take the step again that was undone last, and drop what is previewed."""
+        """Redo the step that was undone last, and drop the preview."""
         if self._steps.redo():
             self._arrive()
 
-    # --- one click, one step; its name is by default what the edits are called that it adds ----
+    # --- one click, one step; by default it is named after the edits that it adds ------------
 
     def add(self, *edits: Edit, name: str = "") -> None:
         """Add edits."""
@@ -214,15 +213,15 @@ class EditSession:
         controls: Sequence[str] = CONTROL_IDS,
         falloff: float = 0.0,
     ) -> None:
-        """Bring controls back to the take as tracked from `start` to `end` seconds."""
+        """Bring curves back to the take as tracked, from `start` to `end` seconds."""
         self.add(Edit(tuple(controls), Op.RESET, start, end, falloff), name="Reset range")
 
     def put(self, edits: Sequence[Edit], name: str = "", merge: Hashable = None) -> None:
-        """Have another list of edits."""
+        """Replace the list of edits."""
         self._change(replace(self.state, edits=tuple(edits)), name, merge)
 
     def replace_edit(self, index: int, edit: Edit, name: str = "") -> None:
-        """Put another edit in the place of one."""
+        """Replace one edit."""
         self.put(self._with(index, edit), name or describe(edit))
 
     def set_enabled(self, index: int, enabled: bool) -> None:
@@ -231,22 +230,22 @@ class EditSession:
         self.replace_edit(index, edit, "Switch edit on" if enabled else "Switch edit off")
 
     def rename(self, index: int, name: str) -> None:
-        """Call an edit something else; "" is its description again."""
+        """Rename an edit; "" returns it to its description."""
         edit = replace(self.edits[index], name=clean_text(name.strip()))
         self.replace_edit(index, edit, "Rename edit")
 
     def remove(self, *indices: int) -> None:
-        """Take edits out of the list."""
+        """Delete edits from the list."""
         gone = {range(len(self.edits))[index] for index in indices}
         kept = tuple(edit for i, edit in enumerate(self.edits) if i not in gone)
         self.put(kept, "Delete edit" if len(gone) == 1 else f"Delete {len(gone)} edits")
 
     def move(self, index: int, to: int) -> None:
-        """Bring an edit to another place in the list.
+        """Move an edit to another place in the list.
 
         Args:
-            index: where it is.
-            to: where it is afterwards; beyond an end of the list is that end.
+            index: its present place.
+            to: its new place; beyond an end of the list means that end.
         """
         edits = list(self.edits)
         edit = edits.pop(index)
@@ -254,25 +253,25 @@ class EditSession:
         self.put(edits, "Move edit")
 
     def configure(self, settings: Settings, merge: Hashable = None) -> None:
-        """Answer all edits by other settings."""
+        """Change the settings that all edits are answered by."""
         name = self.settings.describe_change(settings)
         self._change(replace(self.state, settings=settings), name, merge)
 
     def place(self, media: Placement, name: str = "Sound and film", merge: Hashable = None) -> None:
-        """Have this sound and film, and have them there."""
+        """Set the sound and film of the take, and when they begin."""
         self._change(replace(self.state, media=media), name, merge)
 
     def restore(self, state: EditState) -> None:
-        """Go to a state that was kept in a file."""
+        """Go to a state from a file, as one step."""
         self._change(state, "Recovery")
 
     def begin_with(self, state: EditState) -> None:
-        """Start from the state that a project holds: there is nothing before it to go back to."""
+        """Start from the state of a project, which Undo cannot go behind."""
         self._steps.begin_with(state)
         self._arrive(is_step=False)
 
     def use_engine(self, engine: Engine) -> None:
-        """Answer by these networks from now on (they load after the window is up)."""
+        """Answer edits with this engine from now on; it is loaded after the window is up."""
         self.live.forget()
         self._solver.use_engine(engine)
         self._computed = EditState()
@@ -285,7 +284,7 @@ class EditSession:
         return tuple(edits)
 
     def _change(self, state: EditState, name: str, merge: Hashable = None) -> None:
-        """Preview and commit at once, with one announcement."""
+        """Preview and commit at once, with one signal."""
         added = state.edits[len(self.edits) :] or state.edits[-1:]
         was_previewing, self._steps.preview = self.is_previewing, state
         is_step = self._steps.commit(name or describe_edits(added), merge)
@@ -293,39 +292,39 @@ class EditSession:
             self._arrive(is_step)
 
     def _arrive(self, is_step: bool = True) -> None:
-        """Show what is kept, write it down if it is new, then tell the views."""
+        """Show the kept state and send the signals."""
         self._compute()
         if is_step:
             self.stepped.emit(self.state)
         self.changed.emit()
 
-    # --- what it looks like ----------------------------------------------------------------
+    # --- the result ------------------------------------------------------------------------
 
     def rig_weights(self, frame: int, tracked: bool = False) -> Floats:
-        """(K,) weights of one frame for `Rig.vertices`."""
+        """(K,) weights of one frame, for `Rig.vertices`."""
         source = self._solver.tracked if tracked else self.weights
         return self.rig.from_arkit(source[frame])
 
     def changed_frames(self) -> int:
-        """How many frames differ from the take as tracked."""
+        """The number of frames that differ from the take as tracked."""
         return self.live.changed_frames
 
     def _compute(self) -> None:
-        """Have the arrays follow what is shown; a change of media alone leaves them as they are."""
+        """Update the arrays to the shown state, unless only the media have changed."""
         before, self._computed = self._computed, self._steps.shown
         edits, settings = self._computed.edits, self._computed.settings
         if edits != before.edits or settings != before.settings:
-            self.live.show(self._solver.pieces(edits, settings))
+            self.live.show(self._solver.tasks(edits, settings))
 
     # --- files -----------------------------------------------------------------------------
 
     @cached_property
     def fingerprint(self) -> Fingerprint:
-        """What tells the take's file, as it was opened, from all others."""
+        """The fingerprint of the take's file as it was opened."""
         return fingerprint_of(self.take)
 
     def clip_weights(self) -> Floats:
-        """(T, K) the result in the take's own channels; untouched frames are bit for bit its."""
+        """(T, K) the result in the take's own channels; unedited frames keep their bits."""
         self.live.work()
         columns = [ARKIT_INDEX[c] for c in self.take.clip.channels]
         return np.ascontiguousarray(self.weights[:, columns])
@@ -340,24 +339,28 @@ class EditSession:
         self._mark_exported()
 
     def mark_saved(self) -> None:
-        """What has been done up to now is in a file."""
+        """Note that the present state is saved."""
         self._saved = self.state
-        self._steps.seal()  # Undo leads back to what is in the file
+        self._steps.seal()  # so that Undo can return to what is in the file
 
     def _mark_exported(self) -> None:
-        """The edits are in a file; where sound and film lie is only in projects."""
+        """Note that the edits are in a file; only projects hold sound and film."""
         self._saved = replace(self.state, media=self._saved.media)
         self._steps.seal()
 
     def save_edits(self, path: Path | str) -> None:
-        """Save the edits for `faceedit apply` or for another day."""
+        """Save the edits, for `faceedit apply` or for another take.
+
+        Raises:
+            FileError: the file cannot be written.
+        """
         write_edits(path, self.edits)
         self._mark_exported()
 
     def load_edits(self, path: Path | str) -> None:
-        """Add the edits of a file, as one undo step.
+        """Add the edits of a file as one step.
 
         Raises:
-            FileError: it is no edits file.
+            FileError: it cannot be read or is not an edits file.
         """
         self.add(*read_edits(path), name="Load edits")

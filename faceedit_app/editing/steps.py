@@ -1,7 +1,7 @@
-"""The history of a take: what is kept, what a gesture previews, undo and redo.
+"""The undo history of a take, and the state that a gesture previews.
 
-Edits, settings and media all change in one way: a gesture previews states, then commits the last
-one as a step or cancels it. Nothing here guesses where a gesture ends: whoever runs it says so.
+Edits, settings and media all change the same way: a gesture previews states, then commits the last
+one as a step or cancels it. Callers say where a gesture ends; nothing is guessed here.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from faceedit_app.editing.edits.settings import Settings
 
 @dataclass(frozen=True)
 class EditState:
-    """What undo steps through.
+    """A state of the take: what a step changes.
 
     Attributes:
         edits: oldest first.
         settings: how they are answered.
-        media: the take's sound and film; None = what lies beside it, as it lies there.
+        media: the sound and film; None = the files found next to the take.
     """
 
     edits: tuple[Edit, ...] = ()
@@ -34,8 +34,8 @@ class Step:
     """One entry of the history.
 
     Attributes:
-        name: what the user reads after Undo and Redo, such as "Smile".
-        before, after: the states on either side of it.
+        name: shown after Undo and Redo, such as "Smile".
+        before, after: the states before and after it.
     """
 
     name: str
@@ -44,13 +44,13 @@ class Step:
 
 
 class Steps:
-    """Undo and redo, and the state that a gesture previews.
+    """The undo history, and the state that a gesture previews.
 
     Attributes:
-        state: what is kept.
-        preview: what the gesture in progress shows in its place; None between gestures.
-        done: the steps that lead to `state`, oldest first; Undo takes the last one back.
-        undone: the steps that were taken back; Redo takes the last one again.
+        state: the kept state.
+        preview: the state that the gesture in progress shows instead; None between gestures.
+        done: the steps that lead to `state`, oldest first; Undo takes back the last one.
+        undone: the steps that were undone; Redo repeats the last one.
     """
 
     def __init__(self) -> None:
@@ -58,12 +58,12 @@ class Steps:
         self.preview: EditState | None = None
         self.done: list[Step] = []
         self.undone: list[Step] = []
-        self._key: Hashable = None  # of the last step, as long as it may still be extended
-        self._dropped: list[Step] = []  # what Redo lost to that step
+        self._key: Hashable = None  # the last step's, while it may be extended
+        self._dropped: list[Step] = []  # the redo steps that it replaced
 
     @property
     def shown(self) -> EditState:
-        """What is to be seen: the preview, else what is kept."""
+        """The state on screen: the preview, else the kept state."""
         return self.state if self.preview is None else self.preview
 
     def extends(self, key: Hashable) -> bool:
@@ -71,18 +71,18 @@ class Steps:
         return key is not None and key == self._key
 
     def commit(self, name: str, merge: Hashable = None) -> bool:
-        """Keep what is previewed as one step.
+        """Keep the preview as one step.
 
-        A preview that equals what is kept is no step, and Redo keeps what it had. Nor is a step
-        that was extended until it is back where it began.
+        A preview that equals the kept state makes no step and leaves Redo alone; so does an
+        extended step that returns to where it began.
 
         Args:
-            name: of the step.
-            merge: extends the last step if that had the same key and nothing came between, as
+            name: the step's name.
+            merge: extends the last step if it had the same key and nothing happened between, as
                 for the ticks of a wheel; None = a step of its own.
 
         Returns:
-            Whether what is kept is another state now.
+            Whether the kept state has changed.
         """
         state, self.preview = self.preview, None
         if state is None or state == self.state:
@@ -100,16 +100,16 @@ class Steps:
         return True
 
     def cancel(self) -> bool:
-        """Drop what is previewed; False if nothing was."""
+        """Drop the preview; False if there is none."""
         state, self.preview = self.preview, None
         return state is not None
 
     def seal(self) -> None:
-        """End the last gesture for good: whatever comes now is a step of its own."""
+        """Let no later commit extend the last step."""
         self._key, self._dropped = None, []
 
     def undo(self) -> bool:
-        """Take the last step back, and drop what is previewed; False if there is no step."""
+        """Undo the last step, and drop the preview; False if there is no step."""
         if not self.done:
             return False
         step = self.done.pop()
@@ -118,7 +118,7 @@ class Steps:
         return True
 
     def redo(self) -> bool:
-        """Take the step again that was undone last; False if there is none."""
+        """Redo the step that was undone last; False if there is none."""
         if not self.undone:
             return False
         step = self.undone.pop()
@@ -127,7 +127,7 @@ class Steps:
         return True
 
     def begin_with(self, state: EditState) -> None:
-        """Start from a state that has nothing before it to go back to."""
+        """Start from a state, with an empty history."""
         self.done, self.undone = [], []
         self._go_to(state)
 

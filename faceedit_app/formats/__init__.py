@@ -1,1 +1,1 @@
-"""One module per file format: what a user opens and exports, and the character."""
+"""The formats of takes: one module for each, and what they share."""

@@ -1,7 +1,7 @@
 """NVIDIA Audio2Face JSON: names, a matrix of weights, and the frames per second.
 
 `{"exportFps": 60, "trackPath": "….wav", "numFrames": T, "facsNames": [N names], "weightMat":
-[[N weights] x T]}`, indented or on one line; optional joints and rotations are carried.
+[[N weights] x T]}`, indented or on one line; joints and rotations, if any, are carried.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ FORMAT = "Audio2Face JSON"
 
 
 def sniff(content: bytes) -> float:
-    """How sure it is that this is an Audio2Face export of blendshapes."""
+    """How likely, 0..1, this is an Audio2Face export of blendshapes."""
     names = (b'"facsNames"', b'"weightMat"')
     return 0.95 if looks_like_json(content) and all(name in content for name in names) else 0.0
 
@@ -30,7 +30,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """Open an Audio2Face export.
 
     Raises:
-        RateNeeded: it does not say its frame rate, and there is no `fps`.
+        RateNeeded: it does not give its frame rate, and `fps` is None.
         FileError: it is damaged.
     """
     text = read_json(path, content)
@@ -44,7 +44,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 
 
 def write(clip: Clip) -> bytes:
-    """A clip as an export of all 52 shapes; it has no times, so that its frames must be even."""
+    """A clip as an export of all 52 shapes; the format has no times, so frames must be even."""
     weights = np.round(clip.arkit_weights().astype(np.float64), 6)
     document = {
         "exportFps": int(clip.rate) if clip.rate == int(clip.rate) else clip.rate,

@@ -1,4 +1,4 @@
-"""Write a clip in another format than its own, at its own frame rate or another."""
+"""Write a clip in another format, at its own frame rate or another."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from faceedit_app.formats.timing import find_gaps
 
 
 def choose_format(path: Path, key: str | None = None) -> Format:
-    """The format to write a file in.
+    """Choose the format to write a file in.
 
     Args:
-        path: the file; its ending decides if there is no `key`.
-        key: of the format.
+        path: the file; its ending decides if `key` is None.
+        key: `Format.key`.
 
     Raises:
-        FaceEditError: no such format can be written.
+        FaceEditError: there is no such format, or it cannot be written.
     """
     formats = writable()
     for form in formats:
@@ -35,17 +35,17 @@ def choose_format(path: Path, key: str | None = None) -> Format:
             return form
     if key is None:
         known = ", ".join(f"{form.endings[0]} ({form.name})" for form in formats)
-        raise FaceEditError(f"{path}: its ending names no format that can be written; use {known}")
+        raise FaceEditError(f"{path}: no format with this ending can be written; use {known}")
     raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
 
 
 def convert(path: Path, take: Take, form: Format, rate: float | None = None) -> Clip:
-    """Write a take in a format; returns its clip as it was written.
+    """Write a take in a format, and return its clip as written.
 
-    In the take's own format and rate it is written byte for byte.
+    In its own format and at its own rate, a take is written byte for byte.
 
     Args:
-        form: one that can be written.
+        form: a format that can be written.
         rate: frames per second; None = the take's own.
 
     Raises:
@@ -66,10 +66,10 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
 
     Args:
         rate: frames per second; None = its own.
-        fill_gaps: frames that the recording lost are drawn in, for formats that have no times.
+        fill_gaps: interpolate over gaps, for formats that have no times.
 
     Returns:
-        The clip itself if it is as wanted; else one with even times.
+        The clip itself if nothing has to change; else a clip with even times.
     """
     keeps_rate = rate is None or abs(rate / clip.rate - 1) < 1e-6
     steady = bool(np.allclose(clip.times, np.arange(len(clip)) / clip.rate, rtol=0, atol=1e-4))
@@ -92,13 +92,13 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
 
 
 def _timecodes(before: tuple[str, ...], times: Times) -> tuple[str, ...]:
-    """Timecodes of other times of the same recording."""
+    """The timecodes of a clip for other times."""
     begin = start_of_day(before)
     return tuple(write_timecode(begin + time, DEFAULT_BASE) for time in times.tolist())
 
 
 def _inside_gaps(times: Times, clip: Clip) -> Bools:
-    """Which of some times lie where the recording has no frame."""
+    """(T,) which times are in a gap."""
     inside = np.zeros(len(times), bool)
     for gap in clip.gaps:
         last = clip.times[gap.frame] + 0.5 / clip.rate

@@ -1,8 +1,8 @@
-"""The weights of a clip in a CSV table, and the way back into its file.
+"""The weights of a clip in a CSV table, and how they are written back.
 
-The file is kept as its lines. Exporting splits only the lines in which a weight changed, replaces
-those cells, and joins them again, so everything else (line ends, spaces, quotes, columns that
-FaceEdit knows nothing of, lines without a tracked face) survives by construction.
+The file is kept as lines. Exporting splits only the lines in which a weight changed, replaces those
+cells, and joins them again, so everything else (line ends, spaces, quotes, other columns, lines
+without a tracked face) survives by construction.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import CHOOSE_TAKE
 from faceedit_app.formats.numbers import detect_format
 
-_FORMAT_SAMPLE = 200  # rows to learn the number format from
+_FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
 
 @dataclass(frozen=True)
@@ -35,16 +35,16 @@ class Columns:
     indices: tuple[int, ...]
 
     def without(self, empty: Sequence[bool]) -> Columns:
-        """Only those of which `empty` does not hold."""
+        """The columns for which `empty` (K,) is False."""
         kept = [k for k, gone in enumerate(empty) if not gone]
         return Columns(tuple(self.channels[k] for k in kept), tuple(self.indices[k] for k in kept))
 
 
 def find_channels(table: Table) -> Columns:
-    """Find the channels by name; the order of columns means nothing.
+    """Find the channels by name, in any order.
 
     Raises:
-        FileError: there is none, or one twice.
+        FileError: there is no channel, or one has two columns.
     """
     found: dict[str, int] = {}
     for k, name in enumerate(table.names):
@@ -62,13 +62,13 @@ def find_channels(table: Table) -> Columns:
 
 @dataclass(frozen=True)
 class CsvSource:
-    """A table with the places of a clip's weights in it (`take.Source`).
+    """A table, and where a clip's weights are in it (`take.Source`).
 
     Attributes:
         table: the file.
-        lines: (T) indices of the lines that hold the clip's frames.
-        columns: (K) columns that hold its channels.
-        scale: what stands for a full blendshape in the file.
+        lines: (T) indices of the lines with the clip's frames.
+        columns: (K) the columns of its channels.
+        scale: the value of a full blendshape in the file.
     """
 
     table: Table
@@ -105,6 +105,6 @@ class CsvSource:
 
 
 def _replaced(cell: bytes, number: bytes) -> bytes:
-    """The cell with another number in the quotes and spaces it had."""
+    """The cell with another number, in its own quotes and spaces."""
     old = cell.strip().strip(b'"').strip()
     return cell.replace(old, number, 1)

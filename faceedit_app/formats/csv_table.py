@@ -1,8 +1,7 @@
 """A CSV file as a table that keeps its bytes: lines with their ends, cells with their quotes.
 
-Lines are split as Python's csv module splits them, but for cells that go on over several lines,
-which are refused. What is wrong with a file is said with its line and a remedy, before anything is
-made of it.
+Lines are split as by Python's csv module, except that cells of several lines are refused. Errors
+name the line and a remedy.
 """
 
 from __future__ import annotations
@@ -20,9 +19,9 @@ from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, REPAIR, check_text, shown
 
-_HEAD = 1 << 20  # bytes that hold a header and a row
+_HEAD = 1 << 20  # bytes; enough for a header and a row
 _DELIMITERS = (b",", b";", b"\t")
-# What programs write where they have no number.
+# What programs write in place of a missing number.
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
 
 Cells = list[bytes]
@@ -30,13 +29,13 @@ Cells = list[bytes]
 
 @dataclass(frozen=True)
 class Rows:
-    """What was read of a table's R rows, T of which have a frame.
+    """The R rows of a table, T of which have a frame.
 
     Attributes:
-        texts: (R) per row the cells of the text columns, as texts; "" where the row ends before.
-        lost: (R,) whether the row has no frame although the file is complete.
+        texts: (R) per row the texts of the text columns; "" if the row is too short.
+        lost: (R,) whether the row has no frame, because the face was lost.
         numbers: (T, N) float64, finite.
-        lines: (T) per row with a frame the index of its line.
+        lines: (T) the index of the line of each frame.
     """
 
     texts: list[tuple[str, ...]]
@@ -50,12 +49,12 @@ class Table:
     """A CSV file in memory.
 
     Attributes:
-        path: where it was read from, for messages.
-        lines: all lines with their line ends; joined they are the file.
+        path: the file, for messages.
+        lines: all lines with their line ends; joined, they are the file.
         header: index of the header line.
         names: column names without quotes and spaces around them.
-        delimiter: what separates cells.
-        mark: what the first cell of a row must be, if anything; other lines are no rows.
+        delimiter: separates cells.
+        mark: the first cell of every row, if any; lines without it are not rows.
     """
 
     path: Path
@@ -66,14 +65,14 @@ class Table:
     mark: bytes | None = None
 
     def error(self, problem: str, remedy: str, line: int | None = None) -> FileError:
-        """A complaint about this file, at a line by its index."""
+        """An error about this file, at the line with this index."""
         return FileError(self.path, problem, remedy, None if line is None else line + 1)
 
     def cells(self, line: int) -> Cells:
-        """The cells of a line as they stand in the file; joined by the delimiter they are it.
+        """The cells of a line with quotes and spaces; joined by the delimiter, they are the line.
 
         Raises:
-            FileError: a cell goes on in the next line.
+            FileError: a cell continues on the next line.
         """
         cells = split_line(self.lines[line].rstrip(b"\r\n"), self.delimiter)
         if cells is None:
@@ -81,7 +80,7 @@ class Table:
         return cells
 
     def rows(self) -> Iterator[tuple[int, Cells]]:
-        """Index and cells of each row; lines without content are none."""
+        """The line index and the cells of each row; blank lines are skipped."""
         for line in range(self.header + 1, len(self.lines)):
             cells = self.cells(line)
             is_row = cells[0] == self.mark if self.mark else any(map(bytes.strip, cells))
@@ -96,17 +95,17 @@ class Table:
     ) -> Rows:
         """Read some columns of all rows.
 
-        A row without numbers, or with a count of 0, is lost: it is kept in the file and is no
-        frame.
+        A row without numbers, or with a count of 0, has lost the face: it stays in the file but
+        is not a frame.
 
         Args:
             text_columns: columns to read as texts.
-            number_columns: columns to read as numbers; those that hold none are NaN throughout.
-            count: the column that says how many values a row has, if any.
+            number_columns: columns to read as numbers; columns without any are all NaN.
+            count: the column with the number of values in each row, if any.
 
         Raises:
-            FileError: there is no row, a row is too short or too long, a cell is no number, or
-                only some of a row's numbers are missing.
+            FileError: there is no row, a row is too short or too long, a cell is not a number,
+                or only some of a row's numbers are missing.
         """
         texts: list[tuple[str, ...]] = []
         lines: list[int] = []
@@ -131,7 +130,7 @@ class Table:
         return Rows(texts, lost, numbers[frames], [lines[i] for i in frames])
 
     def _numbers(self, line: int, cells: Cells, columns: Sequence[int]) -> list[float]:
-        if b"_" not in self.lines[line]:  # Python reads 1_0 as 10: look closer
+        if b"_" not in self.lines[line]:  # Python reads 1_0 as 10: check more closely
             try:
                 return [float(cells[k]) for k in columns]
             except ValueError:
@@ -139,7 +138,7 @@ class Table:
         return [self._number(line, k, cells[k]) for k in columns]
 
     def _fits(self, line: int, cells: Cells, columns: Sequence[int], count: int | None) -> bool:
-        """Whether a row of unusual length has numbers; complains unless it is a known kind."""
+        """Whether a row of unusual length has numbers; raises unless its kind is known."""
         wanted = len(self.names)
         if len(cells) > wanted:
             if not any(cell.strip() for cell in cells[wanted:]):
@@ -176,7 +175,7 @@ class Table:
     def _check(
         self, numbers: Doubles, lost: Bools, columns: Sequence[int], lines: list[int]
     ) -> None:
-        """Complain of the first number (R, N) that is infinite, or missing although not lost."""
+        """Raise for the first number (R, N) that is infinite, or missing in a row with a face."""
         largest = float(np.finfo(np.float32).max)
         empty = np.all(np.isnan(numbers), axis=0)
         missing = np.isnan(numbers) & ~empty & ~lost[:, None]
@@ -191,10 +190,10 @@ class Table:
 
 
 def read_table(path: Path, content: bytes) -> Table:
-    """A CSV file: UTF-8 or ASCII, any line ends, separated by commas, semicolons or tabs.
+    """Read a CSV file: UTF-8 or ASCII, any line ends, commas, semicolons or tabs.
 
     Raises:
-        FileError: it is empty or no text.
+        FileError: it is empty or not text.
     """
     check_text(path, content)
     lines = tuple(content.splitlines(keepends=True))
@@ -207,7 +206,7 @@ def read_table(path: Path, content: bytes) -> Table:
 
 
 def first_rows(content: bytes) -> tuple[tuple[str, ...], Cells]:
-    """The column names that a file would have as a CSV, and the cells of its first row."""
+    """The column names and the first row's cells, if the content is read as CSV."""
     lines = (line for line in content[:_HEAD].removeprefix(BOM).splitlines() if line.strip())
     header, row = next(lines, b""), next(lines, b"")
     delimiter, cells = split_header(header)
@@ -217,7 +216,7 @@ def first_rows(content: bytes) -> tuple[tuple[str, ...], Cells]:
 
 
 def split_header(text: bytes) -> tuple[bytes, Cells | None]:
-    """The delimiter of a file, from its header, and the header's cells."""
+    """The delimiter and the cells of a header."""
     split = {delimiter: split_line(text, delimiter) for delimiter in _DELIMITERS}
     delimiter = max(split, key=lambda one: len(split[one] or ()))
     return delimiter, split[delimiter]
@@ -226,11 +225,11 @@ def split_header(text: bytes) -> tuple[bytes, Cells | None]:
 def split_line(text: bytes, delimiter: bytes) -> Cells | None:
     """The cells of a line with their quotes, as Python's csv module finds them.
 
-    A cell that begins with a quote goes on to the next single quote; two stand for one. Elsewhere
-    quotes mean nothing.
+    A cell that begins with a quote ends at the next single quote; two quotes stand for one.
+    Elsewhere quotes have no meaning.
 
     Returns:
-        The cells, or None if the last one would go on in the next line.
+        The cells, or None if the last one continues on the next line.
     """
     if b'"' not in text:
         return text.split(delimiter)
@@ -258,8 +257,8 @@ def plain_text(cell: bytes) -> str:
 
 
 def _lost(numbers: Doubles, zero: Bools) -> Bools:
-    """(R,) which rows have no frame: they have no number (R, N), or a count of 0."""
-    if zero.all() and np.nan_to_num(numbers).any():  # the count is never filled in
+    """(R,) which rows have no frame: without numbers (R, N), or with a count of 0."""
+    if zero.all() and np.nan_to_num(numbers).any():  # this tool never fills in the count
         zero = np.zeros_like(zero)
     lost: Bools = np.all(np.isnan(numbers), axis=1) | zero
     return lost

@@ -1,4 +1,4 @@
-"""CSV with ARKit channels: whatever its time columns, its spelling of names and its scale."""
+"""CSV with ARKit channels, with any time columns, spelling of names and scale."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _NAMES = {
 
 
 def sniff(content: bytes) -> float:
-    """How sure it is that this is a CSV file with ARKit channels."""
+    """How likely, 0..1, this is a CSV file with ARKit channels."""
     return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
 
 
@@ -37,7 +37,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """Open a CSV with ARKit channels.
 
     Raises:
-        RateNeeded: its times are of no use, and there is no `fps`.
+        RateNeeded: its times are unusable, and `fps` is None.
         FileError: it has no channels, or is damaged.
     """
     return csv_take(read_table(path, content), fps)
@@ -52,14 +52,14 @@ def write(clip: Clip) -> bytes:
 
 
 def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
-    """The take in a table.
+    """Make the take of a table.
 
     Args:
         fps: the frame rate, if the user gave one.
-        name: of the format; "" = say by the times what it is.
+        name: the format's name; "" = named after the kind of its times.
 
     Raises:
-        RateNeeded: its times are of no use, and there is no `fps`.
+        RateNeeded: its times are unusable, and `fps` is None.
         FileError: it has no channels, or is damaged.
     """
     found = find_channels(table)

@@ -1,4 +1,4 @@
-"""Face Cap TXT: what the iPhone application of that name records.
+"""Face Cap TXT, recorded by the iPhone application of that name.
 
 Lines of cells between commas: `info,...`; `bs,` and the names; then a line a frame, `k,T,` with T
 in milliseconds since the start, ten numbers for head and eyes, and the weights.
@@ -25,7 +25,7 @@ _POSE = (
 
 
 def sniff(content: bytes) -> float:
-    """How sure it is that this is a Face Cap recording."""
+    """How likely, 0..1, this is a Face Cap recording."""
     lines = content[:_HEAD].removeprefix(BOM).splitlines()
     names = next((line for line in lines if line.startswith(_NAMES)), b"")
     return 0.95 if any(canonical_channel(plain_text(cell)) for cell in names.split(b",")) else 0.0
@@ -35,7 +35,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """Open a Face Cap recording.
 
     Raises:
-        RateNeeded: its times are of no use, and there is no `fps`.
+        RateNeeded: its times are unusable, and `fps` is None.
         FileError: it is damaged.
     """
     check_text(path, content)

@@ -1,4 +1,4 @@
-"""Reading a take's file, and showing texts from it in messages."""
+"""Read a take's file, and show texts from it in messages."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def read_bytes(path: Path) -> bytes:
     """The content of a file.
 
     Raises:
-        FileError: it is missing, a folder, not readable or too large.
+        FileError: it is missing, a folder, unreadable or too large.
     """
     try:
         if path.is_dir():
@@ -37,13 +37,13 @@ def read_bytes(path: Path) -> bytes:
 
 
 def shown(text: str) -> str:
-    """A text from a file as it can stand in a message: short and on one line."""
+    """A text from a file, made fit for a message: short and on one line."""
     text = "".join(c if c.isprintable() else "?" for c in text[:_LONGEST_SHOWN])
     return text if len(text) < _LONGEST_SHOWN else text[:-1] + "…"
 
 
 def check_text(path: Path, content: bytes) -> None:
-    """Make sure that a file is UTF-8 or ASCII text.
+    """Check that a file is UTF-8 or ASCII text.
 
     Raises:
         FileError: it is not.

@@ -1,4 +1,4 @@
-"""Files that look like takes and are none that can be opened: what they are, and what to do."""
+"""Files that look like takes but cannot be opened: what they are, and what to do."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text
 
 _HEAD = 1 << 16
-_FEWEST_COLUMNS = 20  # of numbers without names before they look like a face
-# MetaHuman's own curves: some are called like ARKit's and mean something else.
+_FEWEST_COLUMNS = 20  # columns of unnamed numbers that look like a face
+# MetaHuman's own curves: some have ARKit's names but another meaning.
 _METAHUMAN = re.compile(
     rb"CTRL_expressions_|mouthCornerPull[LR]\b|mouthLipsTogether[UD][LR]\b|browRaiseIn[LR]\b"
 )
@@ -22,7 +22,7 @@ _SAVE_AS_CSV = "save it as CSV with a line of ARKit names at the top"
 
 @dataclass(frozen=True)
 class Foreign:
-    """A kind of file that is no take.
+    """A kind of file that is not a take.
 
     Attributes:
         problem: what it is, as a phrase about the file.
@@ -36,12 +36,12 @@ class Foreign:
 
 
 def recognise_foreign(content: bytes) -> Foreign | None:
-    """What a file is that is no take, if that can be seen."""
+    """The kind of a file that is not a take, if known."""
     return next((kind for kind in _FOREIGN if kind.sniff(content)), None)
 
 
 def has_metahuman_curves(content: bytes) -> bool:
-    """Whether a file names MetaHuman's control curves, some of which are called like ARKit's."""
+    """Whether a file has MetaHuman's control curves, some of which have ARKit's names."""
     return _METAHUMAN.search(content[:_HEAD]) is not None
 
 
@@ -73,7 +73,7 @@ def _is_nameless(content: bytes) -> bool:
 
 
 def _is_transposed(content: bytes) -> bool:
-    """A table with a line a channel."""
+    """A table with one line per channel."""
     lines = content[:_HEAD].splitlines()[:80]
     heads = [plain_text(re.split(rb"[,;\t]", line)[0]) for line in lines]
     return sum(1 for head in heads[1:] if canonical_channel(head)) > 5

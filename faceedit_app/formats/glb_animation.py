@@ -1,11 +1,11 @@
 """GLB: the animation of a character's shape keys (glTF 2.0, animation channels of `weights`).
 
 A track is one such channel: key times in seconds, and for each key the weights of all shapes of
-the mesh, which `extras.targetNames` names. Meshes that share a take, such as head and teeth, have
-a track each; those with the same times are edited together. All else in the file is carried.
+the mesh, named by `extras.targetNames`. Meshes that share a take, such as head and teeth, have one
+track each; tracks with the same times are edited together. Everything else is carried.
 
-An export overwrites the changed weights where they stand. Weights that are stored in whole numbers
-or compressed get a new place at the end of the file, as floats.
+An export overwrites the changed weights in place. Weights stored as integers or compressed are
+written to the end of the file, as floats.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _FLOAT = 5126
 _TYPES: dict[int, Any] = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", _FLOAT: "<f4"}
 _COMPRESSED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 _DAMAGE = (KeyError, IndexError, TypeError, ValueError, AttributeError, struct.error)
-# What meshoptimizer can at best make of bytes: one control byte for 256 rows.
+# The best compression of meshoptimizer: one control byte for 256 rows.
 _MOST_EXPANSION = 2048
 _EXPORT_AGAIN = "export it again"
 
@@ -43,12 +43,12 @@ class Track:
     """The weights of one mesh over time.
 
     Attributes:
-        names: of its N shapes; "" for one without a name.
+        names: the N shapes; "" for one without a name.
         times: (T,) seconds.
         values: (T, N) float32.
-        cubic: whether tangents stand around each key's weights.
-        sampler: (animation, sampler) that refers to them.
-        offset: where they begin in the file as plain floats; None = they are no such.
+        cubic: whether each key has tangents around its weights.
+        sampler: (animation, sampler) indices.
+        offset: where the weights begin in the file; None if they are not plain floats.
     """
 
     names: tuple[str, ...]
@@ -61,7 +61,7 @@ class Track:
 
 @dataclass(frozen=True)
 class Glb:
-    """A GLB in memory: its bytes, its JSON chunk, and where its binary chunk lies (start, stop)."""
+    """A GLB in memory: its bytes, its JSON chunk, and its binary chunk as (start, stop)."""
 
     content: bytes
     document: Mapping[str, Any]
@@ -69,7 +69,7 @@ class Glb:
 
 
 def sniff(content: bytes) -> float:
-    """How sure it is that this is a GLB with an animation of shapes with ARKit names."""
+    """How likely, 0..1, this is a GLB with an animation of shapes with ARKit names."""
     if not content.startswith(_MAGIC):
         return 0.0
     try:
@@ -83,7 +83,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """Open the animation in a GLB.
 
     Raises:
-        RateNeeded: its times are of no use, and there is no `fps`.
+        RateNeeded: its times are unusable, and `fps` is None.
         FileError: it is damaged, or stored in a way that cannot be read.
     """
     try:
@@ -121,7 +121,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 
 
 class _Unreadable(Exception):
-    """What a GLB is stored with that cannot be read, as a phrase about the file."""
+    """A GLB is stored in a way that cannot be read; the text says how, as a phrase."""
 
 
 def _timing(path: Path, times: Times) -> Timing | NoTimes:
@@ -171,7 +171,7 @@ def _parse(content: bytes) -> Glb:
 
 
 def _channels(document: Mapping[str, Any]) -> Iterator[tuple[int, int, tuple[str, ...]]]:
-    """Animation, sampler and the names of the shapes, of each animation of weights."""
+    """Animation, sampler and shape names of each animation of weights."""
     for number, animation in enumerate(document.get("animations", [])):
         for channel in animation["channels"]:
             target = channel["target"]
@@ -206,7 +206,7 @@ def _tracks(glb: Glb) -> Iterator[Track]:
 
 
 def _accessor(glb: Glb, index: int) -> tuple[Floats, int | None]:
-    """Numbers of an accessor (N,), and where they begin in the file if they are plain floats."""
+    """The numbers of an accessor (N,), and their place in the file if they are plain floats."""
     accessor = glb.document["accessors"][index]
     view = glb.document["bufferViews"][accessor["bufferView"]]
     dtype = np.dtype(_TYPES[accessor["componentType"]])
@@ -218,7 +218,7 @@ def _accessor(glb: Glb, index: int) -> tuple[Floats, int | None]:
     packed = next((extensions[name] for name in _COMPRESSED if name in extensions), None)
     if packed is not None:
         data, stride = _unpack(glb, packed)
-        # A row of a compressed view is filled up to four bytes: take the numbers from its start.
+        # Rows of a compressed view are padded to four bytes: take the numbers from the start.
         rows = np.frombuffer(data, np.uint8)[start : start + count * stride].reshape(count, stride)
         numbers = rows[:, : dtype.itemsize].copy().view(dtype)[:, 0]
         return _as_parts(numbers), None
@@ -231,19 +231,19 @@ def _accessor(glb: Glb, index: int) -> tuple[Floats, int | None]:
 
 
 def _buffer(glb: Glb, view: Mapping[str, Any]) -> bytes:
-    """The binary chunk, which a plain view must be in."""
+    """The binary chunk, which must contain every plain view."""
     if view["buffer"] != 0 or "uri" in glb.document["buffers"][0]:
         raise _Unreadable("keeps its data in other files")
     return glb.content[slice(*glb.binary)]
 
 
 def _unpack(glb: Glb, packed: Mapping[str, Any]) -> tuple[bytes, int]:
-    """The bytes of a compressed buffer view, and how many a row has."""
+    """The bytes of a compressed buffer view, and the bytes per row."""
     start, count, stride = packed.get("byteOffset", 0), packed["count"], packed["byteStride"]
     data = _buffer(glb, packed)[start : start + packed["byteLength"]]
     if count * stride > _MOST_EXPANSION * len(data):
         raise ValueError("it claims more than it can hold")
-    import meshopt  # few files are compressed, and the window is there before them
+    import meshopt  # few files are compressed; the window does not wait for this
 
     rows = meshopt.decode_gltf_buffer(
         data, count, stride, packed["mode"], packed.get("filter", "NONE")
@@ -252,7 +252,7 @@ def _unpack(glb: Glb, packed: Mapping[str, Any]) -> tuple[bytes, int]:
 
 
 def _as_parts(numbers: NDArray[Any]) -> Floats:
-    """Numbers as floats; whole ones stand for parts of 1."""
+    """Numbers as floats; integers are normalised to 1."""
     floats: Floats = numbers.astype(np.float32)
     if numbers.dtype.kind != "f":
         floats = np.maximum(floats / np.float32(np.iinfo(numbers.dtype).max), np.float32(-1))
@@ -264,13 +264,13 @@ def _as_parts(numbers: NDArray[Any]) -> Floats:
 
 @dataclass(frozen=True)
 class GlbSource:
-    """A GLB with the places of a clip's weights in it (`take.Source`).
+    """A GLB, and where a clip's weights are in it (`take.Source`).
 
     Attributes:
         glb: the file.
-        tracks: what is edited.
-        places: (K) per channel its places, each a track and a column.
-        scale: what stands for a full blendshape in the file.
+        tracks: the edited tracks.
+        places: (K) the places of each channel, each a track and a column.
+        scale: the value of a full blendshape in the file.
     """
 
     glb: Glb
@@ -304,7 +304,7 @@ class GlbSource:
 
 
 def _with_new_outputs(content: bytes, moved: list[tuple[Track, Floats]]) -> bytes:
-    """A GLB in which some tracks have weights of their own at the end, as plain floats."""
+    """A GLB with the weights of some tracks at the end, as plain floats."""
     glb = _parse(content)
     document: Any = glb.document
     binary = bytearray(content[slice(*glb.binary)])

@@ -1,4 +1,4 @@
-"""The take in a JSON document: frames of weights under names, whatever the layout around them."""
+"""The take in a JSON document: frames of named weights, in any layout."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from faceedit_app.formats.timing import (
 
 @dataclass(frozen=True)
 class JsonFrames:
-    """What a document says of R frames.
+    """The R frames of a document.
 
     Attributes:
-        names: N names of weights.
-        weights: (R) per frame a list of N numbers, or anything else where the face was lost.
-        times: (R) per frame its time: a number or a date; empty = there are none.
-        time_name: what the document calls them.
-        rate: frames per second, in place of times.
+        names: the N names of weights.
+        weights: (R) per frame a list of N numbers, or anything else if the face was lost.
+        times: (R) the time of each frame, a number or a date; empty if there are none.
+        time_name: the document's name for them.
+        rate: frames per second, instead of times.
     """
 
     names: Sequence[Any]
@@ -48,14 +48,14 @@ class JsonFrames:
 
 
 def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) -> Take:
-    """The take in a document.
+    """Make the take of a document.
 
     Args:
         name: of the format.
         fps: the frame rate, if the user gave one.
 
     Raises:
-        RateNeeded: its times are of no use, and there is no `fps`.
+        RateNeeded: its times are unusable, and `fps` is None.
         FileError: it has no channels or frames, or is damaged.
     """
     columns = _channels(text, frames.names)
@@ -99,7 +99,7 @@ def _channels(text: JsonText, names: Sequence[Any]) -> dict[str, int]:
 
 
 def _places(text: JsonText, frames: JsonFrames, columns: list[int]) -> NDArray[np.int64]:
-    """(R, K) where the weights of the channels are."""
+    """(R, K) the places of the channels' weights."""
     places = np.full((len(frames.weights), len(columns)), -1, np.int64)
     for row, entries in enumerate(frames.weights):
         weights = as_list(entries)

@@ -1,7 +1,7 @@
-"""JSON whose numbers can be changed where they stand, so that all other bytes stay as they are.
+"""JSON whose numbers can be replaced in place, while all other bytes stay the same.
 
 Python's json module reads the document. It reports each number once, in the order of the file, so
-that the n-th number of the document is the n-th number of the text.
+the n-th number of the document is the n-th number of the text.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, check_text
 from faceedit_app.formats.numbers import detect_format
 
-# Strings are matched too, so that no number inside one counts.
+# Strings are matched too, so that numbers inside them do not count.
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
 _FORMAT_SAMPLE = 10_000
-_DAMAGED = "copy it from where it was made again"
+_DAMAGED = "copy it from its source again"
 
 Places = NDArray[np.int64]
-"""Which numbers of a document: n for the n-th, -1 for one that is missing (null or NaN)."""
+"""Numbers of a document: n for the n-th, -1 for one that is missing (null or NaN)."""
 
 
 class Place(int):
@@ -44,9 +44,9 @@ class JsonText:
     """A JSON file in memory.
 
     Attributes:
-        path: where it was read from, for messages.
+        path: the file, for messages.
         content: its bytes.
-        document: what it holds, with a `Place` where a number is.
+        document: the parsed document, with a `Place` for each number.
         values: (N,) float64 of its numbers, in order.
     """
 
@@ -56,11 +56,11 @@ class JsonText:
     values: Doubles
 
     def error(self, problem: str, remedy: str = _DAMAGED, place: int = -1) -> FileError:
-        """A complaint about this file, at one of its numbers."""
+        """An error about this file, at one of its numbers."""
         return FileError(self.path, problem, remedy, self.line(place) if place >= 0 else None)
 
     def line(self, place: int) -> int:
-        """The line (from 1) that a number is on."""
+        """The line of a number, counted from 1."""
         start = int(self.spans[place][0])
         return self.content.count(b"\n", 0, start) + 1
 
@@ -74,21 +74,21 @@ class JsonText:
         return np.frombuffer(flat, np.int64).reshape(-1, 2)
 
     def number(self, entry: Any) -> float | None:
-        """The number that stands somewhere in the document; None if there is another thing."""
+        """The number at an entry of the document; None if the entry is not a number."""
         return float(self.values[entry]) if isinstance(entry, Place) else None
 
     def places(self, entries: Sequence[Any]) -> Places:
         """Where the numbers of a list are; null counts as missing.
 
         Raises:
-            FileError: there is something that is neither.
+            FileError: an entry is neither a number nor null.
         """
         out = np.full(len(entries), -1, np.int64)
         for k, entry in enumerate(entries):
             if isinstance(entry, Place):
                 out[k] = entry
             elif entry is not None:
-                raise self.error("holds something in place of a weight that is not a number")
+                raise self.error("has a weight that is not a number")
         return out
 
     def look_up(self, places: Places) -> Doubles:
@@ -105,7 +105,7 @@ class JsonText:
 
 
 def looks_like_json(content: bytes) -> bool:
-    """Whether a file begins as a JSON object or list does."""
+    """Whether a file begins like a JSON object or list."""
     return content[:64].removeprefix(BOM).lstrip()[:1] in (b"{", b"[")
 
 
@@ -113,7 +113,7 @@ def read_json(path: Path, content: bytes) -> JsonText:
     """Read a JSON file.
 
     Raises:
-        FileError: it is no text, or no JSON.
+        FileError: it is not text, or not JSON.
     """
     check_text(path, content)
     values = array("d")
@@ -141,12 +141,12 @@ def read_json(path: Path, content: bytes) -> JsonText:
 
 @dataclass(frozen=True)
 class JsonSource:
-    """A JSON file with the places of a clip's weights in it (`take.Source`).
+    """A JSON file, and where a clip's weights are in it (`take.Source`).
 
     Attributes:
         text: the file.
-        places: (T, K) which of its numbers they are; -1 for one that has none.
-        scale: what stands for a full blendshape in the file.
+        places: (T, K) the numbers of the weights; -1 if a weight is missing.
+        scale: the value of a full blendshape in the file.
     """
 
     text: JsonText
@@ -171,10 +171,10 @@ class JsonSource:
 
 
 def as_object(entry: Any) -> Mapping[str, Any]:
-    """A JSON object, or an empty one in place of anything else."""
+    """The entry if it is a JSON object, else an empty one."""
     return entry if isinstance(entry, dict) else {}
 
 
 def as_list(entry: Any) -> list[Any]:
-    """A JSON list, or an empty one in place of anything else."""
+    """The entry if it is a JSON list, else an empty one."""
     return entry if isinstance(entry, list) else []

@@ -1,7 +1,7 @@
-"""Live Link Face CSV: what Epic's iPhone application, and tools that imitate it, record.
+"""Live Link Face CSV, recorded by Epic's iPhone application and tools that imitate it.
 
-Each row is a timecode, the number of values that follow, the ARKit blendshapes, and whatever else
-(head and eye rotations, emotions). Where the face was lost the row ends after a count of 0.
+Each row has a timecode, the number of values that follow, the ARKit blendshapes, and other values
+(head and eye rotations, emotions). If the face was lost, the row ends after a count of 0.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from faceedit_app.formats.timecode import (
 from faceedit_app.formats.timecode_readings import DEFAULT_BASE
 
 FORMAT = "Live Link Face CSV"
-# The application has right before left in two places.
+# The application writes right before left in two places.
 _SWAPPED = {"jawLeft": "jawRight", "mouthLeft": "mouthRight"}
 _SWAPPED |= {right: left for left, right in _SWAPPED.items()}
 _ORDER = [_SWAPPED.get(name, name) for name in ARKIT_CHANNELS]
@@ -33,9 +33,9 @@ _ROTATIONS = [
 
 
 def sniff(content: bytes) -> float:
-    """How sure it is that this is a Live Link Face CSV.
+    """How likely, 0..1, this is a Live Link Face CSV.
 
-    Audio2Face calls its seconds `timeCode`, so that the name alone does not tell.
+    The column name alone is not enough: Audio2Face calls its seconds `timeCode`.
     """
     names, cells = first_rows(content)
     lower = [name.lower() for name in names]
@@ -50,7 +50,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """Open a Live Link Face CSV.
 
     Raises:
-        RateNeeded: its timecodes are of no use, and there is no `fps`.
+        RateNeeded: its timecodes are unusable, and `fps` is None.
         FileError: it has no channels, or is damaged.
     """
     return csv_take(read_table(path, content), fps, FORMAT)
@@ -59,8 +59,8 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 def write(clip: Clip) -> bytes:
     """A clip as the application writes it: all 52 shapes, 9 rotations of 0, timecodes.
 
-    The timecode begins where that of the clip begins, if it has one, else at 0. Frames that the
-    recording lost are left out, as the application does.
+    The timecode begins at the clip's, if it has one, else at 0. Lost frames are left out, as the
+    application does.
     """
     names = [name[0].upper() + name[1:] for name in _ORDER]
     lines = [",".join(["Timecode", "BlendshapeCount", *names, *_ROTATIONS])]

@@ -2,7 +2,7 @@
 
 `[{"timestamp": epoch ms, "blendshapes": [{"name": "jawOpen", "score": 0.1}, ...]}, ...]`, or
 `{"data": [{"value": {"timestamp": ISO 8601, "blendShapes": {"jawOpen": 0.1, ...}}}, ...]}`.
-`_neutral`, which is no shape of the face, is carried.
+`_neutral`, which is not a shape, is carried.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _NAMES = ("name", "categoryName")
 
 
 def sniff(content: bytes) -> float:
-    """How sure it is that this is a recording of MediaPipe's categories."""
+    """How likely, 0..1, this is a recording of MediaPipe's categories."""
     return 0.7 if looks_like_json(content) and _FRAME.search(content) else 0.0
 
 
@@ -32,7 +32,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """Open a recording of MediaPipe's categories.
 
     Raises:
-        RateNeeded: it has no times, and there is no `fps`.
+        RateNeeded: it has no times, and `fps` is None.
         FileError: it is damaged.
     """
     text = read_json(path, content)

@@ -2,7 +2,7 @@
 
 `{"names": [N names], "metadata": {"fps": 30.0}, "frames": [{"weights": [N], "time": seconds,
 "rotation": []}, ...]}`. Some writers give `frames` as plain lists and `"frame_rate"`, or call the
-frames `values`; BEAT itself says no rate and has times.
+frames `values`; BEAT itself has times and no rate.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _RATES = ("fps", "frame_rate", "frameRate")
 
 
 def sniff(content: bytes) -> float:
-    """How sure it is that this is a file of names and frames."""
+    """How likely, 0..1, this is a file of names and frames."""
     if not looks_like_json(content):
         return 0.0
     return 0.8 if _NAMES.search(content) and _FRAMES.search(content) else 0.0
@@ -31,7 +31,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """Open a file of names and frames.
 
     Raises:
-        RateNeeded: it has neither times nor a rate, and there is no `fps`.
+        RateNeeded: it has neither times nor a rate, and `fps` is None.
         FileError: it is damaged.
     """
     text = read_json(path, content)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 # Coarser than this, an edited curve would move in visible steps.
 _LEAST_PADDED, _LEAST_TRIMMED = 4, 6
-_MOST_TRIMMED = 9  # float32 has no more to say
+_MOST_TRIMMED = 9  # the digits that float32 needs
 _NUMBER = re.compile(rb"[+-]?\d*(?:\.(\d*))?([eE][+-]?\d+)?")
 
 
@@ -42,10 +42,11 @@ class NumberFormat:
 
 
 def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
-    """The format of a sample of a file's numbers.
+    """Detect the number format from a sample of a file's numbers.
 
     Args:
-        scale: what stands for a full blendshape.
+        texts: the sample.
+        scale: the value of a full blendshape.
     """
     fewer = round(math.log10(scale))
     decimals: Counter[int] = Counter()
@@ -59,11 +60,11 @@ def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
         decimals[len(match[1] or b"")] += 1
         exponents[chr(match[2][0]) if match[2] else ""] += 1
     most = max(decimals, default=0)
-    # A few `1e-05` among plain numbers are how Python and JavaScript write small ones.
+    # Python and JavaScript write small numbers such as `1e-05` among plain ones.
     exponent = max(exponents, key=lambda key: exponents[key], default="")
     if exponent:
         return NumberFormat(max(most, _LEAST_TRIMMED), True, exponent)
-    # Some writers spell exact zeros and ones shorter than the rest (`0`, `0.0`).
+    # Some programs write exact zeros and ones shorter than the rest (`0`, `0.0`).
     padded = most > 1 and decimals[most] + decimals[0] + decimals[1] == total
     padded = padded and decimals[most] > 1 and 10 * decimals[most] > total
     if padded:

@@ -19,14 +19,15 @@ _LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
 
 
 def open_take(path: Path | str, fps: float | None = None) -> Take:
-    """Open a recorded performance; the format is recognised by the content, not by the name.
+    """Open a take; the format is recognised by the content, not by the name.
 
     Args:
-        fps: the frame rate: needed where the file does not tell it, else in place of its own.
+        path: the file.
+        fps: frames per second; needed if the file does not give them, else it replaces its own.
 
     Raises:
-        RateNeeded: the file does not tell its frame rate, and there is no `fps`.
-        FileError: it is no take, or a damaged one.
+        RateNeeded: the file does not give its frame rate, and `fps` is None.
+        FileError: it is not a take, or is damaged.
     """
     path = Path(path)
     if fps is not None:
@@ -37,7 +38,7 @@ def open_take(path: Path | str, fps: float | None = None) -> Take:
 
 
 def checked_rate(path: Path, fps: float) -> float:
-    """A frame rate that the user gave, exactly: 29.97 stands for 30000 / 1001.
+    """The exact rate for a frame rate that the user gave: 29.97 stands for 30000 / 1001.
 
     Raises:
         FileError: it cannot be a frame rate.

@@ -1,8 +1,7 @@
-"""The formats of takes: one row each. Everything that depends on formats reads this table.
+"""The table of take formats, which everything that depends on formats reads.
 
-The file dialogs, what may be dropped, which files training finds, the file types of the installed
-application and the table in the README come from here. A new format is a module with `sniff` and
-`read`, and a row.
+File dialogs, drag and drop, training, the file types of the installed application and the table in
+the README all use it. To add a format, add a module with `sniff` and `read`, and a row here.
 """
 
 from __future__ import annotations
@@ -29,20 +28,20 @@ from faceedit_app.formats.take import Take
 
 @dataclass(frozen=True)
 class Format:
-    """A kind of file that a take can be read from.
+    """A format of takes.
 
     Attributes:
         key: the name on the command line.
-        name: for the user.
-        endings: of its files, in lower case with the point.
-        mime: its media type, under which the desktop offers FaceEdit for such files; "" if files
-            of that type are mostly something else.
-        tools: which tools write it.
-        sniff: how sure it is, 0 to 1, that a file's content is of this format.
+        name: shown to the user.
+        endings: of its files, in lower case with the dot.
+        mime: the media type for which the desktop offers FaceEdit; "" if most files of that type
+            are something else.
+        tools: the tools that write it.
+        sniff: how likely, 0..1, a file's content is of this format.
         read: opens a file: path, content, and the frame rate if the user gave one.
-        write: a clip as a file of this format, if FaceEdit can write one from any source; takes
-            that were read from it can always be written again.
-        tells_times: whether it can say when its frames are, or only how many make a second.
+        write: encodes any clip in this format; None if only takes that were read from it can be
+            written.
+        tells_times: whether its frames have times, not only a rate.
     """
 
     key: str
@@ -80,10 +79,10 @@ FORMATS: tuple[Format, ...] = (
 
 
 def recognise(path: Path, content: bytes) -> Format:
-    """The format of a file, by its content alone.
+    """Recognise the format of a file by its content.
 
     Raises:
-        FileError: it is no take, with what it is instead if that can be seen.
+        FileError: it is not a take; the text says what it is instead, if known.
     """
     found = find_format(content)
     if found is not None:
@@ -108,7 +107,7 @@ def find_format(content: bytes) -> Format | None:
 
 
 def is_take(path: Path) -> bool:
-    """Whether a file's content is of a known format; False too if it cannot be read."""
+    """Whether a file's content is of a known format; False if it cannot be read."""
     try:
         return find_format(read_bytes(path)) is not None
     except FileError:
@@ -116,10 +115,10 @@ def is_take(path: Path) -> bool:
 
 
 def takes_below(folder: Path) -> list[Path]:
-    """The files below a folder that are takes, in order of name.
+    """The takes in a folder and its subfolders, by name.
 
-    A CSV counts by its ending, so that a damaged one is not passed over in silence; other endings
-    are shared with files of other kinds.
+    Any CSV counts, so that a damaged one is not skipped silently; other endings are shared with
+    other kinds of files, whose content is checked.
     """
     known = endings()
     paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in known)

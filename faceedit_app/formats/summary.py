@@ -12,7 +12,7 @@ _GAPS_SHOWN = 10
 
 
 def summarize(take: Take) -> dict[str, Any]:
-    """Facts about a take that can be written as JSON; times in seconds, frames from 0."""
+    """Facts about a take as JSON values; times in seconds, frames from 0."""
     clip = take.clip
     codes = clip.timecodes
     return {
@@ -41,7 +41,7 @@ def summarize(take: Take) -> dict[str, Any]:
 
 
 def summary_text(summary: dict[str, Any]) -> str:
-    """A summary as lines for people."""
+    """A summary as readable lines."""
     facts = [
         ("format", summary["format"]),
         ("frames", f"{summary['frames']} at {format_rate(summary['rate'])}"),

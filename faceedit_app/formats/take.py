@@ -1,4 +1,4 @@
-"""A take: the file of a recorded performance, its clip, and the way back to a file."""
+"""A take: its file, its clip, and how it is written again."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _LONGEST = 24 * 3600.0  # seconds
 
 
 class Source(Protocol):
-    """What a format keeps of a file so that it can write it again, changed only where edited."""
+    """What a format keeps of a file, to write it again with only the edited weights changed."""
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file with the weights of `edited` (T, K) in place of `tracked` (T, K).
@@ -40,17 +40,17 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class Take:
-    """A performance that the user has opened.
+    """An open take.
 
     Attributes:
-        path: where it was read from.
-        format: the name of the format, for the user.
+        path: the file.
+        format: the name of the format, shown to the user.
         clip: the tracked weights.
-        carried: names of the file's other columns, which are kept as they are.
-        notes: one-line remarks on oddities that were found and how they were handled.
-        source: what the format needs to write the file again.
-        fps: the frame rate that the user gave, where the file does not tell or is not believed.
-        kind: `registry.Format.name` of what it was read as.
+        carried: names of the file's other columns, which stay unchanged.
+        notes: one-line notes about what is unusual in the file and how it was read.
+        source: writes the file again.
+        fps: the frame rate that the user gave, if any.
+        kind: `registry.Format.name` of its format.
     """
 
     path: Path
@@ -65,18 +65,18 @@ class Take:
 
 @dataclass(frozen=True)
 class Recording:
-    """What a reader found in a file, before it is known on what scale and at what rate it is.
+    """What a reader found in a file, before its scale and rate are known.
 
     Attributes:
         path: the file.
         format: the name of the format, for the user.
-        channels: K ARKit names.
-        values: (T, K) float64, finite, as the file gives them.
-        timing: when the frames are, or why that cannot be known.
-        lost: (R,) which of the file's rows have no frame.
+        channels: the K ARKit names.
+        values: (T, K) float64, finite, on the file's scale.
+        timing: the times of the frames, or why they are unknown.
+        lost: (R,) which rows of the file have no frame.
         timecodes: as `Clip.timecodes`.
         carried: as `Take.carried`.
-        notes: remarks of the format's own.
+        notes: the format's own notes.
     """
 
     path: Path
@@ -96,16 +96,16 @@ def finish_take(
     source: Callable[[float], Source],
     line_of: Callable[[int, int], int | None] = lambda frame, channel: None,
 ) -> Take:
-    """The take in a recording.
+    """Make the take of a recording.
 
     Args:
         fps: the frame rate, if the user gave one.
-        source: makes the way back, given what stands for a full blendshape in the file.
+        source: makes the source, given the value of a full blendshape in the file.
         line_of: the line in the file (from 1) of a weight, by frame and channel.
 
     Raises:
-        RateNeeded: the times are of no use, and there is no `fps`.
-        FileError: there is no frame, or something in it cannot be.
+        RateNeeded: the times are unusable, and `fps` is None.
+        FileError: there is no frame, or a weight is impossible.
     """
     path, values = recording.path, recording.values
     if not len(values):

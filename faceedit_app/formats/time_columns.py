@@ -1,7 +1,7 @@
-"""Which column of a table tells when its rows happen, and in what unit.
+"""Find the column with the times of a table's rows, and its unit.
 
-A column in real time is preferred to one that only numbers frames. What a column holds, and in
-what unit, is decided by all of it; its name only says what to try first.
+A column in real time is preferred to one with frame numbers. Kind and unit follow from the whole
+column; its name only decides what is tried first.
 """
 
 from __future__ import annotations
@@ -48,20 +48,20 @@ _TIME_WORDS = {
     *("date", "datetime"),
 }
 _COUNT_WORDS = {"frame", "frames", "framenumber", "frameid", "index", "idx"}
-_FILM_RATE = 30.0  # what a program that numbers the frames of a film most likely was given
-_USUAL = (2.0, 245.0)  # frames per second between which a unit that is not named must lie
-_LONGEST_COUNT = 4.0  # numbers from row to row up to which they may be those of frames
+_FILM_RATE = 30.0  # the most likely rate of a film whose frames are numbered
+_USUAL = (2.0, 245.0)  # frames per second; a plausible rate for a unit that is not named
+_LONGEST_COUNT = 4.0  # steps from row to row up to which numbers may be frame numbers
 _SAMPLE = 200
 
 
 @dataclass(frozen=True)
 class RowTimes:
-    """When a table's frames are.
+    """The times of a table's frames.
 
     Attributes:
         timing: the times, or why there are none.
-        column: the column that they come from, if any.
-        kind: what it holds: `timecode`, `clock`, `date`, `seconds`, `number` (in another unit),
+        column: the column of the times, if any.
+        kind: `timecode`, `clock`, `date`, `seconds`, `number` (in another unit),
             `frames`, or "".
     """
 
@@ -71,7 +71,7 @@ class RowTimes:
 
 
 def time_columns(names: Sequence[str]) -> list[int]:
-    """Columns that may tell the time, the most trustworthy first."""
+    """Columns that may hold times, the most reliable first."""
     ranked = [(_rank(name), k) for k, name in enumerate(names)]
     return [k for rank, k in sorted(ranked) if rank < 9]
 
@@ -79,11 +79,11 @@ def time_columns(names: Sequence[str]) -> list[int]:
 def read_times(
     table: Table, columns: Sequence[int], texts: Sequence[Sequence[str]], lines: Sequence[int]
 ) -> RowTimes:
-    """When frames are.
+    """Read the times of a table's frames.
 
     Args:
         columns: C candidates, see `time_columns`.
-        texts: (C) per candidate the T texts that stand in it.
+        texts: (C) per candidate its T texts.
         lines: (T) indices of the frames' lines, for messages.
 
     Raises:
@@ -143,7 +143,7 @@ def _rank(name: str) -> int:
     return 5 if not name else 9
 
 
-# --- what a column holds -------------------------------------------------------------------------
+# --- kinds of columns ----------------------------------------------------------------------------
 
 
 def _is_number(text: str) -> bool:
@@ -171,7 +171,7 @@ _KINDS: dict[str, Callable[[str], bool]] = {
 
 
 def _kind(cells: Sequence[str]) -> str | None:
-    """What most cells of a column are, if that is a time or a number."""
+    """The kind of most cells of a column, if it is a time or a number."""
     sample = cells[:: max(1, len(cells) // _SAMPLE)]
     for kind, fits in _KINDS.items():
         if sum(map(fits, sample)) * 2 >= len(sample):
@@ -184,10 +184,10 @@ def _read_dates(cells: Sequence[str], name: str) -> tuple[str, Timing]:
 
 
 def date_times(cells: Sequence[str]) -> Timing:
-    """When rows with dates and times in ISO 8601 are.
+    """The times of rows with dates and times in ISO 8601.
 
     Raises:
-        BadTimecode: one of them is no such text.
+        BadTimecode: a text is not one.
         NoTimes, BadRow: see `timing.time_rows`.
     """
     seconds = np.empty(len(cells))
@@ -197,7 +197,7 @@ def date_times(cells: Sequence[str]) -> Timing:
             moment = datetime.fromisoformat(text)
             first = first or moment
             seconds[row] = (moment - first).total_seconds()
-        except (ValueError, TypeError):  # no date, or one without the zone that others have
+        except (ValueError, TypeError):  # not a date, or one without the time zone that others have
             raise BadTimecode(row, text) from None
     return time_rows(seconds)
 
@@ -212,14 +212,14 @@ def _read_numbers(cells: Sequence[str], name: str) -> tuple[str, Timing]:
 
 
 def number_times(values: Times, name: str) -> tuple[str, Timing]:
-    """When rows with these times are, whatever their unit, and what they are (`RowTimes.kind`).
+    """The times of rows in any unit, and their kind (`RowTimes.kind`).
 
     Args:
         values: (T,) finite.
-        name: what the file calls them, which may name a unit.
+        name: the file's name for them, which may contain a unit.
 
     Raises:
-        NoTimes: they are numbers of frames, or cannot be real.
+        NoTimes: they are frame numbers, or impossible.
         BadRow: one row, or a few, is out of order.
     """
     if len(values) == 1:
@@ -234,7 +234,7 @@ def number_times(values: Times, name: str) -> tuple[str, Timing]:
         problem = f'numbers its frames in "{shown(name)}" and does not say how many make a second'
         typical = float(np.median(steps[steps > 0]))
         raise NoTimes(problem, likely, values / typical if np.all(steps > 0) else None)
-    # Where times repeat, the clock is slower than the rows.
+    # If times repeat, the clock is slower than the rows.
     step = typical_step(steps) if np.mean(steps > 0) > 0.9 else float(steps.mean())
     unit = _unit(step, named)
     if unit is None:
@@ -258,7 +258,7 @@ def _counts_frames(steps: Times, words: Sequence[str], named: str | None) -> boo
 
 
 def _unit(step: float, named: str | None) -> str | None:
-    """The unit of times that step by `step`; None if they can be in none."""
+    """The unit of times that step by `step`; None if no unit fits."""
     if step <= 0:
         return None
     if named is not None and SLOWEST <= 1 / (step * _UNITS[named]) <= FASTEST:

@@ -1,7 +1,7 @@
-"""Timecodes to seconds: SMPTE-like ones, as Live Link Face writes them, and what imitates them.
+"""Timecodes to seconds, as Live Link Face and its imitators write them.
 
-What their last fields mean is found out in `timecode_readings.py`; here are the texts, and the
-rows with what is uncertain about them.
+This module parses the texts and derives the times of the rows; `timecode_readings.py` finds out
+what the last fields mean.
 """
 
 from __future__ import annotations
@@ -40,21 +40,21 @@ _FRAMES = re.compile(
     r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3})(?:\.(\d{1,9}))?", re.ASCII
 )
 _CLOCK = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,](\d{1,9}))?", re.ASCII)
-# From how many frames on an odd step is a break in the recording and no jitter.
+# An odd step of at least this many frames is a break in the recording, not jitter.
 _BREAK = 4.0
 # Share of steps that must be off the grid of whole frames before the timecode is mistrusted.
 _JITTER = 0.1
-_DISORDER = 0.2  # share of rows before the one above them from which on it tells nothing
-_UNEVEN = 0.05  # how well uneven steps tell the rate
-_NUDGE = 0.1  # frames between rows whose timecodes are the same
+_DISORDER = 0.2  # share of rows out of order from which on the times are unusable
+_UNEVEN = 0.05  # relative uncertainty of a rate from uneven steps
+_NUDGE = 0.1  # frames between rows with the same timecode
 _OFF = 0.25  # frames by which a step is off the ordinary one
 
 
 class BadTimecode(ValueError):
-    """A text that is no timecode.
+    """A text that is not a timecode.
 
     Args:
-        row: index of the first such text.
+        row: the index of the first such text.
         text: the text.
     """
 
@@ -64,7 +64,7 @@ class BadTimecode(ValueError):
 
 
 def is_timecode(text: str) -> bool:
-    """Whether a text is `HH:MM:SS:FF`, with whatever follows the point."""
+    """Whether a text is `HH:MM:SS:FF`, with or without a fraction."""
     return _FRAMES.fullmatch(text) is not None
 
 
@@ -74,10 +74,10 @@ def is_clock(text: str) -> bool:
 
 
 def parse_timecodes(texts: Sequence[str]) -> Stamps:
-    """Take timecodes apart.
+    """Parse timecodes.
 
     Raises:
-        BadTimecode: one of them is none.
+        BadTimecode: a text is not a timecode.
     """
     rows: list[tuple[int, int, int, int]] = []
     width, drop = 9, False
@@ -94,10 +94,10 @@ def parse_timecodes(texts: Sequence[str]) -> Stamps:
 
 
 def clock_times(texts: Sequence[str]) -> Timing:
-    """When rows with clock times (`HH:MM:SS.mmm`) happen.
+    """The times of rows with clock times (`HH:MM:SS.mmm`).
 
     Raises:
-        BadTimecode: one of them is none.
+        BadTimecode: a text is not one.
         NoTimes, BadRow: see `timing.time_rows`.
     """
     clock, part = np.empty(len(texts)), np.zeros(len(texts))
@@ -113,13 +113,13 @@ def clock_times(texts: Sequence[str]) -> Timing:
 
 
 def derive_timing(texts: Sequence[str]) -> Timing:
-    """When rows with these timecodes happen; what is uncertain is said in the notes.
+    """The times of rows with timecodes; the notes say what is uncertain.
 
     Args:
         texts: T >= 1 timecodes, one per row.
 
     Raises:
-        BadTimecode: one of them is none.
+        BadTimecode: a text is not one.
         NoTimes: they cannot be the times of the rows.
     """
     stamps = parse_timecodes(texts)
@@ -146,7 +146,7 @@ def derive_timing(texts: Sequence[str]) -> Timing:
 
 
 def time_of_day(text: str, base: int) -> float | None:
-    """Seconds since midnight of a timecode that counts `base` frames; None if it is none."""
+    """Seconds since midnight of a timecode with `base` frames a second; None if it is invalid."""
     try:
         stamps = parse_timecodes([text])
     except BadTimecode:
@@ -156,10 +156,10 @@ def time_of_day(text: str, base: int) -> float | None:
 
 
 def start_of_day(texts: Sequence[str]) -> float:
-    """Seconds since midnight of the first of some timecodes.
+    """Seconds since midnight of the first timecode.
 
     Raises:
-        BadTimecode: one of them is none.
+        BadTimecode: a text is not one.
     """
     stamps = parse_timecodes(texts)
     return time_of_day(texts[0], derive_base(stamps)[0]) or 0.0
@@ -176,7 +176,7 @@ def write_timecode(seconds: float, base: int) -> str:
 
 
 def derive_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
-    """How many frames the timecode counts in a second, with a remark where that is a guess."""
+    """The base of timecodes, in frames a second, with a note if it is a guess."""
     if len(stamps.clock) == 1:
         return assumed_base(stamps), ()
     reading = read_stamps(stamps)
@@ -191,7 +191,7 @@ def _clock(match: re.Match[str], row: int) -> int:
 
 
 def _past_midnight(clock: Times) -> Times:
-    """(T,) seconds since midnight of the first day: the shorter way round from row to row."""
+    """(T,) seconds since midnight of the first day; each step goes the shorter way round."""
     steps = (np.diff(clock) + _DAY // 2) % _DAY - _DAY // 2
     unwrapped: Times = np.concatenate([clock[:1], clock[0] + np.cumsum(steps)])
     return unwrapped
@@ -225,7 +225,7 @@ def _time_rows(steps: Times, reading: Reading) -> Timing:
 
 
 def _uniform_rows(steps: Times, step: float, second: float) -> Timing:
-    """Rows of a timecode that was written by a clock, not a camera: evenly spaced."""
+    """The times of evenly spaced rows, for a timecode written by a clock, not a camera."""
     breaks = steps >= _BREAK * step
     usual = steps[(steps > -_BREAK * step) & ~breaks]
     mean = float(usual.mean()) if usual.sum() > 0 else step

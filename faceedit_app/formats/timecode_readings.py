@@ -1,12 +1,11 @@
-"""What the last fields of a column of timecodes mean: frames, and of what base, or something else.
+"""Find out what the last fields of timecodes mean: frames of some base, or something else.
 
 `HH:MM:SS:FF.sss` counts frames `FF` and thousandths of a frame `sss` within a second. How many
-frames make a second (the base) is written nowhere, and rows need not come once per frame of the
-base: a 30 fps recording on a 60 fps timecode steps by two. Other tools put other things into the
-same fields: milliseconds in place of frames, milliseconds of the second or a running frame number
-after the point. Which of these a column means is decided by all of its rows: each reading that is
-possible gives every row a place. One that the digits prove is believed; among the others the one
-under which the rows are spaced most evenly, the simpler one where two do equally well.
+frames make a second (the base) is not in the file, and rows need not come once per frame of the
+base: a 30 fps recording on a 60 fps timecode steps by two. Other tools write other values into the
+same fields: milliseconds instead of frames, or milliseconds of the second or a running frame number
+after the point. All rows decide: each possible reading places every row. A reading that the digits
+prove wins; otherwise the one with the most even rows, and the simpler one of equals.
 """
 
 from __future__ import annotations
@@ -23,23 +22,23 @@ MILLISECONDS = 1000  # the base of a timecode that gives milliseconds in place o
 BASES = (24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 240)
 _BROADCAST = {24: 24 / 1.001, 30: 30 / 1.001, 60: 60 / 1.001}
 _OFF = 0.25  # frames by which a step is off the ordinary one
-_WORST = 4.0  # what one step can add to the unevenness, in ordinary steps
-_LOST = 0.5  # how much less of that for a step of several ordinary ones
-_CHANCE = 0.02  # what may be ascribed to chance
-_CLEARLY = 0.4  # ordinary steps by which a more peculiar reading must be the more even one
-_FILM = 3 * 3600  # a timecode that begins within these seconds may be that of a film
+_WORST = 4.0  # the most that one step adds to the unevenness, in ordinary steps
+_LOST = 0.5  # the factor of that for a step of several ordinary ones
+_CHANCE = 0.02  # the probability that counts as chance
+_CLEARLY = 0.4  # ordinary steps by which a less common reading must be more even
+_FILM = 3 * 3600  # seconds; a timecode that begins earlier may be a film's
 
 
 @dataclass(frozen=True)
 class Stamps:
-    """Timecodes taken apart, (T,) each.
+    """Parsed timecodes, (T,) each.
 
     Attributes:
         clock: seconds since midnight of the first day; a recording may pass midnight.
         last: the field after the seconds, in most files frames.
         fraction: the digits after the point, as a whole number.
-        digits: how many digits those are; 0 = there is no point.
-        width: how many digits the last field has at least.
+        digits: the number of these digits; 0 = no point.
+        width: the least number of digits of the last field.
         drop: whether they are marked as drop-frame (`;` before the frames).
     """
 
@@ -59,14 +58,14 @@ class Stamps:
 
 @dataclass(frozen=True)
 class Reading:
-    """What a column of timecodes may mean.
+    """A possible meaning of a column of timecodes.
 
     Attributes:
-        places: (T,) where each row lies, in frames of the base.
-        second: how many of those make a true second.
-        base: how many of those the timecode counts in a second.
-        resolution: how finely the places are given, in frames.
-        notes: remarks on what is unusual about it.
+        places: (T,) the place of each row, in frames of the base.
+        second: frames in a real second.
+        base: frames that the timecode counts in a second.
+        resolution: of the places, in frames.
+        notes: what is unusual about it.
     """
 
     places: Times
@@ -77,7 +76,7 @@ class Reading:
 
 
 def read_stamps(stamps: Stamps) -> Reading:
-    """What T >= 2 timecodes mean: what their digits prove, else the most even reading."""
+    """The meaning of T >= 2 timecodes: what their digits prove, else the most even reading."""
     plain = _plain(stamps, stamps.drop)
     proven = [*_milliseconds_of_the_second(stamps), *_running_number(stamps, plain)]
     milliseconds = [*_milliseconds(stamps)]
@@ -112,7 +111,7 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
     most = frames.max()
     possible = [base for base in BASES if base > most]
     if most in BASES and np.all(np.diff(stamps.clock * most + frames) > 0):
-        # A frame that was rounded up to the base stands for the first of the next second.
+        # A frame that was rounded up to the base is the first of the next second.
         possible.insert(0, int(most))
     if len(over):
         # Where the second rolls over, the frames fall by the base less one ordinary step; by
@@ -134,13 +133,13 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
 
 
 def assumed_base(stamps: Stamps) -> int:
-    """The base of timecodes that do not tell it."""
+    """The base of timecodes that do not show it."""
     at_least = int(stamps.frames.max()) + 1
     return next((b for b in BASES if b >= max(at_least, DEFAULT_BASE)), at_least)
 
 
 def _milliseconds(stamps: Stamps) -> Iterator[Reading]:
-    """`HH:MM:SS:mmm`: milliseconds in place of frames."""
+    """`HH:MM:SS:mmm`: milliseconds instead of frames."""
     if stamps.width == 3 or stamps.last.max() > max(BASES):
         note = "the timecode gives milliseconds in place of frames"
         places = 1000.0 * stamps.clock + stamps.last
@@ -148,7 +147,7 @@ def _milliseconds(stamps: Stamps) -> Iterator[Reading]:
 
 
 def _milliseconds_of_the_second(stamps: Stamps) -> Iterator[Reading]:
-    """`FF.mmm`: the frame, and once more the time within the second, in milliseconds."""
+    """`FF.mmm`: the frame, then the milliseconds of the second."""
     part, frames = stamps.fraction, stamps.last
     if not np.all(stamps.digits == 3) or len(np.unique(part[frames > 0])) < 3:
         return
@@ -177,8 +176,8 @@ def _running_number(stamps: Stamps, plain: Reading) -> Iterator[Reading]:
     inside = np.diff(stamps.clock) == 0
     if not np.any(more) or np.any(differs[inside]) or np.any(np.abs(differs) > 1):
         return
-    # Thousandths of a frame can grow by one a row too, if a camera runs 0.1 % slow. They carry
-    # over into the frames, where a number does not; and a number begins with the film.
+    # Thousandths of a frame can also grow by one a row, if a camera runs 0.1 % slow. But they carry
+    # over into the frames, and a frame number begins with the film.
     is_first = abs((frames[0] - stamps.fraction[0] + 2) % 1000 - 2) <= 1
     if not np.any((more < 0) & inside) and not (is_first and stamps.clock[0] < _FILM):
         return
@@ -190,7 +189,7 @@ def _running_number(stamps: Stamps, plain: Reading) -> Iterator[Reading]:
 
 
 def _wrongly_marked(stamps: Stamps) -> Iterator[Reading]:
-    """Drop-frame timecode that is written with a colon, or the other way round."""
+    """Drop-frame timecode written with a colon, or the reverse."""
     if stamps.clock[0] // 60 == stamps.clock[-1] // 60:
         return
     other = _plain(stamps, not stamps.drop)
@@ -204,8 +203,8 @@ def _wrongly_marked(stamps: Stamps) -> Iterator[Reading]:
 def _numbered_at_broadcast_rate(stamps: Stamps, plain: Reading) -> Iterator[Reading]:
     """Frame n of a film of 29.97 fps at second n / 29.97 and frame n % 29.97, rounded down.
 
-    Every 33 s a number is left out, which looks like a lost frame. It is believed where that
-    cannot be chance: where so many frames are not lost elsewhere.
+    Every 33 s a number is skipped, which looks like a lost frame. This reading is used if that
+    cannot be chance, because fewer frames are lost elsewhere.
     """
     rate = _BROADCAST.get(plain.base)
     if stamps.drop or rate is None or np.ptp(stamps.fraction):
@@ -229,7 +228,7 @@ def _unevenness(places: Times) -> float:
     ratio = steps / step
     off = np.minimum(np.abs(ratio - 1), _WORST)
     off[off < _OFF] = 0.0
-    # Lost frames are no great reproach to a reading.
+    # Lost frames count little against a reading.
     lost = (ratio > 1.5) & (np.abs(ratio - np.round(ratio)) < _OFF)
     off[lost] *= _LOST
     off[steps <= 0] = _WORST
@@ -240,7 +239,7 @@ def count_frames(stamps: Stamps, base: int, drop: bool) -> Times:
     """(T,) frames of the base since midnight of the first day."""
     counts: Times = stamps.clock * base + stamps.frames
     if drop:
-        # Drop-frame leaves out the first numbers (2 of 30) of each minute but every tenth.
+        # Drop-frame skips the first numbers (2 of 30) of each minute except every tenth.
         minutes = stamps.clock // 60
         counts = counts - max(1, round(base / 15)) * (minutes - minutes // 10)
     return counts

@@ -1,4 +1,4 @@
-"""From the moments of a file's rows to a frame rate, even times and the gaps between frames."""
+"""From the times of a file's rows to a frame rate, even times and gaps."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from faceedit_app.core.errors import FileError
 
 DEFAULT_RATE = 60.0
 COMMON_RATES = (24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 90.0, 120.0)
-SLOWEST, FASTEST = 1.2, 1000.0  # frames per second; beyond, the times cannot be real
+SLOWEST, FASTEST = 1.2, 1000.0  # frames per second; other rates are impossible
 _RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
 _BROADCAST_RATES = tuple(rate * 1000 / 1001 for rate in (24, 30, 48, 60, 120))
-# 29.97 and 30 are 0.1 % apart: a slower rate is believed only where it is clearly the nearer.
+# 29.97 and 30 are 0.1 % apart: the lower rate is chosen only if it is clearly nearer.
 _BROADCAST_TOLERANCE = 0.0003
-_ROUNDED = 0.0045  # how far from it a broadcast rate is written with two decimals
-# Cameras drift from what they promise; Live Link Face at "60" was measured to run at 59.9.
+_ROUNDED = 0.0045  # the rounding error of a broadcast rate with two decimals
+# Cameras drift from their nominal rate; Live Link Face at "60" was measured at 59.9.
 _DRIFT = 0.005
-_GAP = 1.5  # steps, in frames, from which on a frame must be missing
-_BREAK = 3  # frames from which on a step may begin on another beat
-_FEW = 4  # frames up to which a step still measures the rate
-_LONGEST_GAP = 3600.0  # seconds; what is farther apart is two recordings in one file
-_COARSE = 0.1  # share of a frame by which rows are moved before it is worth a remark
-_INERTIA = 0.2  # how far the beat of coarse times follows each of them
-_UNUSABLE = 0.05  # share of rows out of order from which on no single row is to blame
+_GAP = 1.5  # steps of at least this many frames have a frame missing
+_BREAK = 3  # after a step of this many frames the phase may be another
+_FEW = 4  # steps of at most this many frames measure the rate
+_LONGEST_GAP = 3600.0  # seconds; rows farther apart are two recordings in one file
+_COARSE = 0.1  # share of a frame; rows that move farther get a note
+_INERTIA = 0.2  # how far the phase follows each coarse time
+_UNUSABLE = 0.05  # share of rows out of order from which on all times are unusable
 
 
 class RateNeeded(FileError):
-    """A take whose frame rate only the user can know: open it again with one.
+    """A take whose frame rate the user must give.
 
     Args:
         path: the file.
-        problem: why its times are of no use.
+        problem: why its times are unusable.
         rate: the likely frame rate.
-        frames: how many frames the take has; at `rate` it lasts `frames / rate` seconds.
+        frames: the number of frames; at `rate` the take lasts `frames / rate` seconds.
     """
 
     def __init__(self, path: Path | str, problem: str, rate: float, frames: int):
@@ -49,12 +49,12 @@ class RateNeeded(FileError):
 
 
 class NoTimes(ValueError):
-    """Times that cannot be real, or are not there.
+    """Times that are impossible or missing.
 
     Args:
         problem: what is wrong with them, as a phrase about the file.
         rate: the likely frame rate.
-        numbers: (T,) numbers of the frames, increasing, where the file has those.
+        numbers: (T,) frame numbers, increasing, if the file has them.
     """
 
     def __init__(self, problem: str, rate: float = DEFAULT_RATE, numbers: Times | None = None):
@@ -62,10 +62,10 @@ class NoTimes(ValueError):
         self.problem, self.rate, self.numbers = problem, rate, numbers
 
     def timing_at(self, rate: float, rows: Indices) -> Timing:
-        """The frames at a rate that the user gave.
+        """The times of the frames at a rate that the user gave.
 
         Args:
-            rows: (T,) which rows of the file they are.
+            rows: (T,) the rows of the frames in the file.
         """
         numbers = rows.astype(np.float64) if self.numbers is None else self.numbers
         steps, notes = join_recordings(np.diff(numbers), 1.0, 1 / rate)
@@ -86,12 +86,12 @@ class BadRow(ValueError):
 
 @dataclass(frozen=True)
 class Timing:
-    """When rows happen.
+    """The times of rows.
 
     Attributes:
         times: (T,) seconds from the first row, strictly increasing.
         rate: nominal rows per second.
-        notes: remarks on what was derived or mistrusted.
+        notes: what was derived or corrected.
     """
 
     times: Times
@@ -100,17 +100,17 @@ class Timing:
 
 
 def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
-    """Rows from their own times.
+    """The timing of rows with times.
 
-    Times that are rounded to steps of the clock become even where rounding alone explains their
-    unevenness. Times that are farther apart than an hour are taken for two recordings.
+    Times rounded to the steps of a clock become even if rounding alone explains their unevenness.
+    Rows more than an hour apart are treated as two recordings.
 
     Args:
         seconds: (T,) T >= 1.
-        resolution: how finely the times are given, in seconds; None = find out.
+        resolution: of the times, in seconds; None = find out.
 
     Raises:
-        NoTimes: they cannot be real.
+        NoTimes: they are impossible.
         BadRow: one row, or a few, is out of order.
     """
     if len(seconds) == 1:
@@ -152,15 +152,15 @@ def single_row() -> Timing:
 
 
 def unusual_rate(rate: float) -> str:
-    """The remark on a rate that no camera promises."""
+    """The note about a rate that is not a camera's nominal rate."""
     return f"{format_rate(rate)} is not a usual frame rate"
 
 
 def join_recordings(steps: Times, usual: float, unit: float) -> tuple[Times, tuple[str, ...]]:
-    """Steps (N,) without those of hours, and a remark on them; `usual` takes their place.
+    """Replace steps (N,) of more than an hour by `usual`, with a note about them.
 
     Args:
-        unit: seconds that a step of 1 lasts.
+        unit: the seconds in a step of 1.
     """
     apart = np.abs(steps) * unit > _LONGEST_GAP
     if not apart.any():
@@ -182,7 +182,7 @@ def _joined(seconds: Times) -> tuple[Times, tuple[str, ...]]:
 
 
 def _check_order(steps: Times) -> bool:
-    """Whether times repeat because the clock is slower than the rows."""
+    """Whether times repeat, because the clock is slower than the rows."""
     wrong = steps <= 0
     if not wrong.any():
         return False
@@ -196,13 +196,13 @@ def _check_order(steps: Times) -> bool:
 def _count_frames(
     seconds: Times, steps: Times, resolution: float, repeats: bool
 ) -> tuple[Times, float, float]:
-    """How many frames each step (T - 1,) lasts, the seconds per frame, and its relative error.
+    """The frames in each step (T - 1,), the seconds per frame, and their relative error.
 
-    The period is a mean over runs of rows, in which all rounding errors but two cancel.
+    The period is a mean over runs of rows, in which all but two rounding errors cancel.
     """
     period = typical_step(steps)
     if repeats:
-        # The clock is slower than the rows: count them between its first and its last change.
+        # The clock is slower than the rows: count the rows between its first and last change.
         frames = np.where(steps <= _FEW * period, 1.0, np.round(steps / period))
         ticks = np.flatnonzero(steps > 0)
         whole = slice(ticks[0] + 1, ticks[-1] + 1) if len(ticks) > 1 else slice(None)
@@ -220,9 +220,9 @@ def _count_frames(
 
 
 def _follow(seconds: Times, period: float) -> Times:
-    """How many frames lie from row to row (T - 1,), by following the beat of coarse times.
+    """The frames from row to row (T - 1,), by following the phase of coarse times.
 
-    A step that was rounded up and the next that was rounded down are two frames, not three.
+    A step that was rounded up and one that was rounded down are two frames, not three.
     """
     frames = np.empty(len(seconds) - 1)
     beat = float(seconds[0])
@@ -235,13 +235,13 @@ def _follow(seconds: Times, period: float) -> Times:
 
 
 def _even(seconds: Times, frames: Times, period: float, slack: float) -> Times | None:
-    """The even times of which `seconds` are roundings, or None if they are not.
+    """The even times that were rounded to `seconds`, or None if there are none.
 
-    Rows between two breaks are on one beat; across a break the clock may have gone on by any time.
+    Rows between two breaks share one phase; across a break the phase may change.
 
     Args:
         frames: (T - 1,) from row to row.
-        slack: how far apart two roundings of the same time can be, in seconds.
+        slack: the largest difference of two roundings of the same time, in seconds.
     """
     numbers = np.concatenate([[0.0], np.cumsum(frames)])
     even = numbers * period
@@ -260,7 +260,7 @@ def _unbroken(frames: Times) -> Iterator[slice]:
 
 
 def _resolution(seconds: Times, noise: float) -> float:
-    """How finely the times are given, in seconds."""
+    """The resolution of times, in seconds."""
     for decimals in range(9):
         scaled = seconds * 10.0**decimals
         slack = min(max(1e-4, noise * 10.0**decimals), 0.05)
@@ -270,11 +270,11 @@ def _resolution(seconds: Times, noise: float) -> float:
 
 
 def nominal_rate(measured: float, uncertainty: float) -> float | None:
-    """The standard rate that a measured one stands for, or None.
+    """The standard rate that fits a measured one, or None.
 
     Args:
         measured: frames per second.
-        uncertainty: relative error of the measurement, from how finely the file tells time.
+        uncertainty: the relative error of the measurement.
     """
     if uncertainty <= _BROADCAST_TOLERANCE:
         for rate in _BROADCAST_RATES:
@@ -292,7 +292,7 @@ def exact_rate(rate: float) -> float:
 
 
 def typical_step(steps: Times) -> float:
-    """The mean of the steps that are about one frame, so that neither gaps nor jitter count.
+    """The mean of the steps of about one frame, without gaps and jitter.
 
     Args:
         steps: (N,) from row to row in any unit, at least one of them above 0.
@@ -315,7 +315,7 @@ def find_gaps(times: Times, rate: float) -> tuple[Gap, ...]:
 
 
 def gap_notes(gaps: tuple[Gap, ...]) -> tuple[str, ...]:
-    """One remark that says how many gaps there are and how long, or none."""
+    """A note with the number of gaps and missing frames; none if there are no gaps."""
     if not gaps:
         return ()
     missing = sum(gap.missing for gap in gaps)
@@ -323,7 +323,7 @@ def gap_notes(gaps: tuple[Gap, ...]) -> tuple[str, ...]:
 
 
 def lost_notes(lost: Bools) -> tuple[str, ...]:
-    """One remark that counts the rows that have no face, given for each row (R,), or none."""
+    """A note that counts the rows without a face (R,); none if there are none."""
     if not lost.any():
         return ()
     places = int((lost & ~np.concatenate([[False], lost[:-1]])).sum())

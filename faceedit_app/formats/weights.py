@@ -1,4 +1,4 @@
-"""On what scale a file gives its weights, and which of them cannot be."""
+"""Find the scale of a file's weights, and weights that are impossible."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 
 PERCENT = 100.0
 PERCENT_NOTE = "the weights run from 0 to 100: read as percent, and written as percent"
-# Trackers exceed 1 by a few hundredths, exaggerated takes by a factor. What is beyond is damage.
+# Trackers exceed 1 by a few hundredths, exaggerated takes by a factor; beyond that it is damage.
 LARGEST = 10.0
 _TWICE = 2.0
 _MANY = 0.15  # share of the weights that are not 0
 
 
 def scale_of(values: NDArray[Any]) -> float:
-    """What stands for a full blendshape in a file: 1, or 100 where it gives percent.
+    """The value of a full blendshape in a file: 1, or 100 for percent.
 
     Args:
-        values: all weights, as the file gives them; NaN where it gives none.
+        values: all weights, on the file's scale; NaN if missing.
     """
     sizes = np.abs(values[np.isfinite(values) & (values != 0)])
     sizes = sizes[sizes <= LARGEST * PERCENT]
@@ -27,17 +27,17 @@ def scale_of(values: NDArray[Any]) -> float:
 
 
 def scale_notes(scale: float) -> tuple[str, ...]:
-    """The remark on a scale that is not 0 to 1."""
+    """The note about a scale other than 0 to 1."""
     return (PERCENT_NOTE,) if scale == PERCENT else ()
 
 
 def first_impossible(values: NDArray[Any], scale: float) -> tuple[int, int] | None:
-    """Row and column of the first of some weights (T, K) that no face can have."""
+    """Row and column of the first of the weights (T, K) that is impossible, or None."""
     wrong = np.argwhere(np.abs(values) > LARGEST * scale)
     return (int(wrong[0, 0]), int(wrong[0, 1])) if len(wrong) else None
 
 
 def impossible(value: float | str, scale: float) -> str:
-    """What is wrong with a weight, as a phrase after its name."""
+    """What is wrong with a weight, as a phrase to follow its name."""
     text = f"{value:g}" if isinstance(value, float) else value
     return f"is {text}, where {scale:g} is a full blendshape"

@@ -150,7 +150,7 @@ def test_character_without_a_control_opens_and_says_which_curve_it_lacks(tmp_pat
     back = read_rig(path)
     assert back.missing_controls == ("upper_lip",)
     assert back.missing_note == (
-        "Cloud has no vertices for the curve “Upper lip drop”, which cannot be edited"
+        "Cloud lacks the control points of the curve “Upper lip drop”, which cannot be edited"
     )
     weights = np.ones((3, len(rig.channels)), np.float32)
     assert (back.controls(weights)[:, CONTROL_INDEX["upper_lip"]] == 0).all()

@@ -61,10 +61,10 @@ BAD: list[tuple[Any, Read, str]] = [
     *((value, lambda f: f.whole("x"), "") for value in (*NUMBERS[3:], 1.0, -1)),
     *(([0, value], lambda f: f.span("x"), "") for value in NUMBERS),
     *(([[0, value]], lambda f: f.pairs("x"), "") for value in NUMBERS),
-    (8, lambda f: f.number("x", low=0, high=7), "must lie between 0 and 7"),
+    (8, lambda f: f.number("x", low=0, high=7), "must be between 0 and 7"),
     ([2, 1], lambda f: f.span("x"), "ends before it begins"),
-    ([1], lambda f: f.span("x"), "two numbers"),
-    ([[1, 2, 3]], lambda f: f.pairs("x"), "two numbers"),
+    ([1], lambda f: f.span("x"), "pairs of numbers"),
+    ([[1, 2, 3]], lambda f: f.pairs("x"), "pairs of numbers"),
     ([[1, 2]] * 3, lambda f: f.pairs("x", most=2), "more than 2"),
     (1, lambda f: f.text("x"), "not a text"),
     ("x" * 1001, lambda f: f.text("x"), "longer than 1,000"),
@@ -156,7 +156,7 @@ def test_file_without_end_is_refused_at_once(tmp_path: Path, kind: str) -> None:
     if kind == "pipe":
         path = tmp_path / "pipe"
         os.mkfifo(path)
-    with pytest.raises(FileError, match="it is no file"):
+    with pytest.raises(FileError, match="it is not a file"):
         read_document(path, "preset", 1)
 
 
@@ -168,7 +168,7 @@ def test_file_that_is_too_large_is_refused_before_it_is_read(
     assert read_document(path, "preset", 1).has("text")
     monkeypatch.setattr(module, "MOST_BYTES", 2**20)
     monkeypatch.setattr(Path, "read_bytes", lambda _path: pytest.fail("it was read"))
-    with pytest.raises(FileError, match="more than 1 MB"):
+    with pytest.raises(FileError, match="larger than 1 MB"):
         read_document(path, "preset", 1)
 
 

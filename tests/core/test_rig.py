@@ -21,7 +21,7 @@ def slow_vertices(rig: Rig, weights: np.ndarray) -> np.ndarray:
 
 
 def slow_controls(rig: Rig, weights: np.ndarray) -> np.ndarray:
-    return np.maximum(slow_signed_controls(rig, weights), 0)
+    return np.asarray(np.maximum(slow_signed_controls(rig, weights), 0))
 
 
 def slow_signed_controls(rig: Rig, weights: np.ndarray) -> np.ndarray:
@@ -70,7 +70,7 @@ def test_controls_of_a_whole_clip_on_the_shipped_character() -> None:
 
 @pytest.mark.parametrize("rig", [random_rig(1), shipped_rig()], ids=["random", "shipped"])
 def test_jacobian_equals_finite_differences(rig: Rig) -> None:
-    weights = 0.2 + 0.5 * random_weights(rig, 3)
+    weights = np.float32(0.2) + np.float32(0.5) * random_weights(rig, 3)
     lengths, jacobian = rig.distances.jacobian(weights)
     np.testing.assert_allclose(lengths, slow_signed_controls(rig, weights), rtol=1e-4)
     np.testing.assert_allclose(np.maximum(lengths, 0), rig.controls(weights), rtol=1e-6)

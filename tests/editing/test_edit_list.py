@@ -14,8 +14,8 @@ from support.sessions import session_by_rig, strengthen, take_of
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.solving.solver import Settings
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.take import Take
 
@@ -37,7 +37,7 @@ def session() -> EditSession:
     return session
 
 
-STEPS: dict[str, tuple[Callable[[EditSession], None], tuple[Edit, ...]]] = {
+STEPS: dict[str, tuple[Callable[[EditSession], object], tuple[Edit, ...]]] = {
     "replace": (lambda s: s.replace_edit(1, C), (A, C, C)),
     "switch off": (lambda s: s.set_enabled(0, False), (replace(A, enabled=False), B, C)),
     "strength": (lambda s: strengthen(s, 2, 1.5), (A, B, replace(C, strength=1.5))),
@@ -53,9 +53,9 @@ STEPS: dict[str, tuple[Callable[[EditSession], None], tuple[Edit, ...]]] = {
     "move too far": (lambda s: s.move(1, 99), (A, C, B)),
     "move too far up": (lambda s: s.move(1, -7), (B, A, C)),
     "restore": (lambda s: s.restore(EditState((C,), Settings())), (C,)),
-    "float and keep": (lambda s: (s.preview(A, B), s.commit()), (A, B, C, A, B)),  # type: ignore[dict-item]
-    "float another list": (lambda s: (s.preview_list([B]), s.commit()), (B,)),  # type: ignore[dict-item]
-    "float a change": (lambda s: (s.preview_replace(0, C), s.commit()), (C, B, C)),  # type: ignore[dict-item]
+    "float and keep": (lambda s: (s.preview(A, B), s.commit()), (A, B, C, A, B)),
+    "float another list": (lambda s: (s.preview_list([B]), s.commit()), (B,)),
+    "float a change": (lambda s: (s.preview_replace(0, C), s.commit()), (C, B, C)),
 }
 
 
@@ -97,7 +97,8 @@ NO_STEPS: dict[str, Callable[[EditSession], object]] = {
 
 @pytest.mark.parametrize("name", NO_STEPS)
 def test_what_changes_nothing_is_no_step(session: EditSession, name: str) -> None:
-    before, heard = session.weights.copy(), []
+    before = session.weights.copy()
+    heard: list[EditState] = []
     session.stepped.connect(heard.append)
     NO_STEPS[name](session)
     assert not session.is_previewing
@@ -171,7 +172,7 @@ def test_smooth_and_reset_never_overshoot() -> None:
 
 def test_falloffs_may_differ() -> None:
     edit = replace(A, falloff=0.5, falloff_out=0.1)
-    assert edit.reach == (0.5, 1.6)
+    assert edit.span == (0.5, 1.6)
     mask = edit.mask(np.array([0.5, 0.75, 1.0, 1.5, 1.55, 1.6]))
     np.testing.assert_allclose(mask, [0, 0.5, 1, 1, 0.5, 0], atol=1e-9)
     same = replace(A, falloff_out=0.2)

@@ -9,14 +9,10 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.edits import edits
 
-from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.editing.edits.edit import (
-    LONGEST_SMOOTH,
-    STRONGEST,
-    WITH_POINTS,
-    Company,
     Edit,
     Op,
 )
@@ -49,31 +45,6 @@ def complaint(path: Path) -> str:
     assert len(text.splitlines()) == 1
     assert "; " in text, "no remedy"
     return text
-
-
-points = st.dictionaries(st.floats(-100, 1e5), st.floats(0, 100), min_size=1, max_size=5)
-
-
-@st.composite
-def edits(draw: st.DrawFn) -> Edit:
-    start = draw(st.floats(-100, 1e5))
-    op = draw(st.sampled_from(Op))
-    values = {Op.SCALE: st.floats(0, 50), Op.SMOOTH: st.floats(0, LONGEST_SMOOTH)}
-    return Edit(
-        controls=tuple(draw(st.lists(st.sampled_from(CONTROL_IDS), min_size=1, unique=True))),
-        op=op,
-        start=start,
-        end=start + draw(st.floats(0, 1000)),
-        falloff=draw(st.floats(0, 10)),
-        value=draw(values.get(op, st.floats(-100, 100))),
-        falloff_out=draw(st.none() | st.floats(0, 10)),
-        strength=draw(st.floats(0, STRONGEST)),
-        enabled=draw(st.booleans()),
-        name=draw(st.text(max_size=5)),
-        about=draw(st.none() | st.floats(0, 50)) if op is Op.SCALE else None,
-        points=tuple(sorted(draw(points).items())) if op in WITH_POINTS else (),
-        companions=draw(st.sampled_from(Company)),
-    )
 
 
 @given(st.lists(edits(), max_size=6))
@@ -126,7 +97,7 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "no control": (without("control"), '"control"'),
     "number as control": (without(control=5), '"control"'),
     "both spellings": (without(controls=["mouth_width"]), '"control"'),
-    "empty controls": (without("control", controls=[]), "names no control"),
+    "empty controls": (without("control", controls=[]), "has no control"),
     "number among controls": (without("control", controls=["mouth_width", 1]), '"controls"'),
     "a control twice": (without("control", controls=["mouth_width"] * 2), "twice"),
     "unknown op": (without(op="shake"), "offset, set, scale, smooth, reset"),
@@ -143,13 +114,13 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "negative scale": (without(op="scale", value=-1), "at least 0"),
     "negative smooth": (without(op="smooth", value=-1), "at least 0"),
     "endless smooth": (without(op="smooth", value=1e5), "at most 10 seconds"),
-    "infinite": (without(value=float("inf")), "must lie between"),
-    "not a number": (without(start=float("nan")), "must lie between"),
-    "beyond all sums": (without(start=-1e308, falloff=1e308), "must lie between"),
+    "infinite": (without(value=float("inf")), "must be between"),
+    "not a number": (without(start=float("nan")), "must be between"),
+    "beyond all sums": (without(start=-1e308, falloff=1e308), "must be between"),
     "endless name": (without(name="x" * 1001), '"name" is longer than 1,000 characters'),
     "endless control": (without(control="[" * 900), "unknown control '[[["),
     "half a character": (without(name="\ud83d"), '"name" has a damaged character'),
-    "beyond all floats": (without(value=10**400), "must lie between"),
+    "beyond all floats": (without(value=10**400), "must be between"),
 }
 
 
@@ -163,14 +134,14 @@ def test_bad_edit_is_told_with_its_number(tmp_path: Path, name: str) -> None:
 
 BAD_FILES: dict[str, tuple[bytes, str]] = {
     "empty": (b"", "not JSON"),
-    "PNG": (b"\x89PNG\r\n\x1a\n\x00\xff", "no edits file"),
+    "PNG": (b"\x89PNG\r\n\x1a\n\x00\xff", "not a valid edits file"),
     "cut off": (b'{"version": 1,\n "edits": [', "line 2"),
-    "list": (b"[]", "no edits file"),
+    "list": (b"[]", "not a valid edits file"),
     "edits are an object": (b'{"version": 1, "edits": {}}', '"edits"'),
     "no version": (b'{"edits": []}', "version None"),
     "later version": (b'{"version": 2, "edits": []}', "version 2"),
-    "endless lists": (b"[" * 100_000, "no edits file"),
-    "endless number": (b'{"version": ' + b"1" * 5000 + b', "edits": []}', "no edits file"),
+    "endless lists": (b"[" * 100_000, "not a valid edits file"),
+    "endless number": (b'{"version": ' + b"1" * 5000 + b', "edits": []}', "not a valid edits file"),
 }
 
 

@@ -13,13 +13,14 @@ from faceedit_app.editing.solving.filters import gaussian, moving_mean, peaks
 
 def curve(kind: str, rng: np.random.Generator) -> NDArray[np.float64]:
     noise = rng.normal(size=int(rng.integers(3, 1500)))
-    return {
+    kinds: dict[str, NDArray[np.float64]] = {
         "noise": noise,
         "wandering": np.cumsum(noise),
-        "steps": np.round(np.cumsum(noise)),
+        "steps": np.rint(np.cumsum(noise)),
         "cut off": np.clip(np.cumsum(noise), -1.0, 1.0),  # long level tops
         "level": np.zeros_like(noise),
-    }[kind]
+    }
+    return kinds[kind]
 
 
 @pytest.mark.filterwarnings("ignore:some peaks have a prominence of 0")

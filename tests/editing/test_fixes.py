@@ -111,7 +111,9 @@ def test_lips_close_over_a_short_selection(session: EditSession) -> None:
 
 def test_eyes_open_as_far_as_they_usually_do(session: EditSession) -> None:
     (edit,) = apply_preset(session, preset("open_eyes"), (4.6, 5.0), 0.0, falloff=0.1)
-    assert edit.value == pytest.approx(open_eyes(session.tracked[:, LIDS]), abs=0.01)
+    assert edit.value == pytest.approx(
+        open_eyes(session.tracked[:, LIDS].astype(np.float64)), abs=0.01
+    )
     session.add(edit)
     assert session.achieved[between(session, 4.6, 5.0)][:, LIDS].min() > 6.5
 

@@ -16,9 +16,9 @@ import pytest
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.journal import Journal, pending_journals
-from faceedit_app.editing.solving.solver import Settings
 from faceedit_app.editing.steps import EditState
 
 DEMO = shipped("assets/demo_take.csv")

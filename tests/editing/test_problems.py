@@ -56,8 +56,8 @@ def test_the_same_is_found_at_30_frames_a_second_and_in_a_noisier_recording(
 ) -> None:
     clip = demo_take().clip
     weights = clip.arkit_weights()[::step]
-    weights = weights + np.random.default_rng(0).normal(0, noise, weights.shape)
-    weights = np.maximum(weights, 0).astype(np.float32)
+    noisy = weights + np.random.default_rng(0).normal(0, noise, weights.shape)
+    weights = np.maximum(noisy, 0).astype(np.float32)
     found = find(Clip(weights, ARKIT_CHANNELS, clip.times[::step], clip.rate / step))
     assert [problem.kind for problem in found] == [Kind.BLINK, Kind.LIPS]
 

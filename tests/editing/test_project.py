@@ -12,14 +12,15 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.edits import edits
 from support.sessions import session_by_rig
 from support.takes import make_livelink_csv, make_plain_csv
-from test_edits_file import edits
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import MediaFile
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files import fingerprint as fingerprint_module
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
 from faceedit_app.editing.files.project import (
@@ -30,7 +31,6 @@ from faceedit_app.editing.files.project import (
     read_project,
     write_project,
 )
-from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.editing.steps import EditState
 
 EDITS = (
@@ -128,7 +128,7 @@ GOOD: dict[str, Any] = {
     "edits": [],
 }
 BAD: dict[str, tuple[Any, str]] = {
-    "list": ([], "is no FaceEdit project"),
+    "list": ([], "is not a valid FaceEdit project"),
     "no version": ({}, "version None"),
     "later version": (GOOD | {"version": 2}, "update FaceEdit"),
     "unknown field": (GOOD | {"camera": 1}, 'unknown field "camera"'),
@@ -150,17 +150,17 @@ BAD: dict[str, tuple[Any, str]] = {
     "list as mode": (GOOD | {"settings": {"mode": []}}, '"settings.mode" must be one of'),
     "wild naturalness": (
         GOOD | {"settings": {"naturalness": 7}},
-        '"settings.naturalness" must lie',
+        '"settings.naturalness" must be',
     ),
     "settings are a list": (GOOD | {"settings": []}, '"settings" is not an object'),
     "unknown setting": (GOOD | {"settings": {"x": 1}}, 'unknown field "settings.x"'),
     "view is a text": (GOOD | {"view": "x"}, '"view" is not an object'),
     "playhead is a text": (GOOD | {"view": {"playhead": "x"}}, '"view.playhead" is not a number'),
-    "playhead is none": (GOOD | {"view": {"playhead": float("nan")}}, '"view.playhead" must lie'),
-    "negative falloff": (GOOD | {"view": {"falloff": -1}}, '"view.falloff" must lie'),
+    "playhead is none": (GOOD | {"view": {"playhead": float("nan")}}, '"view.playhead" must be'),
+    "negative falloff": (GOOD | {"view": {"falloff": -1}}, '"view.falloff" must be'),
     "half a selection": (
         GOOD | {"view": {"selection": [1]}},
-        '"view.selection" is not made of two',
+        '"view.selection" is not a list of pairs',
     ),
     "selection backwards": (GOOD | {"view": {"selection": [2, 1]}}, "ends before it begins"),
     "endless list in ui": (GOOD | {"view": {"ui": {"a": nested(9)}}}, '"view.ui" holds too much'),

@@ -12,6 +12,7 @@ from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.editing.solving.reach import Goal, Reach
 
 LOWER, _, EYELIDS = REGIONS
+Asked = dict[str, np.ndarray | float]  # lengths in mm, by control
 
 
 class Face:
@@ -44,7 +45,7 @@ class Face:
     def go(
         self,
         weights: np.ndarray,
-        asked: dict[str, np.ndarray | float],
+        asked: Asked,
         strength: float = 1.0,
         naturalness: float = 0.0,
     ) -> np.ndarray:
@@ -113,7 +114,7 @@ def test_reachable_length_is_met_to_a_tenth_of_a_millimetre(
 def test_lengths_of_a_real_pose_are_met_together(lower: Face) -> None:
     """What another face measures can be asked for, all six at once."""
     start, other = lower.poses(10, 1, 0.3), lower.poses(10, 2, 0.3)
-    asked = {name: lower.of(other, name) for name in LOWER.controls}
+    asked: Asked = {name: lower.of(other, name) for name in LOWER.controls}
     result = lower.go(start, asked)
     assert np.abs(lower.lengths(result) - lower.lengths(other)).max() < 0.3
     assert_in_bounds(result)
@@ -197,7 +198,7 @@ def test_channels_of_other_regions_are_kept(lids: Face) -> None:
 
 def test_naturalness_bounds_the_change(lower: Face) -> None:
     weights = lower.poses(10)
-    goal = {"mouth_opening": 45.0}
+    goal: Asked = {"mouth_opening": 45.0}
     obeying = np.linalg.norm(lower.go(weights, goal) - weights, axis=1)
     natural = np.linalg.norm(lower.go(weights, goal, naturalness=1.0) - weights, axis=1)
     assert natural.max() <= 4 * 0.2 + 1e-4  # four standard deviations of 0.2

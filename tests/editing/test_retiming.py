@@ -14,7 +14,7 @@ from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.editing.files.fingerprint import Fingerprint
 from faceedit_app.editing.files.journal import Journal, pending_journals
 from faceedit_app.editing.files.project import Project, read_project, write_project
-from faceedit_app.editing.session import EditState
+from faceedit_app.editing.steps import EditState
 
 PRINT = Fingerprint(3, "0" * 64)
 EDIT = Edit(("mouth_opening",), Op.OFFSET, 1.0, 2.0, 0.2, 5.0, falloff_out=0.4)

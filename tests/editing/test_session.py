@@ -17,9 +17,9 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import affected
-from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.formats.opening import open_take
 
 MOUTH = CONTROL_INDEX["mouth_opening"]

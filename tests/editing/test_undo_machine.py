@@ -34,12 +34,12 @@ from faceedit_app.editing.edits.edit import (
     Op,
 )
 from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.help.clipboard import Copied, copy_range
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import load_presets
 from faceedit_app.editing.help.problems import find_problems
 from faceedit_app.editing.opening import open_session
-from faceedit_app.editing.solving.solver import Mode, Settings
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take

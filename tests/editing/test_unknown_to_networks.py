@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from support.faces import shipped_rig, talking_clip
 from support.networks import random_content, random_description, write_models
-from support.rigs import NoFile
+from support.takes import NoFile
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.solving.solver import Settings
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
 

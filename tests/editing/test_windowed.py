@@ -13,7 +13,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
-from faceedit_app.editing.solving.chunks import CHUNK, Piece
+from faceedit_app.editing.solving.chunks import CHUNK, ChunkTask
 from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.solver import Patch, Solver
 
@@ -55,14 +55,14 @@ def random_edits(random: np.random.Generator, duration: float, most: int = 5) ->
 
 def whole(solver: Solver, edits: tuple[Edit, ...], settings: Settings) -> list[np.ndarray]:
     """Every chunk of the take, also those that no edit affects, one after the other."""
-    pieces = solver.pieces(edits, settings)
+    tasks = solver.tasks(edits, settings)
     everywhere = {}
     for chunk in range(len(solver.chunks)):
         rows = solver.chunks.slice(chunk)
         if rows.start < rows.stop:
             all_rows = (0, len(solver.clip))
-            everywhere[chunk] = pieces.get(chunk) or Piece(chunk, all_rows, settings, edits)
-    patches: list[Patch] = [solver.solve(piece) for piece in everywhere.values()]
+            everywhere[chunk] = tasks.get(chunk) or ChunkTask(chunk, all_rows, settings, edits)
+    patches: list[Patch] = [solver.solve(task) for task in everywhere.values()]
     return [
         np.concatenate([getattr(patch, name) for patch in patches])
         for name in ("weights", "asked", "controls")
@@ -120,7 +120,7 @@ def test_chunks_answer_as_the_networks_do_over_the_whole_take(
     for region in networks.models:
         at_once = networks.answer(region, solver.grid, naturalness)
         for chunk in range(len(solver.chunks)):
-            first, last = solver.chunks.windows[chunk]
+            first, last = solver.chunks.grid_ranges[chunk]
             answer = networks.answer(region, solver.grid[first:last], naturalness)
             rows = solver.chunks.slice(chunk)
             inner = slice(rows.start, min(rows.stop + 2, padded))

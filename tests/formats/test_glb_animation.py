@@ -34,7 +34,7 @@ def weights_in(path: Path) -> NDArray[np.float32]:
     kind: Any = {5121: "u1", 5123: "<u2", 5126: "<f4"}[accessor.componentType]
     start = (view.byteOffset or 0) + (accessor.byteOffset or 0)
     flat = np.frombuffer(document.binary_blob(), kind, accessor.count, start)
-    return flat.astype(np.float32) / (1 if kind == "<f4" else np.iinfo(kind).max)
+    return flat.astype(np.float32) / np.float32(1 if kind == "<f4" else np.iinfo(kind).max)
 
 
 def edited(path: Path, out: Path) -> tuple[NDArray[np.float32], tuple[str, ...]]:

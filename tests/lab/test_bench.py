@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import shutil
@@ -138,7 +139,7 @@ def test_long_takes_repeat_the_demo() -> None:
 
 
 def test_references_that_are_absent_are_none(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
-    monkeypatch.setattr(references.importlib.util, "find_spec", lambda _name: None)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _name: None)
     monkeypatch.setattr(shutil, "which", lambda _name: None)
     assert references.in_torch("unet", 1) is None
     assert references.cpu_limit(shipped("models"), 1) is None

@@ -5,9 +5,11 @@ from __future__ import annotations
 import itertools
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from support.places import ROOT
 
 from faceedit_app.core.arkit import ARKIT_INDEX
@@ -35,15 +37,17 @@ needs_espeak = pytest.mark.skipif(
     shutil.which("espeak-ng") is None, reason="espeak-ng is not installed on this computer"
 )
 
+Performance = tuple[NDArray[np.float64], NDArray[np.float32]]  # times, weights
+Demo = tuple[list[str], list[list[str]], NDArray[np.float64]]  # header, cells, numbers
 SAID = tuple(with_durations(parse(text)) for text in demo_take.TRANSCRIPTIONS)
 
 
 @pytest.fixture(scope="module")
-def minute():
+def minute() -> Performance:
     return synthesize(60.0, seed=4, utterances=SAID)
 
 
-def test_transcriptions_are_read():
+def test_transcriptions_are_read() -> None:
     said = parse("m_'eI_b_i: b_'0_b\nh_'E_v_i_; p_i@ ?_Q_d")
     assert [p.symbol for p in said] == [
         "m", "eI", "b", "i", "b", "A", "b", PAUSE, "h", "E", "v", "i", "p", "i", "@", "d",
@@ -52,7 +56,7 @@ def test_transcriptions_are_read():
     assert parse("") == parse("\n ; \n") == ()
 
 
-def test_durations_follow_stress_phrase_and_tempo():
+def test_durations_follow_stress_phrase_and_tempo() -> None:
     said = with_durations(parse("t_'i:_t_i:_t_i:"))
     stressed, unstressed, last = (p.seconds for p in said if p.symbol == "i")
     assert stressed > unstressed < last
@@ -64,7 +68,7 @@ def test_durations_follow_stress_phrase_and_tempo():
 
 @pytest.mark.parametrize("consonant", ["p", "b", "m"])
 @pytest.mark.parametrize("vowel", ["i", "a", "u", "oU"])
-def test_bilabials_seal_the_lips_between_any_vowels(consonant, vowel):
+def test_bilabials_seal_the_lips_between_any_vowels(consonant: str, vowel: str) -> None:
     said = with_durations((Phoneme(vowel, stress=2), Phoneme(consonant), Phoneme(vowel, stress=2)))
     closure = articulate(said, RATE)[:, ARTICULATOR_INDEX["closure"]]
     middle = round((said[0].seconds + said[1].seconds / 2) * RATE)
@@ -72,7 +76,7 @@ def test_bilabials_seal_the_lips_between_any_vowels(consonant, vowel):
     assert closure[round(0.5 * said[0].seconds * RATE)] < 0.5  # and the vowels open them again
 
 
-def test_consonants_take_the_rounding_of_their_neighbours():
+def test_consonants_take_the_rounding_of_their_neighbours() -> None:
     pucker = ARTICULATOR_INDEX["mouthPucker"]
     spread, rounded = (
         articulate([Phoneme(v, 0.1, 2), Phoneme("t", 0.07), Phoneme(v, 0.1, 2)], RATE)
@@ -81,7 +85,7 @@ def test_consonants_take_the_rounding_of_their_neighbours():
     assert rounded[8, pucker] > spread[8, pucker] + 0.1
 
 
-def test_every_phoneme_can_be_said_alone():
+def test_every_phoneme_can_be_said_alone() -> None:
     for symbol in PHONEMES:
         curve = articulate([Phoneme(symbol, 0.2)], RATE)
         assert curve.shape == (12, len(ARTICULATOR_INDEX))
@@ -91,7 +95,7 @@ def test_every_phoneme_can_be_said_alone():
     assert all(name in ARTICULATOR_INDEX for v in VISEMES.values() for name in v.targets)
 
 
-def test_a_blink_closes_faster_than_it_opens():
+def test_a_blink_closes_faster_than_it_opens() -> None:
     times = np.arange(60) / RATE
     left, right = eyes.lids(times, [Blink(0.2, 0.1, 0.02, 0.22, depth=(1.0, 0.6))]).T
     assert left.max() == pytest.approx(1.0)
@@ -102,7 +106,7 @@ def test_a_blink_closes_faster_than_it_opens():
     assert 1.3 < fall / rise < 4
 
 
-def test_gaze_arrives_quickly_and_stays():
+def test_gaze_arrives_quickly_and_stays() -> None:
     times = np.arange(120) / RATE
     yaw, pitch = eyes.gaze_curve(times, [Gaze(0.5, 0.4, 0.0), Gaze(1.5, -0.2, -0.3)]).T
     assert yaw[times < 0.5].max() == 0
@@ -110,19 +114,19 @@ def test_gaze_arrives_quickly_and_stays():
     np.testing.assert_allclose(pitch[times > 1.65], -0.3)
 
 
-def test_blinks_come_at_the_rate_asked_for_and_never_overlap():
+def test_blinks_come_at_the_rate_asked_for_and_never_overlap() -> None:
     blinks = eyes.draw_blinks(np.random.default_rng(0), 600.0, 15.0)
     assert 12 < len(blinks) / 10 < 18
     assert all(a.start + a.seconds <= b.start for a, b in itertools.pairwise(blinks))
 
 
-def test_moods_and_gestures_name_real_channels():
+def test_moods_and_gestures_name_real_channels() -> None:
     for shape in (*expressions.MOODS.values(), *expressions.GESTURES.values()):
         for name in shape:
             assert name in ARKIT_INDEX or name + "Left" in ARKIT_INDEX, name
 
 
-def test_performance_is_made_of_plausible_weights(minute):
+def test_performance_is_made_of_plausible_weights(minute: Performance) -> None:
     times, weights = minute
     assert weights.shape == (3600, 52)
     assert weights.dtype == np.float32
@@ -133,7 +137,7 @@ def test_performance_is_made_of_plausible_weights(minute):
     assert (weights[:, CLOSE] <= weights[:, JAW]).all()
 
 
-def test_performance_moves_like_a_face():
+def test_performance_moves_like_a_face() -> None:
     speaker = replace(draw_speaker(np.random.default_rng(4)), gestures=0.0)  # no winks
     figures = statistics.measure([synthesize(60.0, 4, utterances=SAID, speaker=speaker)])
     assert 1.5 < figures.jaw_peaks < 3.5
@@ -144,16 +148,18 @@ def test_performance_moves_like_a_face():
     assert figures.correlations["eyeBlinkLeft", "eyeBlinkRight"] > 0.8
 
 
-def test_same_seed_same_performance(minute):
+def test_same_seed_same_performance(minute: Performance) -> None:
     again = synthesize(60.0, seed=4, utterances=SAID)
     np.testing.assert_array_equal(again[1], minute[1])
     other = synthesize(60.0, seed=5, utterances=SAID)
     assert np.abs(other[1] - minute[1]).max() > 0.1
 
 
-def test_speakers_differ_and_can_be_chosen():
+def test_speakers_differ_and_can_be_chosen() -> None:
     first, second = (draw_speaker(np.random.default_rng(s)) for s in (1, 2))
     assert first.tempo != second.tempo
+    assert first.rest is not None
+    assert second.rest is not None
     assert not np.array_equal(first.rest, second.rest)
     calm = replace(Speaker(), gestures=0.0, affect=0.0, noise=0.0, idle=0.0, emphasis=0.0)
     _, weights = synthesize(8.0, seed=1, utterances=SAID, speaker=calm)
@@ -161,20 +167,20 @@ def test_speakers_differ_and_can_be_chosen():
 
 
 @pytest.mark.parametrize("rate", [25.0, 30.0, 59.94])
-def test_any_rate_and_any_length(rate):
+def test_any_rate_and_any_length(rate: float) -> None:
     for seconds in (0.1, 1.0, 3.3):
         times, weights = synthesize(seconds, seed=2, rate=rate, utterances=SAID)
         assert len(times) == len(weights) == round(seconds * rate)
 
 
-def test_phonemes_without_durations_are_given_some():
+def test_phonemes_without_durations_are_given_some() -> None:
     bare = [parse(text) for text in demo_take.TRANSCRIPTIONS]
     _, weights = synthesize(5.0, seed=4, utterances=bare)
     _, timed = synthesize(5.0, seed=4, utterances=SAID)
     np.testing.assert_array_equal(weights, timed)
 
 
-def test_livelink_file_is_laid_out_as_the_app_does(tmp_path):
+def test_livelink_file_is_laid_out_as_the_app_does(tmp_path: Path) -> None:
     weights = np.zeros((3, 52), np.float32)
     weights[:, ARKIT_INDEX["jawLeft"]] = 0.25
     weights[1, ARKIT_INDEX["eyeLookOutLeft"]] = 1.0
@@ -199,13 +205,13 @@ def test_livelink_file_is_laid_out_as_the_app_does(tmp_path):
     assert turned < rest  # outwards is negative for the left eye
 
 
-def test_bad_timecode_is_refused(tmp_path):
+def test_bad_timecode_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="timecode"):
         synthesis.write_livelink(tmp_path / "x.csv", np.zeros((1, 52), np.float32), start="10:00")
 
 
 @needs_espeak
-def test_transcribing_with_espeak():
+def test_transcribing_with_espeak() -> None:
     said = phonemes.transcribe("Maybe Bob can move the map.")
     assert [p.symbol for p in said][:4] == ["m", "eI", "b", "i"]
     assert 1.0 < sum(p.seconds for p in said) < 3.0
@@ -215,7 +221,7 @@ def test_transcribing_with_espeak():
     assert weights[:, JAW].max() > 0.1
 
 
-def test_folder_of_takes(tmp_path, monkeypatch):
+def test_folder_of_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(speech, "transcribe", lambda _: SAID[0])
     steps: list[tuple[int, int]] = []
     paths = synthesis.write_performances(
@@ -229,26 +235,26 @@ def test_folder_of_takes(tmp_path, monkeypatch):
     assert [p.read_bytes() for p in again] == [p.read_bytes() for p in paths]
 
 
-def test_without_espeak_one_line_says_what_to_do(monkeypatch):
-    monkeypatch.setattr(phonemes.shutil, "which", lambda _: None)
+def test_without_espeak_one_line_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "which", lambda _: None)
     phonemes._espeak.cache_clear()
     with pytest.raises(Unavailable, match="install it") as caught:
         synthesize(1.0, seed=0)
     assert "\n" not in str(caught.value)
 
 
-def test_a_file_in_place_of_the_folder_is_told(tmp_path):
+def test_a_file_in_place_of_the_folder_is_told(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("")
     with pytest.raises(FileError, match="cannot be made"):
         synthesis.write_performances(tmp_path / "x", 0.1, seed=0)
 
 
-def test_minutes_must_be_positive(tmp_path):
+def test_minutes_must_be_positive(tmp_path: Path) -> None:
     with pytest.raises(FaceEditError, match="minutes"):
         synthesis.write_performances(tmp_path, 0.0, seed=0)
 
 
-def test_statistics_find_what_was_put_in():
+def test_statistics_find_what_was_put_in() -> None:
     times = np.arange(0, 20, 1 / RATE)
     weights = np.zeros((len(times), 52), np.float32)
     weights[:, JAW] = 0.2 - 0.2 * np.cos(2 * np.pi * 2.0 * times)
@@ -270,13 +276,13 @@ def test_statistics_find_what_was_put_in():
 
 
 @pytest.fixture(scope="module")
-def demo():
+def demo() -> Demo:
     lines = (ROOT / "assets" / "demo_take.csv").read_text().splitlines()
     rows = [line.split(",") for line in lines[1:]]
     return lines[0].split(","), rows, np.array([[float(v) for v in row[2:]] for row in rows])
 
 
-def test_demo_take_is_what_its_command_builds(demo, tmp_path):
+def test_demo_take_is_what_its_command_builds(demo: Demo, tmp_path: Path) -> None:
     path = tmp_path / "demo.csv"
     synthesis.write_livelink(path, demo_take.build()[1], demo_take.RATE, demo_take.START)
     built = [line.split(",") for line in path.read_text().splitlines()]
@@ -288,7 +294,7 @@ def test_demo_take_is_what_its_command_builds(demo, tmp_path):
     )
 
 
-def test_demo_take_has_something_to_repair(demo):
+def test_demo_take_has_something_to_repair(demo: Demo) -> None:
     header, rows, values = demo
     assert values.shape == (600, 61)
     assert {row[1] for row in rows} == {"61"}

@@ -113,16 +113,23 @@ def test_autoencoder_leaves_the_regressor_as_it_was() -> None:
     assert any(not torch.equal(first[n], last[n]) for n in first if n.startswith("autoencoder."))
 
 
+def weights_of(network: object) -> dict[str, torch.Tensor]:
+    assert isinstance(network, torch.nn.Module)
+    return network.state_dict()
+
+
 def test_papers_recipe_adapts_statistics_and_nothing_else_of_the_regressor() -> None:
     settings = tiny("paper", epochs_autoencoder=3)
     plain = fit_region(EYELIDS, TAKES, RIG, replace(settings, epochs_autoencoder=0)).model
     model = fit_region(EYELIDS, TAKES, RIG, settings).model
-    assert model.networks.adapted is not None
-    regressor, adapted = model.networks.regressor.state_dict(), model.networks.adapted.state_dict()
+    regressor, adapted = (
+        weights_of(network) for network in (model.networks.regressor, model.networks.adapted)
+    )
+    unadapted = weights_of(plain.networks.regressor)
     for name, value in regressor.items():
         statistic = "running" in name or "batches" in name
         assert torch.equal(value, adapted[name]) != statistic, name
-        assert torch.equal(value, plain.networks.regressor.state_dict()[name]), name
+        assert torch.equal(value, unadapted[name]), name
 
 
 @pytest.mark.parametrize("recipe", ["faceedit", "paper"])

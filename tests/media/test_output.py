@@ -29,7 +29,7 @@ def heard(mixer: Mixer, count: int) -> list[int]:
         mixer.fill(block)
         blocks.append(block[:, 0])
         count -= len(block)
-    return np.round(np.concatenate(blocks) * FULL).astype(int).tolist()
+    return [int(value) for value in np.round(np.concatenate(blocks) * FULL)]
 
 
 @pytest.fixture

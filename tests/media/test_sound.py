@@ -8,6 +8,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
+from av.audio import AudioStream
 from support.films import make_film, make_wav
 
 from faceedit_app.core.errors import FileError
@@ -44,6 +45,7 @@ def test_compressed_sound_keeps_its_time(tmp_path: Path, name: str, codec: str) 
     assert source is not None
     with av.open(str(tmp_path / name), "w") as out:
         stream = out.add_stream(codec, rate=16000, layout="mono")
+        assert isinstance(stream, AudioStream)
         data = source.read(0, len(source.samples)).T
         frame = av.AudioFrame.from_ndarray(np.ascontiguousarray(data), "fltp", "mono")
         frame.sample_rate, frame.pts, frame.time_base = 16000, 0, Fraction(1, 16000)

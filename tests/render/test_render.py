@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import gc
 import math
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -85,7 +86,7 @@ def test_the_pose_is_a_rotation_that_looks_at_the_target() -> None:
 @pytest.mark.parametrize("aspect", [0.4, 0.8, 1.0, 1.8])
 def test_default_camera_sees_the_whole_head(rig: Rig, aspect: float) -> None:
     camera = default_camera(rig, aspect)
-    points = np.hstack((rig.neutral, np.ones((len(rig.neutral), 1))))
+    points = np.hstack((rig.neutral, np.ones((len(rig.neutral), 1), np.float32)))
     x, y, z, _ = np.linalg.inv(camera.pose()) @ points.T
     face = rig.neutral[:, 1] >= rig.neutral[np.abs(rig.deltas).max((0, 2)) > 0, 1].min()
     half = np.tan(field_of_view(aspect) / 2.0)
@@ -94,7 +95,7 @@ def test_default_camera_sees_the_whole_head(rig: Rig, aspect: float) -> None:
 
 
 def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:
-    vertices = rig.vertices(np.float32([0.7]))
+    vertices = rig.vertices(np.array([0.7], np.float32))
     slow = np.zeros((len(vertices), 3))
     for a, b, c in rig.faces:
         slow[[a, b, c]] += np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
@@ -104,7 +105,7 @@ def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:
 
 
 def test_normals_of_some_vertices_are_those_of_all(rig: Rig) -> None:
-    vertices = rig.vertices(np.float32([0.7]))
+    vertices = rig.vertices(np.array([0.7], np.float32))
     everywhere = NormalSolver(rig.faces, len(vertices))(vertices)
     wanted = np.array([40, 7, 300, 7])
     some = NormalSolver(rig.faces, len(vertices), wanted=wanted)(vertices)
@@ -112,7 +113,7 @@ def test_normals_of_some_vertices_are_those_of_all(rig: Rig) -> None:
 
 
 def test_vertices_without_faces_have_no_normal() -> None:
-    normals = NormalSolver(np.int32([[0, 1, 2]]), 4)(np.float32(np.eye(4, 3)))
+    normals = NormalSolver(np.array([[0, 1, 2]], np.int32), 4)(np.eye(4, 3, dtype=np.float32))
     assert np.isfinite(normals).all()
     assert not normals[3].any()
 
@@ -163,9 +164,9 @@ def test_top_row_comes_first_and_left_stays_left(renderer: FaceRenderer, rig: Ri
     straight = renderer.draw(rig.neutral, camera).copy()
     shape = _inside(straight)
     assert (shape == shape[:, ::-1]).mean() > 0.97  # a symmetric ball looks symmetric
-    raised = _inside(renderer.draw(rig.neutral + np.float32([0, 0.03, 0]), camera))
+    raised = _inside(renderer.draw(rig.neutral + np.array([0, 0.03, 0], np.float32), camera))
     assert _middle(raised)[0] < _middle(shape)[0]
-    moved = _inside(renderer.draw(rig.neutral + np.float32([0.03, 0, 0]), camera))
+    moved = _inside(renderer.draw(rig.neutral + np.array([0.03, 0, 0], np.float32), camera))
     assert _middle(moved)[1] > _middle(shape)[1]  # the character's left is on the right
 
 
@@ -174,7 +175,7 @@ def test_opening_the_jaw_changes_the_mouth_and_little_else(
 ) -> None:
     camera = default_camera(rig)
     closed = renderer.draw(rig.neutral, camera).astype(int)
-    opened = renderer.draw(rig.vertices(np.float32([1.0])), camera).astype(int)
+    opened = renderer.draw(rig.vertices(np.array([1.0], np.float32)), camera).astype(int)
     changed = np.abs(opened - closed).max(axis=2) > 8
     rows = np.flatnonzero(changed.any(axis=1))
     assert changed.sum() > 50
@@ -229,7 +230,7 @@ def test_a_forgotten_renderer_does_no_harm(renderer: FaceRenderer, rig: Rig) -> 
 
 def test_without_opengl_the_user_reads_one_line(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
-    monkeypatch.setattr(contexts.sys, "platform", "linux")
+    monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr(contexts, "egl_devices", lambda: 0)
     monkeypatch.setattr(contexts, "_load", lambda *names: None)
     with pytest.raises(Unavailable, match=r"no OpenGL was found.*libegl1") as caught:
@@ -251,7 +252,7 @@ def test_a_failing_driver_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, r
 
 def test_osmesa_stands_in_for_egl(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
-    monkeypatch.setattr(contexts.sys, "platform", "linux")
+    monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr(contexts, "egl_devices", lambda: 0)
     monkeypatch.setattr(contexts, "_load", lambda *names: object())
     assert contexts.choose_backend() == "osmesa"
@@ -344,7 +345,8 @@ def test_while_the_camera_turns_nothing_is_prepared(
         turned = open_renderer(rig, SIZE, SIZE)
     except Unavailable as error:
         pytest.skip(str(error))
-    calls, render, copy = [], Painter.render, Target.copy_to
+    calls: list[object] = []
+    render, copy = Painter.render, Target.copy_to
     monkeypatch.setattr(Painter, "render", lambda *a: (calls.append(a), render(*a)))
     monkeypatch.setattr(Target, "copy_to", lambda *a, **k: (calls.append(a), copy(*a, **k)))
     camera = default_camera(rig)
@@ -389,7 +391,7 @@ def _inside(image: np.ndarray) -> np.ndarray:
 
 
 def _middle(shape: np.ndarray) -> np.ndarray:
-    return np.argwhere(shape).mean(axis=0)
+    return np.asarray(np.argwhere(shape).mean(axis=0))
 
 
 # --- where the camera can be pointed ---------------------------------------------------------

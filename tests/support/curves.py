@@ -15,7 +15,9 @@ from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.state.timeline import Timeline
+from support.waiting import wait_for_timers
 
+Strip = CurvePlot | Ruler | RangeBar  # what lies along the time axis
 NONE, SHIFT, CTRL, ALT = (
     Qt.KeyboardModifier.NoModifier,
     Qt.KeyboardModifier.ShiftModifier,
@@ -60,7 +62,7 @@ def surface(widget: QWidget) -> QWidget:
     return widget.viewport() if isinstance(widget, QAbstractScrollArea) else widget
 
 
-def place(plot: CurvePlot | Ruler | RangeBar, seconds: float, y: float = 40.0) -> QPoint:
+def place(plot: Strip, seconds: float, y: float = 40.0) -> QPoint:
     """Where a time is on the surface of a plot, some pixels below its top."""
     x = plot.current_scale.x_of(seconds)
     at: QPoint = plot.mapFromScene(plot.view.mapToScene(QPointF(x, y)))
@@ -74,16 +76,16 @@ def drag(
     modifiers: Qt.KeyboardModifier = NONE,
     release: bool = True,
     button: Qt.MouseButton = LEFT,
-    pause: int = 0,
+    previews: bool = False,
 ) -> None:
-    """Press, move in five steps, and release."""
+    """Press, move in five steps, and release; with `previews`, each step is shown."""
     on = surface(widget)
     QTest.mouseMove(on, start)
     QTest.mousePress(on, button, modifiers, start)
     for i in range(1, 6):
         move_with(on, start + (stop - start) * i / 5, modifiers, button)
-        if pause:
-            QTest.qWait(pause)
+        if previews:
+            wait_for_timers(widget.window())
     if release:
         QTest.mouseRelease(on, button, modifiers, stop)
 

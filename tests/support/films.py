@@ -10,6 +10,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
+from av.video import VideoStream
 from numpy.typing import NDArray
 
 BITS, CELL = 10, 16  # a film's pictures carry their number as black and white squares
@@ -86,6 +87,7 @@ def make_film(
     stamps = stamps or list(range(frames))
     with av.open(str(path), "w") as out:
         stream = out.add_stream(codec, rate=rate)
+        assert isinstance(stream, VideoStream)
         stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
         stream.codec_context.time_base = base
         stream.codec_context.gop_size = gop

@@ -156,7 +156,7 @@ def glb(
         "primitives": [{"attributes": {"POSITION": corners}, "targets": shapes * len(names)}],
         "extras": {"targetNames": list(names)},
     }
-    sampler = {"input": clock, "output": output}
+    sampler: dict[str, int | str] = {"input": clock, "output": output}
     if kind == "cubic":
         sampler["interpolation"] = "CUBICSPLINE"
     document = {

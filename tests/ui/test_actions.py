@@ -20,6 +20,12 @@ from faceedit_app.ui.state.actions import shown_keys
 COMMANDS = [command for menu in MENUS for command in menu.commands]
 
 
+def words_of(dialog: QDialog) -> str:
+    label = dialog.findChild(QLabel)
+    assert isinstance(label, QLabel)
+    return label.text()
+
+
 def press(window: MainWindow, key: Qt.Key, shift: bool = False) -> None:
     """A key press where the focus is."""
     modifiers = Qt.KeyboardModifier.ShiftModifier if shift else Qt.KeyboardModifier.NoModifier
@@ -48,7 +54,7 @@ def test_the_help_names_every_shortcut(bench: Bench, window: MainWindow) -> None
         for keys in command.keys:
             assert shown_keys(keys) in told
     dialog = shortcuts_dialog(window, help_rows())
-    text = dialog.findChild(QLabel).text()
+    text = words_of(dialog)
     assert "Ctrl+Z" in text
     assert "Hold B" in text
     dialog.close()
@@ -58,7 +64,7 @@ def test_about_cites_the_paper_and_lists_the_libraries_that_are_installed(
     window: MainWindow,
 ) -> None:
     trigger(window, "about")
-    text = next(d for d in window.findChildren(QDialog) if d.isVisible()).findChild(QLabel).text()
+    text = words_of(next(d for d in window.findChildren(QDialog) if d.isVisible()))
     assert "A Robust Interactive Facial Animation Editing System" in text
     assert "Barrielle" in text
     for name in ("numpy", "PySide6_Essentials", "av"):
@@ -69,7 +75,7 @@ def test_about_cites_the_paper_and_lists_the_libraries_that_are_installed(
 
 def test_about_names_whose_work_the_character_is(window: MainWindow) -> None:
     dialog = about_dialog(window, "Somebody, CC0")
-    assert "Somebody, CC0" in dialog.findChild(QLabel).text()
+    assert "Somebody, CC0" in words_of(dialog)
     dialog.close()
 
 

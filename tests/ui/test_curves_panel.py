@@ -19,6 +19,7 @@ from support.curves import (
     NONE,
     RIGHT,
     SHIFT,
+    Strip,
     drag,
     let_go,
     move_with,
@@ -48,16 +49,16 @@ def panel(qtbot: QtBot) -> CurvesPanel:
 # --- editing -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("pause", [0, 20])
+@pytest.mark.parametrize("previews", [False, True])
 @pytest.mark.parametrize("index", [0, 2, 6])
-def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, pause: int) -> None:
+def test_a_drag_is_one_edit_of_that_curve(panel: CurvesPanel, index: int, previews: bool) -> None:
     panel.tools.link(False)
     plot, session = panel.plots[index], session_of(panel)
     per_pixel = plot.current_scale.mm_per_pixel
     committed: list[int] = []
     session.changed.connect(lambda: committed.append(1))
     start = place(plot, 1.5)
-    drag(plot, start, start + QPoint(4, -12), pause=pause)
+    drag(plot, start, start + QPoint(4, -12), previews=previews)
     assert len(session.edits) == 1
     (edit,) = session.edits
     assert edit.controls == (CONTROLS[index].id,)
@@ -82,7 +83,7 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
     steps: list[float] = []
     session.previewed.connect(lambda: steps.append(float(session.asked[frame, 0])))
     start = place(plot, 2.1)
-    drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -20), release=False, previews=True)
     wanted = pytest.approx(before + 20 * plot.current_scale.mm_per_pixel, abs=0.01)
     qtbot.waitUntil(lambda: len(steps) >= 2 and steps[-1] == wanted)
     assert panel.is_dragging
@@ -118,7 +119,7 @@ def test_esc_drops_the_drag(panel: CurvesPanel) -> None:
     plot, session = panel.plots[0], session_of(panel)
     panel.timeline.go_to_frame(3)
     start = place(plot, 1.5)
-    drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -20), release=False, previews=True)
     assert panel.is_dragging
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert not panel.is_dragging
@@ -134,7 +135,7 @@ def test_the_wheel_sets_the_falloff_of_the_drag(panel: CurvesPanel, qtbot: QtBot
     view = panel.timeline.view
     start = place(plot, 2.1)
     stop = start + QPoint(0, -20)
-    drag(plot, start, stop, release=False, pause=20)
+    drag(plot, start, stop, release=False, previews=True)
     beside = session.take.clip.frame_at(2.1 + 0.22)
     assert session.asked[beside, 0] == pytest.approx(session.tracked[beside, 0], abs=1e-4)
     turn(plot, stop, 2)
@@ -164,7 +165,7 @@ def test_the_value_axis_stretches_with_the_curve_and_gives_back(
     values, per_pixel = plot.values, plot.current_scale.mm_per_pixel
     frame = int(session.tracked[:, 0].argmin())
     start = place(plot, float(session.take.clip.times[frame]))
-    drag(plot, start, start + QPoint(0, -10), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -10), release=False, previews=True)
     assert plot.values == values
 
     def go_to(pixels: int) -> None:
@@ -212,7 +213,7 @@ def test_a_hand_asks_for_no_more_than_a_face_can_do(
     low, high = session.limits[index]
     frame = session.take.clip.frame_at(1.5)
     start, per_pixel = place(plot, 1.5), plot.current_scale.mm_per_pixel
-    drag(plot, start, start + QPoint(0, way), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, way), release=False, previews=True)
     qtbot.waitUntil(lambda: session.is_previewing)
     assert session.asked[frame, index] == pytest.approx(high if way < 0 else low, abs=1e-3)
     move_with(plot, start + QPoint(0, way // 1000))
@@ -240,7 +241,7 @@ def test_the_curves_that_move_along_take_their_axes_along(panel: CurvesPanel, qt
     still = panel.plots[6].values
     start = place(left, 1.5)
     per_pixel = left.current_scale.mm_per_pixel
-    drag(left, start, start + QPoint(0, -150), release=False, pause=20)
+    drag(left, start, start + QPoint(0, -150), release=False, previews=True)
     session, frame = session_of(panel), panel.timeline.frame
     wanted = float(session.tracked[frame, 3]) + 150 * per_pixel * 0.2
     qtbot.waitUntil(lambda: session.asked[frame, 3] > wanted)
@@ -253,7 +254,7 @@ def test_a_dropped_drag_leaves_the_value_axis_as_it_was(panel: CurvesPanel) -> N
     plot = panel.plots[0]
     span = plot.values
     start = place(plot, 1.5)
-    drag(plot, start, start + QPoint(0, -300), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -300), release=False, previews=True)
     assert plot.values[1] > span[1]
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert plot.values == span
@@ -265,7 +266,7 @@ def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> Non
     span = plot.values
     panel.tools.choose(Tool.DRAW)
     start = place(plot, 1.5)
-    drag(plot, start, start + QPoint(20, -300), release=False, pause=20)
+    drag(plot, start, start + QPoint(20, -300), release=False, previews=True)
     assert panel.is_dragging
     assert plot.values == span
     let_go(plot, start + QPoint(20, -300))
@@ -278,7 +279,7 @@ def test_the_face_follows_a_pen_and_a_brush(panel: CurvesPanel, qtbot: QtBot, to
     panel.tools.choose(tool)
     line.go_to_frame(3)
     start, stop = place(plot, 1.5), place(plot, 2.5)
-    drag(plot, start, stop, release=False, pause=20)
+    drag(plot, start, stop, release=False, previews=True)
     qtbot.waitUntil(lambda: line.time == pytest.approx(2.5, abs=0.05))
     handle = plot.handle
     assert handle is not None
@@ -298,7 +299,7 @@ def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:
 def test_another_take_ends_the_drag(panel: CurvesPanel) -> None:
     plot, session = panel.plots[0], session_of(panel)
     start = place(plot, 1.5)
-    drag(plot, start, start + QPoint(0, -20), release=False, pause=20)
+    drag(plot, start, start + QPoint(0, -20), release=False, previews=True)
     panel.set_session(None)
     assert not panel.is_dragging
     let_go(plot, start)
@@ -329,7 +330,7 @@ def test_wheel_and_middle_button_move_about(panel: CurvesPanel) -> None:
     turn(plot, at, -1, SHIFT)
     assert timeline.view[0] > first
     first, values = timeline.view[0], plot.values
-    drag(plot, at, at + QPoint(50, 20), button=MIDDLE, pause=20)
+    drag(plot, at, at + QPoint(50, 20), button=MIDDLE, previews=True)
     assert timeline.view[0] < first
     assert plot.values == values
     assert session_of(panel).edits == ()
@@ -341,11 +342,12 @@ def test_the_view_never_leaves_the_take(panel: CurvesPanel) -> None:
     plot, timeline = panel.plots[1], panel.timeline
     turn(plot, place(plot, 1.0), 3)
     for _ in range(4):
-        drag(plot, QPoint(100, 40), QPoint(400, 40), button=MIDDLE, pause=12)
+        drag(plot, QPoint(100, 40), QPoint(400, 40), button=MIDDLE, previews=True)
     assert timeline.view[0] == pytest.approx(0.0, abs=1e-9)
     turn(plot, place(plot, timeline.view[0] + 0.1), -40)
     assert timeline.view == pytest.approx((0.0, timeline.duration))
-    for other in (*panel.plots, panel.ruler, panel.range_bar):
+    others: tuple[Strip, ...] = (*panel.plots, panel.ruler, panel.range_bar)
+    for other in others:
         assert other.current_scale.view == pytest.approx(timeline.view)
 
 
@@ -355,7 +357,7 @@ def test_a_right_drag_scales_the_way_it_goes_first(panel: CurvesPanel, sideways:
     values, view = plot.values, timeline.view
     start = place(plot, 2.0)
     way = QPoint(60, 8) if sideways else QPoint(8, -60)
-    drag(plot, start, start + way, button=RIGHT, pause=20)
+    drag(plot, start, start + way, button=RIGHT, previews=True)
     scaled = plot.values[1] - plot.values[0] < 0.8 * (values[1] - values[0])
     zoomed = timeline.view[1] - timeline.view[0] < 0.8 * (view[1] - view[0])
     assert (zoomed, scaled) == (sideways, not sideways)
@@ -372,7 +374,7 @@ def test_wheel_and_drag_on_the_numbers_are_for_the_values(panel: CurvesPanel) ->
     turn(plot, numbers, 3)
     zoomed = plot.values
     assert zoomed[1] - zoomed[0] < 0.7 * (values[1] - values[0])
-    drag(plot, numbers, numbers + QPoint(0, 20), button=MIDDLE, pause=20)
+    drag(plot, numbers, numbers + QPoint(0, 20), button=MIDDLE, previews=True)
     assert plot.values[0] > zoomed[0]
     assert plot.values[1] - plot.values[0] == pytest.approx(zoomed[1] - zoomed[0])
     assert panel.plots[2].values == other
@@ -407,7 +409,7 @@ def test_a_double_click_on_the_header_shows_small_movements_large(panel: CurvesP
 def test_plots_and_ruler_stand_over_each_other(panel: CurvesPanel) -> None:
     panel.resize(1003, 600)
     QApplication.processEvents()
-    strips = (panel.ruler, panel.range_bar, *panel.plots)
+    strips: tuple[Strip, ...] = (panel.ruler, panel.range_bar, *panel.plots)
     lefts = {surface(strip).mapTo(panel, place(strip, 0.0, 5)).x() for strip in strips}
     rights = {surface(strip).mapTo(panel, place(strip, 4.0, 5)).x() for strip in strips}
     assert (len(lefts), len(rights)) == (1, 1)
@@ -539,7 +541,8 @@ def test_gaps_are_hatched(qtbot: QtBot) -> None:
     panel.timeline.go_to_frame(10)
     image = plot.grab().toImage()
     scale = plot.current_scale
-    middle = 0.5 * (panel.session.take.clip.times[99] + panel.session.take.clip.times[100])
+    times = session_of(panel).take.clip.times
+    middle = 0.5 * (times[99] + times[100])
     x, y = round(scale.x_of(middle)), 8
     inside = {image.pixel(x + dx, y + dy) for dx in range(12) for dy in range(12)}
     beside = {image.pixel(round(scale.x_of(0.6)) + dx, y + dy) for dx in range(6) for dy in (0, 1)}

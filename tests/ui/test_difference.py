@@ -72,8 +72,8 @@ def srgb(name: str) -> np.ndarray:
 
 
 def test_the_tint_tells_millimetres() -> None:
-    others = np.float32([[0, 0, 0], [0.1, 0.2, 0.3], [0.1, 0, 0], [0, 0, 0.05]])
-    moved = np.float32([[0, 0, 0], [0, 0.6, 0.8], [1, 0, 0], [0, 3, 4]])
+    others = np.array([[0, 0, 0], [0.1, 0.2, 0.3], [0.1, 0, 0], [0, 0, 0.05]], np.float32)
+    moved = np.array([[0, 0, 0], [0, 0.6, 0.8], [1, 0, 0], [0, 3, 4]], np.float32)
     tint = tint_of(others + moved * np.float32(FULL / 2000), others)
     np.testing.assert_allclose(tint, [0.0, 0.5, 0.5, 1.0], atol=1e-4)
     assert tint[0] == 0.0
@@ -123,7 +123,7 @@ def renderer(rig: Rig) -> Iterator[FaceRenderer]:
 def test_only_what_moved_is_tinted_in_quick_and_fine_pictures(
     renderer: FaceRenderer, rig: Rig, smooth: bool
 ) -> None:
-    camera, opened = default_camera(rig), rig.vertices(np.float32([1.0]))
+    camera, opened = default_camera(rig), rig.vertices(np.array([1.0], np.float32))
     plain = renderer.draw(opened, camera, smooth).copy().astype(int)
     tint = tint_of(opened, rig.neutral)
     tinted = renderer.draw(opened, camera, smooth, tint).copy().astype(int)
@@ -153,7 +153,8 @@ def test_a_tint_draws_no_more_than_a_new_view_and_none_costs_nothing(
     from faceedit_app.render.painter import Painter
 
     camera, full = default_camera(rig), np.ones(len(rig.neutral), np.float32)
-    fills, draws = [], []
+    fills: list[object] = []
+    draws: list[object] = []
     fill, draw = Stream.fill, Painter._bind_and_draw_primitive
     monkeypatch.setattr(Stream, "fill", lambda *a: (fills.append(a), fill(*a)))
     monkeypatch.setattr(Painter, "_bind_and_draw_primitive", lambda *a: (draws.append(a), draw(*a)))

@@ -40,5 +40,6 @@ def test_esc_skips_and_the_menu_brings_them_back(bench: Bench) -> None:
     window.resize(1100, 700)
     window.actions_["deselect"].trigger()
     assert not hints.isVisible()
-    for widget in (hints, hints.next_button, hints.skip_button):
-        assert widget.accessibleName() or widget.text()
+    assert hints.accessibleName()
+    for button in (hints.next_button, hints.skip_button):
+        assert button.text()

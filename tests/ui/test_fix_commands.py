@@ -9,11 +9,13 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QMenu
+from support.waiting import run_events
 from support.windows import Bench, session_of
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
-from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
@@ -101,7 +103,8 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     assert session.edits == ()
     dialog.slider.setValue(-80)
     dialog.accept()
-    assert [round(edit.strength, 2) for edit in session.edits] == [0.8] * len(session.edits)
+    kept: tuple[Edit, ...] = session.edits
+    assert {round(made.strength, 2) for made in kept} == {0.8}
     assert session.asked[100, column] != session.tracked[100, column]
     trigger(window, "undo", "expression")
     dialog = next(d for d in window.findChildren(ExpressionDialog) if d.isVisible())
@@ -144,7 +147,7 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
     editor = editor_of(window)
 
     def places() -> list[QRect]:
-        bench.qtbot.wait(20)  # layouts come to rest
+        run_events()  # layouts come to rest
         return [part.geometry() for part in (editor.panes, editor.tool_bar, editor.transport)]
 
     trigger(window, "next_problem")
@@ -161,7 +164,7 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
 def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench: Bench) -> None:
     bar, painted = editor_of(window).problems, QRegion()
     window.timeline.go_to_time(2.0)
-    bench.qtbot.wait(20)
+    run_events()
 
     class Watch(QObject):
         def eventFilter(self, watched: QObject, event: QEvent) -> bool:
@@ -173,7 +176,7 @@ def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench:
     watch = Watch()
     bar.installEventFilter(watch)
     window.timeline.go_to_time(3.0)
-    bench.qtbot.wait(20)
+    run_events()
     width = bar.width() / window.timeline.duration
     for seconds in (2.0, 3.0):
         assert painted.contains(QPoint(round(seconds * width), 1)), seconds
@@ -232,6 +235,7 @@ def test_a_preset_is_saved_applied_and_deleted(
     assert session.edits[0].name
     assert 4.5 < session.edits[0].start < 5.5
     delete = menu.actions()[-1].menu()
+    assert isinstance(delete, QMenu)
     delete.actions()[0].trigger()
     menu.aboutToShow.emit()
     assert [a.text() for a in menu.actions()] == ["No presets of your own"]

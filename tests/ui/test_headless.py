@@ -41,7 +41,10 @@ def test_headless_says_where_it_cannot_write(qtbot: QtBot, tmp_path: Path) -> No
 
 
 def test_an_unexpected_error_is_told_and_written_down(
-    qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture
+    qtbot: QtBot,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     told: list[str] = []
     monkeypatch.setattr(crash, "log_path", lambda: tmp_path / "logs" / "faceedit.log")

@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 from support.curves import surface
 from support.films import make_wav
+from support.waiting import wait_for_timers
 from support.windows import Bench, add_edit
 
 from faceedit_app.ui.page.editor import Editor
@@ -197,7 +198,7 @@ def test_hovering_does_not_take_part_in_nudges_by_keys(bench: Bench) -> None:
     plot = editor.curves.plots[0]
     for x in (100, 200, 300):
         move(plot, QPoint(x, 10), NONE, Qt.KeyboardModifier.NoModifier)
-    bench.qtbot.wait(60)
+    wait_for_timers(editor.curves)  # no preview is due
     assert (session.live.asked == shown).all()
     window.actions_["raise"].trigger()
     assert [edit.value for edit in session.edits] == [1.0]

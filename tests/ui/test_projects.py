@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtTest import QTest
+from support.waiting import run_events, wait_for_background
 from support.windows import Bench, session_of
 
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -109,7 +109,7 @@ def test_a_changed_take_is_asked_about(bench: Bench, monkeypatch: pytest.MonkeyP
     window = bench.window()
     window.commands.file.open(path)
     bench.qtbot.waitUntil(lambda: len(asked) == 1)
-    bench.qtbot.wait(50)
+    wait_for_background(window.workspace.background)
     assert window.document.session is None
     window.commands.file.open(path)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
@@ -209,7 +209,7 @@ def test_kill_9_in_the_middle_of_a_drag_loses_that_drag_only(
     assert len(session_of(window).edits) == 2
     assert window.isWindowModified()
     assert not np.array_equal(session_of(window).asked, session_of(window).tracked)
-    QTest.qWait(10)
+    run_events()
     bench.answers["unsaved"] = Unsaved.DISCARD
     assert window.close()
     assert journal.pending_journals() == []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QAbstractButton, QLabel, QWidget
+from support.waiting import run_events
 from support.windows import Bench
 
 from faceedit_app.ui.commands.menus import MENUS
@@ -50,7 +51,7 @@ def test_nothing_is_cut_off_in_a_small_window(
     bench: Bench, window: MainWindow, size: tuple[int, int]
 ) -> None:
     window.resize(*size)
-    bench.qtbot.wait(50)
+    run_events()
     assert (window.width(), window.height()) == size
     assert window.editor is not None
     for plot in window.editor.curves.plots:

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from support.curves import LEFT, move_with, open_panel, place, session_of, surface
 from support.rigs import tiny_session
+from support.waiting import wait_for_timers
 
 from faceedit_app.ui.curves import CurvesPanel
 
@@ -66,7 +67,7 @@ def test_nothing_stale_stays_on_screen(qtbot: QtBot, frames: int) -> None:
         for step in range(STEPS):
             at += QPoint(rng.randint(-2, 2), rng.randint(-25, 25))
             move_with(plot, at)
-            QTest.qWait(20)
+            wait_for_timers(panel)
             assert_nothing_is_stale(panel, f"{gesture} on {plot.control.id}, step {step}")
         if rng.random() < 0.3:
             panel.cancel_drag()

@@ -11,9 +11,9 @@ from support.films import make_wav
 from support.windows import Bench, add_edit, drag_curve, session_of, trigger
 
 from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.actions import help_rows
 
 LEFT = Qt.MouseButton.LeftButton
 
@@ -23,7 +23,7 @@ def window(bench: Bench) -> MainWindow:
     """A take with one edit, and a step of Reach that was taken back."""
     window = bench.editing()
     add_edit(window)
-    press_key(editor_of(window).strip.reach, Qt.Key.Key_Left)
+    press_key(editor_of(window).settings_bar.reach, Qt.Key.Key_Left)
     trigger(window, "undo")
     return window
 
@@ -100,7 +100,7 @@ def test_a_slider_that_is_dragged_back_is_no_step_and_costs_no_redo(
     bench: Bench, window: MainWindow
 ) -> None:
     """It dropped the earlier redo, and offered the 60 % on the way there in its place."""
-    session, slider = session_of(window), editor_of(window).strip.natural
+    session, slider = session_of(window), editor_of(window).settings_bar.natural
     assert names(session) == ("Mouth opening +6.0 mm", "Reach")
     start = press(slider)
     move(slider, start, -35)
@@ -118,7 +118,7 @@ def test_a_slider_that_is_dragged_back_is_no_step_and_costs_no_redo(
 
 
 def test_a_drag_of_a_slider_is_one_step_with_its_name(bench: Bench, window: MainWindow) -> None:
-    session, slider = session_of(window), editor_of(window).strip.natural
+    session, slider = session_of(window), editor_of(window).settings_bar.natural
     start = press(slider)
     for pixels in (-10, -20, -30):
         move(slider, start, pixels)
@@ -165,7 +165,7 @@ def test_esc_and_undo_drop_the_drag_of_a_slider(
 
 @pytest.mark.parametrize("how", ["keys", "wheel"])
 def test_ticks_of_a_slider_are_one_step(window: MainWindow, how: str) -> None:
-    session, slider = session_of(window), editor_of(window).strip.natural
+    session, slider = session_of(window), editor_of(window).settings_bar.natural
     if how == "keys":
         press_key(slider, Qt.Key.Key_Left, 4)
     else:
@@ -178,7 +178,7 @@ def test_ticks_of_a_slider_are_one_step(window: MainWindow, how: str) -> None:
 
 
 def test_ticks_that_lead_back_are_no_step_and_cost_no_redo(window: MainWindow) -> None:
-    session, slider = session_of(window), editor_of(window).strip.natural
+    session, slider = session_of(window), editor_of(window).settings_bar.natural
     press_key(slider, Qt.Key.Key_Left, 3)
     assert names(session) == ("Naturalness", "")
     press_key(slider, Qt.Key.Key_Right, 3)

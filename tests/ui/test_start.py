@@ -6,13 +6,15 @@ import os
 import subprocess
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QPushButton
+from PySide6.QtWidgets import QPushButton, QWidget
 from support.faces import random_engine
 from support.takes import make_livelink_csv
+from support.waiting import wait_for_background
 from support.windows import Bench, drag_curve, drop, open_path, trigger
 
 from faceedit_app import render
@@ -170,11 +172,11 @@ def test_open_by_drop_with_gaps(bench: Bench) -> None:
 def test_a_file_may_be_dropped_on_any_part_of_the_window(bench: Bench) -> None:
     window = bench.editing()
     assert window.editor is not None
-    viewports = (window.editor.curves.plots[0], window.editor.face.viewport)
+    viewports: tuple[QWidget, ...] = (window.editor.curves.plots[0], window.editor.face.viewport)
     for number, part in enumerate(viewports):
         other = make_livelink_csv(bench.folder / f"other{number}.csv")
         drop(part, other)
-        bench.qtbot.waitUntil(lambda path=other: open_path(window) == path)
+        bench.qtbot.waitUntil(partial(lambda path: open_path(window) == path, other))
 
 
 def test_a_bad_first_file_leaves_a_window_that_works(bench: Bench) -> None:
@@ -248,5 +250,5 @@ def test_the_take_that_was_asked_for_last_wins(
     window.commands.file.open(bench.take)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     gate.set()
-    bench.qtbot.wait(100)
+    wait_for_background(window.workspace.background)
     assert open_path(window) == bench.take

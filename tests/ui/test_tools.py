@@ -173,7 +173,7 @@ def test_back_to_tracked_erases(panel: CurvesPanel) -> None:
 def test_esc_drops_a_paint(panel: CurvesPanel) -> None:
     panel.tools.choose(Tool.SMOOTH)
     plot, session = panel.plots[0], session_of(panel)
-    drag(plot, place(plot, 1.0), place(plot, 1.6), release=False, pause=20)
+    drag(plot, place(plot, 1.0), place(plot, 1.6), release=False, previews=True)
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert session.edits == ()
     np.testing.assert_array_equal(session.asked, session.tracked)
@@ -184,7 +184,12 @@ def test_esc_drops_a_paint(panel: CurvesPanel) -> None:
 
 def test_tools_by_their_keys_and_buttons(bench: Bench) -> None:
     window = bench.editing()
-    for key, tool in (("D", Tool.DRAW), ("S", Tool.SMOOTH), ("X", Tool.SCALE), ("M", Tool.MOVE)):
+    for key, tool in (
+        (Qt.Key.Key_D, Tool.DRAW),
+        (Qt.Key.Key_S, Tool.SMOOTH),
+        (Qt.Key.Key_X, Tool.SCALE),
+        (Qt.Key.Key_M, Tool.MOVE),
+    ):
         QTest.keyClick(window, key)
         assert window.tools.tool is tool
         assert window.actions_[f"tool_{tool}"].isChecked()
@@ -201,7 +206,7 @@ def test_the_keyboard_moves_the_focused_curve_as_one_step(bench: Bench) -> None:
     window = bench.editing()
     session = window.document.session
     assert session is not None
-    QTest.keyClick(window, "7")
+    QTest.keyClick(window, Qt.Key.Key_7)
     assert window.editor is not None
     assert window.editor.curves.focused_control == "left_eyelid"
     assert window.editor.curves.plots[6].shows_focus

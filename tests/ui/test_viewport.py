@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -9,11 +11,12 @@ from PySide6.QtGui import QColor, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from support.faces import shipped_rig
+from support.waiting import wait_for_timers
 from support.windows import Bench, FakeRenderer, drag
 
 from faceedit_app import render
 from faceedit_app.core.errors import Unavailable
-from faceedit_app.ui.face.viewport import IDLE_MS, Viewport
+from faceedit_app.ui.face.viewport import Viewport
 from faceedit_app.ui.look.palette import ACCENT
 from faceedit_app.ui.start.window import MainWindow
 
@@ -30,7 +33,7 @@ def viewport(bench: Bench) -> Viewport:
         viewport.show()
     viewport.open(shipped_rig())
     bench.qtbot.waitUntil(lambda: bool(bench.renderers[0].calls))
-    bench.qtbot.wait(2 * IDLE_MS)
+    wait_for_timers(viewport)
     bench.renderers[0].calls.clear()
     return viewport
 
@@ -62,14 +65,14 @@ def test_nothing_is_drawn_while_nothing_changes(bench: Bench, viewport: Viewport
 def test_rough_while_it_changes_and_smooth_when_idle(bench: Bench, viewport: Viewport) -> None:
     viewport.show_weights(weights(0.5))
     assert [smooth for *_, smooth in settle(bench).calls] == [False]
-    bench.qtbot.wait(2 * IDLE_MS)
+    wait_for_timers(viewport)
     assert [smooth for *_, smooth in bench.renderers[0].calls] == [False, True]
 
 
 def test_what_the_next_picture_needs_is_done_once_nobody_waits(
     bench: Bench, viewport: Viewport
 ) -> None:
-    bench.qtbot.wait(2 * IDLE_MS)
+    wait_for_timers(viewport)
     renderer = settle(bench)
     for jaw in (0.2, 0.4, 0.6):
         known = renderer.prepared
@@ -77,14 +80,14 @@ def test_what_the_next_picture_needs_is_done_once_nobody_waits(
         viewport.hurry()  # a picture that is being drawn is left alone
         viewport.grab()
         assert renderer.prepared == known
-        bench.qtbot.waitUntil(lambda known=known: renderer.prepared > known)
+        bench.qtbot.waitUntil(partial(lambda known: renderer.prepared > known, known))
 
 
 def test_the_picture_has_the_screens_pixels(bench: Bench, viewport: Viewport) -> None:
-    bench.qtbot.wait(2 * IDLE_MS)
+    wait_for_timers(viewport)
     viewport.resize(310, 370)
     settle(bench)
-    bench.qtbot.wait(2 * IDLE_MS)
+    wait_for_timers(viewport)
     ratio = viewport.devicePixelRatioF()
     assert bench.renderers[0].calls[-1][0] == (round(310 * ratio), round(370 * ratio))
 
@@ -93,7 +96,7 @@ def test_a_hidden_viewport_draws_nothing(bench: Bench, viewport: Viewport) -> No
     viewport.hide()
     settle(bench).calls.clear()
     viewport.show_weights(weights(0.5))
-    bench.qtbot.wait(2 * IDLE_MS)
+    wait_for_timers(viewport)
     assert bench.renderers[0].calls == []
 
 
@@ -148,7 +151,7 @@ def test_a_slow_computer_gets_coarser_pictures_while_things_move(
     viewport._adapt(1.0)
     viewport.show_weights(weights(0.5))
     rough = settle(bench).calls[-1][0]
-    bench.qtbot.wait(2 * IDLE_MS)
+    wait_for_timers(viewport)
     smooth = bench.renderers[0].calls[-1][0]
     assert rough[0] < smooth[0]
 
@@ -229,10 +232,13 @@ def test_arrows_turn_the_face_as_a_drag_would_and_the_playhead_stays(window: Mai
         (Qt.Key.Key_Down, QPoint(0, 20)),
     ):
         cameras = []
-        for turn in (lambda k=key: QTest.keyClick(face, k), lambda w=way: drag(face, w, LEFT)):
+        for by_key in (True, False):
             face.reset_camera()
             before = face.camera
-            turn()
+            if by_key:
+                QTest.keyClick(face, key)
+            else:
+                drag(face, way, LEFT)
             cameras.append((face.camera.yaw - before.yaw, face.camera.pitch - before.pitch))
         assert np.abs(cameras).max() > 0.05
         np.testing.assert_array_equal(np.sign(cameras[0]), np.sign(cameras[1]))

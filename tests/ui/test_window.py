@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.takes import make_livelink_csv
+from support.waiting import wait_for_timers
 from support.windows import Bench, add_edit, drag_curve, drop, open_path, trigger
 
 from faceedit_app.core.controls import CONTROL_INDEX
@@ -105,7 +106,7 @@ def test_naturalness_is_one_undo_step_per_gesture(bench: Bench) -> None:
     slider.setSliderDown(True)
     for value in (80, 60, 40):
         slider.setSliderPosition(value)
-        bench.qtbot.wait(60)
+        wait_for_timers(editor.settings_bar)
     slider.setSliderDown(False)
     assert session.settings.naturalness == pytest.approx(0.4)
     assert editor.settings_bar.percent.text() == "40 %"
@@ -125,7 +126,7 @@ def test_a_slow_answer_waits_for_the_end_of_the_gesture(bench: Bench) -> None:
     slider = editor.settings_bar.natural
     slider.setSliderDown(True)
     slider.setSliderPosition(30)
-    bench.qtbot.wait(80)
+    wait_for_timers(editor.settings_bar)
     assert session.settings.naturalness == 1.0
     assert editor.settings_bar.percent.text() == "30 %"
     slider.setSliderDown(False)

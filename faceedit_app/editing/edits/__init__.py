@@ -1,1 +1,1 @@
-"""What an edit is, how edits are answered, and the sound and film beside a take."""
+"""Edits, the settings that they are answered by, and the sound and film of a take."""

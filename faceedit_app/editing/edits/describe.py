@@ -1,4 +1,4 @@
-"""What an edit is called as long as the user has not named it."""
+"""The names of edits that the user has not named."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 
 
 def _together() -> Iterator[tuple[frozenset[str], str]]:
-    """Several curves that have a name as one; where two names fit, the later is the better."""
+    """Groups of curves that have a common name; a later group is preferred to an earlier one."""
     for region in REGIONS:
         yield frozenset(region.own), region.together
     for name in dict.fromkeys(control.together for control in CONTROLS if control.together):
@@ -22,7 +22,7 @@ _TOGETHER = {controls: name for controls, name in _together() if len(controls) >
 
 
 def describe(edit: Edit) -> str:
-    """The user's name of an edit, else one such as "Mouth opening +8.0 mm"."""
+    """The user's name for an edit, else a description such as "Mouth opening +8.0 mm"."""
     if edit.name:
         return edit.name
     what = describe_controls(edit.controls)
@@ -44,7 +44,7 @@ def describe(edit: Edit) -> str:
 
 
 def describe_edits(edits: Sequence[Edit]) -> str:
-    """What a step that makes these edits is called: as they are, if they are called alike."""
+    """The name of a step that adds these edits: their common name, else "3 edits"."""
     names = {describe(edit) for edit in edits}
     return names.pop() if len(names) == 1 else f"{len(edits)} edits"
 

@@ -1,4 +1,4 @@
-"""One user action on controls over a time range, and how it is written as JSON."""
+"""An edit: one change to one or more curves over a time range, and its JSON."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_POINTS = 200_000
 
 
 class Op(StrEnum):
-    """What an edit does to a curve; `Edit.value` is its amount."""
+    """What an edit does to a curve by `Edit.value`."""
 
     OFFSET = "offset"  # add `value` mm
     SET = "set"  # go to `value` mm
@@ -34,14 +34,14 @@ class Op(StrEnum):
     SMOOTH = "smooth"  # zero-phase Gaussian of `value` seconds standard deviation
     RESET = "reset"  # back to the take as tracked; `value` is ignored
     DRAW = "draw"  # follow `points`, mm; `value` is ignored
-    ADD = "add"  # add `points`, mm of change; `value` is ignored
+    ADD = "add"  # add `points`, mm; `value` is ignored
 
 
 class Company(StrEnum):
-    """What an edit does with the curves that go along with those it names (`companions.py`)."""
+    """What an edit does to the companions of its curves (`companions.py`)."""
 
-    YIELD = "yield"  # they follow, unless they were edited themselves
-    ALONG = "along"  # they follow: the edit is an expression of the whole mouth
+    YIELD = "yield"  # they follow, unless they have been edited themselves
+    ALONG = "along"  # they always follow: the edit is an expression of the whole mouth
     STAY = "stay"  # they stay where they are
 
 
@@ -51,22 +51,25 @@ WITHOUT_VALUE = (Op.RESET, *WITH_POINTS)
 
 @dataclass(frozen=True)
 class Edit:
-    """A non-destructive change of one or more curves.
+    """One non-destructive change to one or more curves.
 
     Attributes:
         controls: ids of the curves that change.
         op: what is done.
-        start, end: seconds; the full change holds from start to end.
-        falloff: seconds over which the change fades in before start, and out after end.
-        value: the amount, see `Op`.
-        falloff_out: seconds over which it fades out after end; None = as `falloff`.
-        strength: 0..1.5, how much of the change is made.
+        start, end: seconds; the hold, in which the edit acts in full.
+        falloff: seconds over which the edit fades in before `start`, and out after `end`.
+        value: see `Op`.
+        falloff_out: seconds over which it fades out after `end`; None = `falloff`.
+        strength: 0..1.5, how much of the edit is applied.
         enabled: an edit that is switched off stays in the list and changes nothing.
-        name: what the user calls it; empty = `describe.describe(edit)`.
-        about: mm that a `scale` leaves where it is; None = the take's median of each control.
-        points: (seconds of the take, mm) in order of time, for `draw` and `add`: straight lines
-            between them, level before the first and after the last.
-        companions: what becomes of the curves that go along with those it names.
+        name: the user's name for it; empty = `describe.describe(edit)`.
+        about: mm that a `scale` leaves unchanged; None = the take's median of each control.
+        points: (seconds of the take, mm) in order of time, for `draw` and `add`: interpolated
+            linearly, constant before the first and after the last.
+        companions: what happens to the companions of its curves.
+
+    Raises:
+        ValueError: a field is out of range; the text says which one, as a phrase.
     """
 
     controls: tuple[str, ...]
@@ -87,24 +90,24 @@ class Edit:
         if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
             raise ValueError(f"unknown control {unknown[0][:40]!r}")
         if not self.controls:
-            raise ValueError("it names no control")
+            raise ValueError("it has no control")
         if len(set(self.controls)) < len(self.controls):
             raise ValueError("it names a control twice")
         numbers = (self.start, self.end, self.falloff, self.fade_out, self.value, self.about or 0.0)
         if not all(math.isfinite(number) and abs(number) <= LARGEST for number in numbers):
-            raise ValueError(f"its numbers must lie between -{LARGEST:.0f} and {LARGEST:.0f}")
+            raise ValueError(f"its numbers must be between -{LARGEST:.0f} and {LARGEST:.0f}")
         if self.end < self.start:
             raise ValueError("its end lies before its start")
         if self.falloff < 0 or self.fade_out < 0:
             raise ValueError("its falloff is negative")
         if not 0 <= self.strength <= STRONGEST:
-            raise ValueError(f"its strength must lie between 0 and {STRONGEST:g}")
+            raise ValueError(f"its strength must be between 0 and {STRONGEST:g}")
         if self.op in (Op.SCALE, Op.SMOOTH) and self.value < 0:
             raise ValueError(f"a {self.op} needs a value of at least 0")
         if self.op is Op.SMOOTH and self.value > LONGEST_SMOOTH:
             raise ValueError(f"a smooth needs a value of at most {LONGEST_SMOOTH:.0f} seconds")
         if self.about is not None and self.op is not Op.SCALE:
-            raise ValueError("only a scale is about something")
+            raise ValueError('only a scale can have "about"')
         if self.name != clean_text(self.name):
             raise ValueError(f"its name has a damaged character or over {LONGEST_TEXT} of them")
         if self.points or self.op in WITH_POINTS:
@@ -116,13 +119,13 @@ class Edit:
         if not 1 <= len(self.points) <= MOST_POINTS:
             raise ValueError(f"a {self.op} needs 1 to {MOST_POINTS} points")
         if not (np.isfinite(self.polyline).all() and np.abs(self.polyline).max() <= LARGEST):
-            raise ValueError(f"its points must lie between -{LARGEST:.0f} and {LARGEST:.0f}")
+            raise ValueError(f"its points must be between -{LARGEST:.0f} and {LARGEST:.0f}")
         if not (np.diff(self.polyline[0]) > 0).all():
             raise ValueError("its points are not in order of time")
 
     @cached_property
     def polyline(self) -> Doubles:
-        """(2, P): the seconds and the millimetres of `points`."""
+        """(2, P) float64: the seconds and the millimetres of `points`."""
         return np.ascontiguousarray(np.array(self.points, np.float64).T)
 
     @cached_property
@@ -132,23 +135,23 @@ class Edit:
         )
 
     def __hash__(self) -> int:
-        return self._hash  # once: a drawn edit may have thousands of points
+        return self._hash  # computed once: a drawn edit may have thousands of points
 
     @property
     def fade_out(self) -> float:
-        """Seconds over which the change fades out after `end`."""
+        """Seconds over which the edit fades out after `end`."""
         return self.falloff if self.falloff_out is None else self.falloff_out
 
     @property
-    def reach(self) -> tuple[float, float]:
-        """First and last second at which the edit changes what was asked for."""
+    def span(self) -> tuple[float, float]:
+        """First and last second of the edit: its hold and both falloffs."""
         return self.start - self.falloff, self.end + self.fade_out
 
     @cached_property
     def effect(self) -> Edit | None:
-        """The edit without what only people care about; None if it changes nothing.
+        """The edit without its name and defaults; None if it changes nothing.
 
-        Edits with the same effect are equal here, so that a rename computes nothing anew.
+        Edits that do the same have equal effects, so that renaming one computes nothing again.
         """
         if not self.enabled or self.strength == 0:
             return None
@@ -158,34 +161,34 @@ class Edit:
         return replace(self, name="", falloff_out=fade)
 
     def mask(self, times: Times) -> Doubles:
-        """How much of the edit applies at `times` (T,): 1 in the hold, cosine falloff, 0."""
+        """How much of the edit applies at `times` (T,), 0..1: 1 in the hold, cosine falloffs."""
         before, after = self.start - times, times - self.end
         if self.fade_out == self.falloff:
             return fade(np.maximum(before, after), self.falloff)
         return fade(before, self.falloff) * fade(after, self.fade_out)
 
     def shifted(self, seconds: float) -> Edit:
-        """The same edit earlier or later, its points with it."""
+        """The edit moved by some seconds, with its points."""
         points = tuple((t + seconds, mm) for t, mm in self.points)
         return replace(self, start=self.start + seconds, end=self.end + seconds, points=points)
 
     def stretched(self, start: float, end: float) -> Edit:
-        """The same edit with its hold on another range; points keep their place in it."""
+        """The edit with another hold; its points are scaled along."""
         width = self.end - self.start
         factor = (end - start) / width if width > 0 else 1.0
         points = tuple((start + factor * (t - self.start), mm) for t, mm in self.points)
-        if factor <= 0:  # onto a moment: all points would be one
+        if factor <= 0:  # a hold of no length: all points would fall together
             points = points[:1]
         return replace(self, start=start, end=end, points=points)
 
     def mirrored(self) -> Edit:
-        """The same edit on the other half of the face."""
+        """The edit on the other side of the face."""
         return replace(self, controls=tuple(MIRRORED_CONTROL[c] for c in self.controls))
 
 
 def fade(outside: Doubles, falloff: float) -> Doubles:
-    """Seconds outside the hold (0 or less: inside) -> how much applies."""
-    # Half a nanosecond of slack keeps a frame that stands on the edge on the inside.
+    """Seconds outside the hold (0 or less is inside) -> how much applies, 0..1."""
+    # Half a nanosecond of slack counts a frame on the edge as inside.
     if falloff < 1e-9:
         return (outside <= 5e-10).astype(np.float64)
     inside = np.clip(1.0 - np.maximum(outside, 0.0) / falloff, 0.0, 1.0)
@@ -193,7 +196,7 @@ def fade(outside: Doubles, falloff: float) -> Doubles:
 
 
 def to_json(edit: Edit) -> dict[str, Any]:
-    """The edit as it stands in an edits file."""
+    """The edit as an entry of an edits file."""
     named: dict[str, Any] = (
         {"control": edit.controls[0]} if len(edit.controls) == 1 else {"controls": [*edit.controls]}
     )
@@ -211,7 +214,7 @@ def to_json(edit: Edit) -> dict[str, Any]:
 
 
 def _optional(edit: Edit) -> dict[str, Any]:
-    """What most edits do without; the rest is the format that FaceEdit always had."""
+    """The fields that are written only if they differ from their defaults."""
     entry: dict[str, Any] = {}
     for name in ("falloff_out", "about"):
         if getattr(edit, name) is not None:
@@ -233,7 +236,7 @@ def from_json(entry: Any) -> Edit:
     """Read one entry of an edits file.
 
     Raises:
-        ValueError: what is wrong with it, as a phrase.
+        ValueError: the entry is wrong; the text says how, as a phrase.
     """
     fields = Fields(entry)
     op = fields.choice("op", Op)
@@ -266,7 +269,7 @@ def edits_from(fields: Fields, name: str = "edits") -> tuple[Edit, ...]:
     """Read a list of edits.
 
     Raises:
-        FieldError: which edit is wrong, and how.
+        FieldError: an edit is wrong; the text says which one and how.
     """
     edits = []
     for number, entry in enumerate(fields.items(name), start=1):

@@ -1,4 +1,4 @@
-"""Which sound and film belong to a take, and where in it they lie."""
+"""The sound and film of a take, and when they begin."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from faceedit_app.core.fields import Fields
 
 @dataclass(frozen=True)
 class MediaFile:
-    """Sound or film of the take.
+    """A sound or film file of a take.
 
     Attributes:
-        path: the file, absolute.
-        offset: seconds of the take at which it begins.
+        path: its absolute path.
+        offset: when it begins, in seconds of the take.
     """
 
     path: Path
@@ -24,16 +24,16 @@ class MediaFile:
 
 @dataclass(frozen=True)
 class Placement:
-    """The sound and the film of a take, if any."""
+    """The sound and the film of a take, if it has any."""
 
     sound: MediaFile | None = None
     film: MediaFile | None = None
 
 
 def describe_change(before: Placement, after: Placement) -> str:
-    """What a step from one placement to another is called, such as "Move film".
+    """The name of a step from one placement to another, such as "Move film".
 
-    A film and its own sound come, move and go together: such a step is the film's.
+    A film and its own sound change together; such a step is named after the film.
     """
     for name, old, new in (
         ("film", before.film, after.film),
@@ -49,7 +49,7 @@ def describe_change(before: Placement, after: Placement) -> str:
 
 
 def to_json(placement: Placement | None) -> dict[str, Any] | None:
-    """For the journal; `None` is what lies beside the take by itself."""
+    """A placement as JSON values; None stands for the files found next to the take."""
 
     def entry(media: MediaFile | None) -> dict[str, Any] | None:
         return None if media is None else {"path": str(media.path), "offset": media.offset}
@@ -60,7 +60,7 @@ def to_json(placement: Placement | None) -> dict[str, Any] | None:
 
 
 def placement_from(fields: Fields | None) -> Placement | None:
-    """Read what `to_json` made.
+    """Read what `to_json` returned.
 
     Raises:
         FieldError: it is damaged.

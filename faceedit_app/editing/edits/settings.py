@@ -1,4 +1,4 @@
-"""How edits are answered."""
+"""The settings that edits are answered by."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from enum import StrEnum
 
 
 class Mode(StrEnum):
-    """How the networks' answer is combined with the take."""
+    """How the answer is combined with the take."""
 
-    PRESERVE = "preserve"  # take + N(asked) - N(tracked): what no edit reaches stays as it was
-    RESYNTHESIZE = "resynthesize"  # N(asked), as in the paper, over the whole take
+    PRESERVE = "preserve"  # take + N(asked) - N(tracked): frames without an edit stay unchanged
+    RESYNTHESIZE = "resynthesize"  # N(asked), as in the paper
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How edits are answered.
+    """How edits are answered; out-of-range values raise `ValueError`.
 
     Attributes:
         mode: see `Mode`.
-        naturalness: 0 = regressor alone (obeys), 1 = full system (believable).
-        reach: 0 = what the networks answer, 1 = all the way to what was asked.
+        naturalness: 0 = the regressor alone, which follows most exactly; 1 = regressor and
+            autoencoder, which is most believable.
+        reach: 0 = what the networks answer, 1 = all the way to what was asked for.
     """
 
     mode: Mode = Mode.PRESERVE
@@ -32,7 +33,7 @@ class Settings:
             raise ValueError(f"naturalness {self.naturalness:g}: must be from 0 to 1")
 
     def describe_change(self, to: Settings) -> str:
-        """What a step from these settings to others is called, such as "Naturalness"."""
+        """The name of a step from these settings to others, such as "Naturalness"."""
         if to.mode != self.mode:
             return to.mode.value.capitalize()
         return "Naturalness" if to.naturalness != self.naturalness else "Reach"

@@ -1,3 +1,3 @@
-"""Projects, the journal, and how a take's file is recognised."""
+"""Project files, edits files, the journal, and fingerprints of takes."""
 
 PROJECT_SUFFIX = ".faceedit"

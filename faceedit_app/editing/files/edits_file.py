@@ -24,7 +24,7 @@ def read_edits(path: Path | str) -> tuple[Edit, ...]:
     """Read an edits file.
 
     Raises:
-        FileError: it cannot be read, is no edits file, or an edit in it is not usable.
+        FileError: it cannot be read, is not an edits file, or one of its edits is wrong.
     """
     path = Path(path)
     fields = read_document(path, "edits file", VERSION)

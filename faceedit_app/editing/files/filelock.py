@@ -1,4 +1,4 @@
-"""Locks on open files that the system lifts when a process ends, however it ends."""
+"""Locks on open files, which the system releases when the process ends, even by a crash."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 if sys.platform == "win32":
     import msvcrt
 
-    _FAR = 1 << 30  # Windows locks bytes against reading: take one that is never there
+    _FAR = 1 << 30  # Windows locks bytes against reading: lock one far beyond the content
 
     def _lock(file: int, mode: int) -> None:
         os.lseek(file, _FAR, os.SEEK_SET)
@@ -16,11 +16,11 @@ if sys.platform == "win32":
         os.lseek(file, 0, os.SEEK_SET)
 
     def lock(file: int) -> None:
-        """Lock an open file; raises OSError where that cannot be."""
+        """Lock an open file; raises OSError if that fails."""
         _lock(file, msvcrt.LK_LOCK)
 
     def try_lock(file: int) -> bool:
-        """Whether an open file could be locked, because no other process has."""
+        """Lock an open file unless another process holds the lock; False if it does."""
         try:
             _lock(file, msvcrt.LK_NBLCK)
         except OSError:
@@ -31,11 +31,11 @@ else:
     import fcntl
 
     def lock(file: int) -> None:
-        """Lock an open file; raises OSError where that cannot be."""
+        """Lock an open file; raises OSError if that fails."""
         fcntl.flock(file, fcntl.LOCK_EX)
 
     def try_lock(file: int) -> bool:
-        """Whether an open file could be locked, because no other process has."""
+        """Lock an open file unless another process holds the lock; False if it does."""
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -1,4 +1,4 @@
-"""Telling a file by its content, and finding it again after it was moved."""
+"""Identify a file by its content, and find it after it was moved."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from faceedit_app.core.fields import Fields
 from faceedit_app.formats.take import Take
 
 SEARCH_SECONDS = 2.0  # a network drive with a million files must not keep the user waiting
-SEARCH_DEPTH = 2  # folders down from where a file is looked for
+SEARCH_DEPTH = 2  # levels of folders that are searched
 
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """What tells a file from all others: its size in bytes, and the SHA-256 of its content."""
+    """Identifies a file: its size in bytes and the SHA-256 of its content."""
 
     size: int
     sha256: str
@@ -29,7 +29,7 @@ def fingerprint_from(fields: Fields) -> Fingerprint:
     """Read `size` and `sha256`.
 
     Raises:
-        FieldError: one is wrong.
+        FieldError: one of them is wrong.
     """
     return Fingerprint(fields.whole("size"), fields.text("sha256"))
 
@@ -50,22 +50,25 @@ def fingerprint(path: Path) -> Fingerprint:
 
 
 def fingerprint_of(take: Take) -> Fingerprint:
-    """The fingerprint of the file as it was when the take was opened.
+    """The fingerprint of a take's file as it was when it was opened.
 
-    It needs no file, which may have gone with its drive or been exported over since: a take that
-    is written without a change has the bytes that were read.
+    The file is not read again: it may have been removed or overwritten since. A take that is
+    written unchanged has the same bytes.
     """
     content = take.source.encode(take.clip.weights, take.clip.weights)
     return Fingerprint(len(content), hashlib.sha256(content).hexdigest())
 
 
 def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> Path | None:
-    """Look for a file in and below folders: first under its name, then any of its kind.
+    """Search folders and their subfolders for a file: by its name first, then by its ending.
 
     Args:
-        wanted: what it must be.
-        name: what it was called.
-        folders: where to look, the most likely first.
+        wanted: its fingerprint.
+        name: its last known name.
+        folders: where to search, the most likely first.
+
+    Returns:
+        The file, or None if it is not found in time.
     """
     suffix = Path(name).suffix.lower()
     alike = []
@@ -78,12 +81,12 @@ def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> 
 
 
 def find_by_name(name: str, folders: Iterable[Path]) -> tuple[Path, ...]:
-    """All files of a name in and below folders."""
+    """All files of this name in folders and their subfolders."""
     return tuple(path for path in _files_below(folders) if path.name == name)
 
 
 def _files_below(folders: Iterable[Path]) -> Iterator[Path]:
-    """Each file once, level by level, as long as time allows; hidden folders are left out."""
+    """Each file once, level by level, while time allows; hidden folders are skipped."""
     until = time.monotonic() + SEARCH_SECONDS
     level = [folder.absolute() for folder in folders]
     seen: set[str] = set()
@@ -97,7 +100,7 @@ def _files_below(folders: Iterable[Path]) -> Iterator[Path]:
             seen.add(os.path.realpath(folder))
             try:
                 entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
-            except OSError:  # it is gone or closed to us: look elsewhere
+            except OSError:  # removed, or no permission: search elsewhere
                 continue
             for entry in entries:
                 if _is_folder(entry):

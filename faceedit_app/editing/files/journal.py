@@ -1,9 +1,9 @@
-"""The journal: every finished gesture on disk at once, for the start after a crash.
+"""The journal: every finished gesture goes to disk at once, so that a crash loses nothing.
 
-One file a running session, JSON lines: what the session is about, then one line a gesture with
-the edits that it changed. A line is written before the next gesture can begin, so it survives
-`kill -9`; a thread follows with fsync, so that it soon survives a power cut and no gesture waits
-for a disk. Whatever goes wrong with the journal ends in `Journal.note`, never in the gesture.
+Each running session has a file of JSON lines: one line about the session, then one line per gesture
+with the edits that it changed. A line is written before the next gesture can begin, so it survives
+`kill -9`. A thread calls fsync, so that the line soon survives a power cut and no gesture waits for
+the disk. Errors are reported in `Journal.note` and never disturb a gesture.
 """
 
 from __future__ import annotations
@@ -33,24 +33,24 @@ from faceedit_app.editing.steps import EditState
 
 VERSION = 1
 _SUFFIX = ".jsonl"
-_PATIENCE = 1.0  # seconds that closing waits for a slow disk
-_YOUNG = 60.0  # seconds within which an empty journal may belong to a start in progress
+_PATIENCE = 1.0  # seconds to wait for a slow disk when closing
+_YOUNG = 60.0  # seconds; the session of a younger empty journal may be starting
 
 
 def journal_folder() -> Path:
-    """Where the journals of this user are."""
+    """The folder of this user's journals."""
     return Path(platformdirs.user_state_dir("FaceEdit", appauthor=False)) / "journals"
 
 
 class Journal:
-    """Writes down one session.
+    """The journal of one session.
 
-    `note` is "" as long as all is well, else one line for the user. Connect it by
+    `note` is empty while all is well, else one line for the user. Connect it with
     `session.stepped.connect(journal.record)`.
 
     Args:
         take: the open take.
-        project: the project file it was opened from, if any.
+        project: the project that it was opened from, if any.
         folder: where journals are; None = `journal_folder()`.
         fps: the take's frame rate, if the user had to give it.
     """
@@ -65,12 +65,12 @@ class Journal:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{_SUFFIX}"
         self._take, self._project, self._fps = take.absolute(), project, fps
-        self._print: Fingerprint | None = None  # as it was opened: it may be exported over
+        self._print: Fingerprint | None = None  # as opened: the file may be overwritten
         with contextlib.suppress(FileError):
             self._print = fingerprint(take)
         self._file: int | None = None
-        self._length = 0  # bytes that are known to be whole lines
-        self._last: EditState | None = None  # what a reader has after those lines
+        self._length = 0  # bytes that are complete lines
+        self._last: EditState | None = None  # the state after those lines
         self._step = 0
         self._wake, self._closed = threading.Event(), False
         self._thread = threading.Thread(target=self._sync, name="journal", daemon=True)
@@ -78,7 +78,7 @@ class Journal:
         self._open()
 
     def _open(self) -> bool:
-        """Begin the file; False if that cannot be."""
+        """Create the file; False if that fails."""
         self._last, self._length = None, 0
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -92,7 +92,7 @@ class Journal:
         return self._append(self._head())
 
     def _is_there(self) -> bool:
-        """Whether the file can be found after a crash: its drive or folder may have gone."""
+        """Whether the file still exists: its drive or folder may have been removed."""
         try:
             return self._file is not None and os.path.samestat(
                 os.stat(self.path), os.fstat(self._file)
@@ -101,7 +101,7 @@ class Journal:
             return False
 
     def record(self, state: EditState) -> None:
-        """Write down what a finished gesture led to; takes well under a millisecond."""
+        """Write the state after a finished gesture; takes well under a millisecond."""
         if self._closed:
             return
         if not self._is_there():
@@ -124,10 +124,10 @@ class Journal:
             self._last, self._step = state, self._step + 1
             self._wake.set()
         else:
-            self._last = None  # begin anew with all edits, should the disk come back
+            self._last = None  # write all edits again if the disk comes back
 
     def saved(self, project: Path | None = None) -> None:
-        """All gestures up to now are in a file: forget them."""
+        """Forget the gestures so far: they are saved."""
         if project is not None:
             self._project = project
         if self._file is None:
@@ -136,13 +136,13 @@ class Journal:
         self._append(self._head())
 
     def close(self) -> None:
-        """The session ends and nothing needs to be recovered: remove the file."""
+        """Remove the file: the session has ended and nothing has to be recovered."""
         if self._closed:
             return
         self._closed = True
         self._wake.set()
         self._thread.join(_PATIENCE)
-        if self._thread.is_alive():  # its fsync still uses the file
+        if self._thread.is_alive():  # fsync is still using the file
             self._file = None
         self._remove()
 
@@ -168,7 +168,7 @@ class Journal:
         assert self._file is not None
         line = json.dumps(entry, separators=(",", ":")).encode() + b"\n"
         try:
-            os.ftruncate(self._file, self._length)  # what a failed write may have left
+            os.ftruncate(self._file, self._length)  # remove what a failed write may have left
             os.lseek(self._file, self._length, os.SEEK_SET)
             written = 0
             while written < len(line):
@@ -189,7 +189,7 @@ class Journal:
                 try:
                     os.fsync(file)
                 except OSError as error:
-                    if file == self._file:  # not closed meanwhile because it was gone
+                    if file == self._file:  # it may have been closed meanwhile
                         self._fail(error)
 
     def _fail(self, error: OSError) -> None:
@@ -198,7 +198,7 @@ class Journal:
 
 
 def _difference(old: Sequence[Edit], new: Sequence[Edit]) -> tuple[int, int, int]:
-    """Where two lists differ: `new[first:end]` stands for `old[first:old_end]`."""
+    """The difference of two lists: `new[first:end]` replaces `old[first:old_end]`."""
     shorter = min(len(old), len(new))
     first = 0
     while first < shorter and (old[first] is new[first] or old[first] == new[first]):
@@ -211,16 +211,16 @@ def _difference(old: Sequence[Edit], new: Sequence[Edit]) -> tuple[int, int, int
 
 @dataclass(frozen=True)
 class Pending:
-    """A session that ended without closing: what it had done.
+    """A session that crashed, and its state.
 
     Attributes:
         path: its journal.
-        take: the take it was about.
-        fingerprint: the take's, to see whether it is still the same; None if it was unreadable.
-        project: its project file, if it had one.
-        state: after its last finished gesture.
-        gestures: how many there were since the last save.
-        when: seconds since the epoch at which the last one was made.
+        take: its take.
+        fingerprint: the fingerprint of the take; None if the take could not be read.
+        project: its project, if any.
+        state: the state after the last finished gesture.
+        gestures: the number of gestures since the last save.
+        when: the time of the last gesture, in seconds since the epoch.
         fps: the take's frame rate, if the user had to give it.
     """
 
@@ -234,13 +234,13 @@ class Pending:
     fps: float | None = None
 
     def discard(self) -> None:
-        """Forget it: it is recovered, or not wanted."""
+        """Delete its journal."""
         with contextlib.suppress(OSError):
             self.path.unlink()
 
 
 def pending_journals(folder: Path | None = None) -> list[Pending]:
-    """What crashed sessions left behind, the newest first; running sessions are left alone."""
+    """The sessions that crashed, newest first; running sessions are skipped."""
     found = []
     for path in (folder or journal_folder()).glob(f"*{_SUFFIX}"):
         try:
@@ -248,7 +248,7 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
                 continue
             with path.open("r+b") as file:
                 if not try_lock(file.fileno()):
-                    continue  # its session runs
+                    continue  # its session is running
                 about = os.fstat(file.fileno())
                 if about.st_size > MOST_BYTES:
                     continue
@@ -258,15 +258,15 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
         pending = _read(path, content, when)
         if pending is not None:
             found.append(pending)
-        elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # there was no gesture
+        elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # no gesture was made
             with contextlib.suppress(OSError):
                 path.unlink()
     return sorted(found, key=lambda pending: pending.when, reverse=True)
 
 
 def _read(path: Path, content: bytes, when: float) -> Pending | None:
-    """What a journal holds; None if there is nothing to recover."""
-    lines = content.split(b"\n")[:-1]  # what no newline ends was being written
+    """The session in a journal; None if there is nothing to recover."""
+    lines = content.split(b"\n")[:-1]  # a line without a newline is incomplete
     if not lines:
         return None
     try:
@@ -286,7 +286,7 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
             state = _replay(state, step, entry)
             step = entry.whole("step")
         except ValueError:
-            break  # a damaged disk: what came before is still good
+            break  # damaged from here on: keep what came before
         gestures += 1
     if state is None:
         return None
@@ -297,7 +297,7 @@ def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
     """The state after a gesture.
 
     Raises:
-        ValueError: it is damaged, or another gesture is missing before it.
+        ValueError: the entry is damaged, or a gesture before it is missing.
     """
     if entry.has("edits"):
         media = placement_from(entry.fields_or_none("media"))

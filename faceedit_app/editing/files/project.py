@@ -1,4 +1,4 @@
-"""Project files (`.faceedit`): a take, what is done to it, and how it was being looked at.
+"""Project files (`.faceedit`): a reference to a take, its edits, and the view.
 
 The format is described in docs/project_format.md.
 """
@@ -32,14 +32,14 @@ VERSION = 1
 
 @dataclass(frozen=True)
 class ViewState:
-    """How the take was being looked at; all times in seconds of the take.
+    """What the window showed of the take; all times in seconds of the take.
 
     Attributes:
-        playhead: where the playhead is.
+        playhead: the playhead's time.
         visible: the visible range, None = all of it.
         selection: the selected range, if any.
         falloff: of the next edit.
-        ui: whatever else the window wants back; only what JSON can hold.
+        ui: other state of the window; only what JSON can hold.
     """
 
     playhead: float = 0.0
@@ -51,14 +51,14 @@ class ViewState:
 
 @dataclass(frozen=True)
 class Project:
-    """All that a project file holds; paths are absolute here and relative in the file.
+    """The content of a project file; paths are absolute here and relative in the file.
 
     Attributes:
-        take: the file that it is about.
-        fingerprint: of that file.
-        state: what is done to it.
-        view: how it was being looked at.
-        audio, film: what plays beside it.
+        take: the file of the take.
+        fingerprint: the fingerprint of that file.
+        state: the edits, settings and media.
+        view: what the window showed.
+        audio, film: the sound and film of the take, if any.
         fps: the take's frame rate, if the user had to give it.
     """
 
@@ -96,7 +96,7 @@ def write_project(path: Path | str, project: Project) -> None:
     for name, media in (("audio", project.audio), ("film", project.film)):
         if media is not None:
             tail[name] = {"path": _relative(media.path, path), "offset": media.offset}
-    # One edit a line: the file can be read, and compared with an older one.
+    # One edit a line, so that people can read the file and compare versions.
     edits = ",".join(f"\n    {to_text(to_json(e))}" for e in project.state.edits)
     begin, end = (to_text(part, indent=2) for part in (head, tail))
     text = f'{begin[:-2]},\n  "edits": [{edits}\n  ],{end[1:]}\n'
@@ -104,10 +104,10 @@ def write_project(path: Path | str, project: Project) -> None:
 
 
 def read_project(path: Path | str) -> Project:
-    """Read a project; whether its take is still there is `locate_take`'s to say.
+    """Read a project; `locate_take` then looks for its take.
 
     Raises:
-        FileError: it cannot be read, is no project, or something in it is not usable.
+        FileError: it cannot be read, is not a project, or is damaged.
     """
     path = Path(path).absolute()
     fields = read_document(path, "FaceEdit project", VERSION)
@@ -134,10 +134,10 @@ def _from_document(fields: Fields, path: Path) -> Project:
 
 
 def settings_from(fields: Fields) -> Settings:
-    """Read `settings`; what is absent is as in a new session.
+    """Read `settings`; absent fields have their defaults.
 
     Raises:
-        FieldError: which field is wrong, and how.
+        FieldError: a field is wrong; the text says which one and how.
     """
     settings = Settings(
         mode=fields.choice("mode", Mode, Mode.PRESERVE),
@@ -170,7 +170,7 @@ def _media(fields: Fields, name: str, project: Path) -> MediaFile | None:
 
 
 def _relative(file: Path, project: Path) -> str:
-    """A path as it stands in the project: from the project's folder, with slashes."""
+    """A path as written in the project: relative to its folder, with slashes."""
     try:
         return Path(os.path.relpath(file.absolute(), project.absolute().parent)).as_posix()
     except ValueError:  # another drive
@@ -181,16 +181,16 @@ def _absolute(fields: Fields, project: Path) -> Path:
     return Path(os.path.normpath(project.parent / fields.path("path")))
 
 
-# --- where the take is ---------------------------------------------------------------------------
+# --- locating the take ---------------------------------------------------------------------------
 
 
 class Whereabouts(StrEnum):
-    """What has become of a project's take."""
+    """What has happened to a project's take."""
 
-    FOUND = "found"  # where it was, as it was
-    CHANGED = "changed"  # where it was, with other content
-    MOVED = "moved"  # elsewhere, as it was
-    MISSING = "missing"  # not to be found
+    FOUND = "found"  # in its place, unchanged
+    CHANGED = "changed"  # in its place, with other content
+    MOVED = "moved"  # elsewhere, unchanged
+    MISSING = "missing"  # not found
 
 
 @dataclass(frozen=True)
@@ -199,8 +199,8 @@ class Located:
 
     Attributes:
         where: see `Whereabouts`.
-        path: the file to open, unless it is missing.
-        others: files that may be meant: the unchanged take elsewhere, or others of its name.
+        path: the file to open; None if it is missing.
+        others: other candidates: the unchanged take elsewhere, or files of the same name.
         message: one line for the user; empty if all is well.
     """
 
@@ -211,7 +211,7 @@ class Located:
 
 
 def locate_take(project: Project, path: Path | str) -> Located:
-    """Look for a project's take, at its place and around it and the project at `path`."""
+    """Look for a project's take: in its place, then near it and near the project at `path`."""
     take, wanted = project.take, project.fingerprint
     home = Path(path).absolute().parent
     folders = [take.parent, home, home.parent]
@@ -226,11 +226,11 @@ def locate_take(project: Project, path: Path | str) -> Located:
     if present:
         message = f"{take.name} has changed since the project was saved"
         if same is not None:
-            message += f"; {same} is as it was"
+            message += f"; {same} is unchanged"
         return Located(Whereabouts.CHANGED, take, (same,) if same else (), message)
     if same is not None:
         return Located(Whereabouts.MOVED, same, (), f"{take.name} was found as {same}")
     others = find_by_name(take.name, folders)
     return Located(
-        Whereabouts.MISSING, None, others, f"{take} is not there; show where the take is now"
+        Whereabouts.MISSING, None, others, f"{take} is missing; show where the take is now"
     )

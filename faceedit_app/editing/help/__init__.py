@@ -1,1 +1,1 @@
-"""What helps to edit: presets, fixes, problems, copy and paste."""
+"""Presets, fixes, problems, and copy and paste."""

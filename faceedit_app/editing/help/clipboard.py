@@ -1,4 +1,4 @@
-"""Copying a range of curves and pasting it elsewhere, or onto the other half of the face."""
+"""Copy a range of curves, and paste it elsewhere or on the other side of the face."""
 
 from __future__ import annotations
 
@@ -15,25 +15,26 @@ from faceedit_app.editing.session import EditSession
 
 Points = tuple[tuple[float, float], ...]
 
-TOLERANCE = 0.02  # mm, far below what can be seen
+TOLERANCE = 0.02  # mm; far too small to see
 PASTE_FALLOFF = 0.1  # seconds
 
 
 class Copied(StrEnum):
-    """What of a range is copied."""
+    """What is copied of a range."""
 
-    CHANGE = "change"  # what the edits changed, mm; pasted on top of what is there
-    CURVE = "curve"  # the face itself, mm; pasted in place of what is there
+    CHANGE = "change"  # the change that edits made, mm; paste adds it
+    CURVE = "curve"  # the curve, mm; paste replaces the curve there
 
 
 @dataclass(frozen=True)
 class Clipboard:
-    """A range of curves.
+    """A copied range of curves.
 
     Attributes:
         what: see `Copied`.
-        seconds: length of the range.
-        curves: by control, (seconds from the start of the range, mm), in `CONTROL_IDS` order.
+        seconds: the length of the range.
+        curves: points (seconds from the start of the range, mm) by control id, in `CONTROL_IDS`
+            order.
     """
 
     what: Copied
@@ -42,16 +43,16 @@ class Clipboard:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is nothing to paste: the range had no changes."""
+        """Whether there is nothing to paste, because the range had no changes."""
         return not self.curves
 
     def mirrored(self) -> Clipboard:
-        """Left and right change places."""
+        """The same range with left and right swapped."""
         swapped = {MIRRORED_CONTROL[control]: points for control, points in self.curves}
         return replace(self, curves=tuple((c, swapped[c]) for c in CONTROL_IDS if c in swapped))
 
     def paste(self, at: float, falloff: float = PASTE_FALLOFF) -> tuple[Edit, ...]:
-        """The copied range as edits that begin at `at` seconds and fade over `falloff` seconds."""
+        """Edits that put the copied range at `at` seconds, with a falloff of `falloff` seconds."""
         alike: dict[Points, list[str]] = {}
         for control, points in self.curves:
             alike.setdefault(points, []).append(control)
@@ -65,7 +66,7 @@ class Clipboard:
                 round(start + self.seconds, 6),
                 falloff,
                 points=tuple((round(start + t, 6), mm) for t, mm in points),
-                companions=Company.STAY,  # they were copied too
+                companions=Company.STAY,  # companions were copied as well
             )
             for points, controls in alike.items()
         )
@@ -78,7 +79,7 @@ def copy_range(
     controls: Sequence[str] = CONTROL_IDS,
     what: Copied = Copied.CHANGE,
 ) -> Clipboard:
-    """Copy curves from `start` to `end` seconds; controls without a change are left out."""
+    """Copy curves from `start` to `end` seconds; unchanged curves are left out."""
     times = session.take.clip.times
     rows = slice(*(int(i) for i in np.searchsorted(times, (start - 1e-9, end + 1e-9))))
     if rows.start == rows.stop:
@@ -98,15 +99,15 @@ def copy_range(
 
 
 def simplify(seconds: Doubles, values: Doubles, tolerance: float = TOLERANCE) -> Points:
-    """As few points as tell a curve to within `tolerance`.
+    """Approximate a curve by as few points as possible (Ramer, Douglas and Peucker).
 
     Args:
-        seconds: (N,), rising; N at least 1.
+        seconds: (N,), increasing; N at least 1.
         values: (N,) mm.
-        tolerance: mm by which straight lines between the points may miss the curve.
+        tolerance: mm; how far straight lines between the points may be from the curve.
     """
-    # Ramer, Douglas and Peucker, with the distance along the value axis, all runs at a time:
-    # each run that misses the curve is cut where it misses it most.
+    # The distance is measured along the value axis, for all runs at once: each run that is too
+    # far from the curve is split where it is farthest.
     keep = np.zeros(len(seconds), np.bool_)
     keep[[0, -1]] = True
     while True:
@@ -117,7 +118,7 @@ def simplify(seconds: Doubles, values: Doubles, tolerance: float = TOLERANCE) ->
         if not missed.any():
             break
         keep |= missed
-    # A tenth of a micrometre and a microsecond: files stay readable.
+    # Rounded to 0.1 micrometres and to microseconds, so that files stay readable.
     return tuple(
         (round(float(t), 6), round(float(v), 4))
         for t, v in zip(seconds[keep], values[keep], strict=True)

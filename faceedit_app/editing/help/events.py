@@ -1,7 +1,7 @@
-"""Blinks and lip closures in a take: where they are, when they begin and end, whether they close.
+"""Find blinks and lip closures in a take, and measure whether they close.
 
-All of it works on curves in millimetres, frame axis first, and takes some milliseconds for ten
-minutes at 60 frames a second.
+Curves are in millimetres, frame axis first. Ten minutes at 60 frames a second take some
+milliseconds.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ from faceedit_app.editing.solving.filters import peaks
 LID_COLUMNS = [CONTROL_INDEX[lid] for lid in LIDS]
 OPENING = CONTROL_INDEX[LIP_OPENING]
 
-# A blink takes 0.3 to 0.4 s in all, and is this wide at half its depth at most (VanderWerf et
-# al. 2003); lids that follow the gaze down take longer.
+# A blink takes 0.3 to 0.4 s and is at most this wide at half its depth (VanderWerf et al. 2003);
+# lids that follow the gaze down take longer.
 BLINK_WIDTH = 0.4  # seconds
-BLINK_DEPTH = 0.25  # of the open eye; less is a flutter or the gaze
-SHUT = 0.2  # of the open eye: with less between the lids an eye looks closed
-CLOSURE_DEPTH = 1.5  # mm that the lips come together for a closure
+BLINK_DEPTH = 0.25  # of the eye opening; anything less is a flutter or the gaze
+SHUT = 0.2  # of the eye opening; an eye that is less open looks closed
+CLOSURE_DEPTH = 1.5  # mm by which lips approach each other for a closure
 CLOSURE_WIDTH = 0.4  # seconds at half its depth
-PRESSED = 0.05  # by how much pressed and rolled lips exceed what they are otherwise
-APART = 1.5  # mm beyond the take's own closed lips at which they visibly do not meet
-NEARLY = (0.4, 5.0)  # lips nearly met within this share of the way to wide open, and mm
-_LONGEST = 1.5  # seconds around a dip that are looked at
-_BEFORE, _AFTER = 0.2, 0.4  # seconds within which a flank ends
+PRESSED = 0.05  # weight by which pressed and rolled lips exceed their usual level
+APART = 1.5  # mm more than the take's closed lips, at which lips are visibly apart
+NEARLY = (0.4, 5.0)  # lips nearly met if no farther apart than this share of wide open, and mm
+_LONGEST = 1.5  # seconds around a dip that are examined
+_BEFORE, _AFTER = 0.2, 0.4  # seconds; the longest flanks
 
 
 @dataclass(frozen=True)
 class Dip:
-    """A curve that goes down and comes back.
+    """A place where a curve goes down and comes back.
 
     Attributes:
-        frame: where it is lowest.
-        start, end: seconds at which it begins to go down and is back.
-        time: seconds of `frame`.
-        level: mm at `frame`.
+        frame: the lowest frame.
+        start, end: seconds; when it begins to go down, and when it is back.
+        time: the time of `frame`, seconds.
+        level: the curve at `frame`, mm.
         depth: mm below the lower of its two surroundings.
     """
 
@@ -53,25 +53,25 @@ class Dip:
 
 
 def dips(times: Times, curve: Doubles, rate: float, depth: float, width: float) -> list[Dip]:
-    """The places where a curve goes down and back.
+    """The dips of a curve, in order of time.
 
     Args:
         times: (T,) seconds.
         curve: (T,) mm.
         rate: frames per second.
-        depth: mm that it goes down at least.
-        width: seconds at half depth that it takes at most.
+        depth: the least depth, mm.
+        width: the greatest width at half depth, seconds.
     """
     if len(curve) < 3:
         return []
-    # A blink of the first or last frames has no shoulder on one side: give it one.
+    # A blink at the start or the end has a shoulder on one side only: add the other one.
     padded = np.concatenate([[curve.max()], curve, [curve.max()]])
     found = peaks(-padded, depth, width * rate, int(_LONGEST * rate))
     return [_dip(times, curve, rate, peak - 1, deep) for peak, deep in found]
 
 
 def _dip(times: Times, curve: Doubles, rate: float, frame: int, depth: float) -> Dip:
-    """A dip with the ends of its flanks: nine tenths of the way up on either side."""
+    """The dip at a frame; its flanks end nine tenths of the way up on either side."""
     low = curve[frame]
     before = curve[max(frame - round(_BEFORE * rate), 0) : frame + 1][::-1]
     after = curve[frame : frame + round(_AFTER * rate) + 1]
@@ -90,28 +90,28 @@ def _dip(times: Times, curve: Doubles, rate: float, frame: int, depth: float) ->
 
 
 def open_eyes(lids: Doubles) -> float:
-    """Millimetres between the lids of open eyes in a take, from one or more curves (T, ...)."""
+    """The usual opening of open eyes in a take, mm, from one or more curves (T, ...)."""
     wide = float(np.percentile(lids, 95))
     eyes = lids[lids > 0.4 * wide]
     return float(np.median(eyes)) if len(eyes) else wide
 
 
 def blinks(times: Times, controls: Doubles, rate: float) -> list[Dip]:
-    """All blinks, the incomplete ones too: controls (T, C) mm."""
+    """All blinks, incomplete ones included, from controls (T, C), mm."""
     both = controls[:, LID_COLUMNS].mean(axis=1)
     return dips(times, both, rate, BLINK_DEPTH * max(open_eyes(both), 0.1), BLINK_WIDTH)
 
 
 def closed_lips(controls: Doubles) -> float:
-    """Millimetres between the inner lips of a closed mouth in a take: controls (T, C) mm."""
+    """The mouth opening of closed lips in a take, mm, from controls (T, C), mm."""
     return float(np.percentile(controls[:, OPENING], 2))
 
 
 def missed_closures(times: Times, controls: Doubles, weights: Doubles, rate: float) -> list[Dip]:
-    """Where lips pressed, as for /p b m/, and yet stayed apart.
+    """Closures, as for /p b m/, in which the lips stayed apart.
 
-    The opening alone does not tell an unmet /m/ from an /f/, in which the lower lip meets the
-    teeth. Lips that close press and roll in, the upper one too, and it is not raised.
+    The opening alone cannot distinguish an open /m/ from an /f/, in which the lower lip meets the
+    teeth. Lips that close press and roll in, the upper lip too, and it is not raised.
 
     Args:
         times: (T,) seconds.
@@ -133,7 +133,7 @@ def missed_closures(times: Times, controls: Doubles, weights: Doubles, rate: flo
 
 
 def _pressed(weights: Doubles) -> Doubles:
-    """(T,) how much the lips press on each other."""
+    """(T,) how much the lips are pressed together."""
     press = weights[:, [ARKIT_INDEX["mouthPressLeft"], ARKIT_INDEX["mouthPressRight"]]].mean(axis=1)
     raised = weights[:, [ARKIT_INDEX["mouthUpperUpLeft"], ARKIT_INDEX["mouthUpperUpRight"]]]
     pressed: Doubles = press + weights[:, ARKIT_INDEX["mouthRollUpper"]] - raised.mean(axis=1)

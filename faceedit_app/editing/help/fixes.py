@@ -1,4 +1,4 @@
-"""Putting presets on a take: the one-click fixes. Each returns ordinary edits."""
+"""One-click fixes: apply presets to a take. The results are ordinary edits."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from faceedit_app.editing.help.events import (
 from faceedit_app.editing.help.presets import Alone, Find, Preset
 from faceedit_app.editing.session import EditSession
 
-TOUCHING = 0.5  # mm between inner lips that surely touch, in a take whose lips never do
-STILL = 0.8  # of the open eye: a lid that stays above does not blink
-NEAR = 0.3  # seconds from the playhead within which a fix looks for what it mends
+TOUCHING = 0.5  # mm; the mouth opening of touching lips, for a take in which they never touch
+STILL = 0.8  # of the eye opening; a lid that stays above does not blink
+NEAR = 0.3  # seconds around the playhead that a fix searches
 
 
 def apply_preset(
@@ -35,14 +35,14 @@ def apply_preset(
     playhead: float,
     falloff: float | None = None,
 ) -> tuple[Edit, ...]:
-    """The edits of a preset in a take; the session is only looked at.
+    """The edits that a preset makes in a take; the session is not changed.
 
     Args:
-        session: the take as it is now.
-        preset: what to apply.
-        selection: seconds, or None.
+        session: the take.
+        preset: the preset.
+        selection: first and last second, or None.
         playhead: seconds.
-        falloff: seconds for a selection's ends where the preset ships; None = its own.
+        falloff: seconds; replaces the falloff of shipped presets on a selection; None = theirs.
     """
     found = _mend(session, preset, selection, playhead)
     if found:
@@ -54,11 +54,11 @@ def apply_preset(
 
 
 def close_lips(dip: Dip, closed: float) -> Edit:
-    """Let the lips meet where they nearly did.
+    """An edit that lets the lips meet where they nearly did.
 
     Args:
-        dip: the mouth opening there.
-        closed: mm between the inner lips of a closed mouth in this take.
+        dip: the dip of the mouth opening.
+        closed: the mouth opening of closed lips in this take, mm.
     """
     return Edit(
         (LIP_OPENING,),
@@ -73,7 +73,7 @@ def close_lips(dip: Dip, closed: float) -> Edit:
 
 
 def complete_blink(dip: Dip, controls: Sequence[str] = LIDS) -> Edit:
-    """Let the lids that stopped half-way meet, in the blink's own time."""
+    """An edit that completes a blink in its own time."""
     return Edit(
         tuple(controls),
         Op.SET,
@@ -87,7 +87,7 @@ def complete_blink(dip: Dip, controls: Sequence[str] = LIDS) -> Edit:
 
 
 def half_blinks(times: Times, controls: Doubles, rate: float) -> list[tuple[Dip, tuple[str, ...]]]:
-    """The blinks that left an eye open, and the eyelids that took part in them.
+    """The blinks that left an eye open, and the ids of the eyelids that took part.
 
     Args:
         times: (T,) seconds.
@@ -98,7 +98,7 @@ def half_blinks(times: Times, controls: Doubles, rate: float) -> list[tuple[Dip,
     found = []
     for dip in blinks(times, controls, rate):
         near = controls[max(dip.frame - 1, 0) : dip.frame + 2, LID_COLUMNS].min(axis=0)
-        # A lid that stays up leaves the other a wink.
+        # If one lid stays up, it is a wink of the other.
         took_part = [low < STILL * high for low, high in zip(near, usual, strict=True)]
         shut = [low <= SHUT * high for low, high in zip(near, usual, strict=True)]
         lids = tuple(name for name, took in zip(LIDS, took_part, strict=True) if took)
@@ -113,7 +113,7 @@ def _mend(
     selection: tuple[float, float] | None,
     playhead: float,
 ) -> list[Edit]:
-    """Edits at the places that the take itself names; none if it names none nearby."""
+    """Edits at the places that `preset.find` looks for; none if there are none nearby."""
     times, rate = session.take.clip.times, session.take.clip.rate
     controls = session.achieved.astype(np.float64)
     if preset.find is Find.BLINK:
@@ -121,7 +121,7 @@ def _mend(
         return [complete_blink(dip, half[dip]) for dip in _near([*half], selection, playhead)]
     if preset.find is Find.LIPS:
         if selection is not None and selection[1] - selection[0] < CLOSURE_WIDTH:
-            return []  # so short a selection is itself the closure that is wanted
+            return []  # a selection this short is itself the closure
         dips = missed_closures(times, controls, session.weights.astype(np.float64), rate)
         closed = closed_lips(controls)
         return [close_lips(dip, closed) for dip in _near(dips, selection, playhead)]
@@ -129,7 +129,7 @@ def _mend(
 
 
 def _near(dips: list[Dip], selection: tuple[float, float] | None, playhead: float) -> list[Dip]:
-    """All dips in the selection, else the one at the playhead."""
+    """All dips in the selection, else the one nearest to the playhead."""
     if selection is not None:
         return [dip for dip in dips if selection[0] <= dip.time <= selection[1]]
     dips = [dip for dip in dips if abs(dip.time - playhead) <= NEAR]
@@ -143,7 +143,7 @@ def _place(
     playhead: float,
     falloff: float | None,
 ) -> list[Edit]:
-    """Bring a preset's edits from 0..seconds to where they are wanted."""
+    """A preset's edits, moved to where they are wanted."""
     length, duration = preset.seconds, float(session.take.clip.times[-1])
     if selection is None and preset.alone is Alone.TAKE:
         selection, falloff = (0.0, duration), 0.0
@@ -164,7 +164,7 @@ def _place(
 
 
 def _fit(session: EditSession, edit: Edit, find: Find | None) -> Edit:
-    """Amounts that depend on the take."""
+    """The edit with amounts that depend on the take."""
     if find is Find.EYES:
         columns = [CONTROL_INDEX[control] for control in edit.controls]
         usual = open_eyes(session.tracked[:, columns].astype(np.float64))

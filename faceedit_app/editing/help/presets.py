@@ -1,10 +1,10 @@
-"""Presets: edits in files, ready to be put anywhere. The one-click fixes are those that ship.
+"""Presets: files with edits that can be applied anywhere. The shipped ones are one-click fixes.
 
 A preset file is JSON: `name`, `hint`, `edits` as in an edits file with times from 0 to `seconds`,
-and how it is placed: `find` (a place that the take itself names), `stretch` (a selection takes
-the place of `seconds`) and `alone` (where it goes without a selection). Those that ship are named
-`NN_id.json`: menus list them by number, in groups by its first digit. They also say how the window
-offers them: `menu`, `key`, `icon` and `button`. Another fix takes one more file, and no code.
+and where they go: `find` (a place found in the take), `stretch` (whether they are stretched to the
+selection) and `alone` (where they go without a selection). Shipped presets are named `NN_id.json`:
+menus list them by number, grouped by its first digit. They also say how the window offers them:
+`menu`, `key`, `icon` and `button`. To add a fix, add a file; no code is needed.
 """
 
 from __future__ import annotations
@@ -28,36 +28,36 @@ SHIPPED = Path(__file__).parent / "presets"
 
 
 class Find(StrEnum):
-    """A place or an amount that depends on the take."""
+    """What is looked up in the take."""
 
-    LIPS = "lips"  # a closure that stayed open
-    BLINK = "blink"  # a blink that stopped half-way
-    EYES = "eyes"  # `set` goes to how open the eyes usually are
+    LIPS = "lips"  # closures that stayed open
+    BLINK = "blink"  # blinks that stopped half-way
+    EYES = "eyes"  # how open the eyes usually are, for `set`
 
 
 class Alone(StrEnum):
-    """Where a preset goes when nothing is selected."""
+    """Where a preset goes if nothing is selected."""
 
-    TAKE = "take"  # over all of it
-    PLAYHEAD = "playhead"  # its middle there
-    FROM_PLAYHEAD = "from_playhead"  # its start there
+    TAKE = "take"  # the whole take
+    PLAYHEAD = "playhead"  # its middle is at the playhead
+    FROM_PLAYHEAD = "from_playhead"  # it starts at the playhead
 
 
 @dataclass(frozen=True)
 class Preset:
-    """Edits that can be put somewhere.
+    """A file with a fix or an expression.
 
     Attributes:
-        id: the file's name without its ending and number, such as `close_lips`.
-        name, hint: for the user; the hint is a sentence.
-        edits: with times from 0 to `seconds`.
-        find, stretch, alone: how it is placed.
-        menu: its text in a menu, with an `&` before the letter that chooses it.
-        key, icon: its shortcut and the name of its icon, if it has them.
-        has_button: it stands in the tool bar, not under "More".
-        group: menus draw a line between those of different groups.
-        path: its file.
-        own: the user made it.
+        id: the file's name without number and ending, such as `close_lips`.
+        name, hint: shown to the user; the hint is a sentence.
+        edits: edits with times from 0 to `seconds`.
+        find, stretch, alone: where they go; see the module.
+        menu: the menu text, with an `&` before the access key.
+        key, icon: the shortcut and the icon's name, if any.
+        has_button: whether it has a button in the tool bar; else it is under "More".
+        group: menus draw a separator between groups.
+        path: the file.
+        own: whether the user made it.
     """
 
     id: str
@@ -78,7 +78,7 @@ class Preset:
 
 
 def own_folder() -> Path:
-    """Where the user's presets are."""
+    """The folder of the user's presets."""
     return Path(platformdirs.user_data_dir("FaceEdit", appauthor=False)) / "presets"
 
 
@@ -93,13 +93,13 @@ def shipped_presets() -> tuple[Preset, ...]:
 
 
 def load_presets(folder: Path | None = None) -> tuple[list[Preset], list[str]]:
-    """The presets that ship, then the user's own by name.
+    """The shipped presets, then the user's by name.
 
     Args:
-        folder: where the user's are; None = `own_folder()`.
+        folder: the user's presets; None = `own_folder()`.
 
     Returns:
-        The presets, and a line on each file of the user's that is none.
+        The presets, and one line about each file that cannot be read.
     """
     own, notes = [], []
     for path in sorted((folder or own_folder()).glob("*.json")):
@@ -114,13 +114,14 @@ def read_preset(path: Path, own: bool = False) -> Preset:
     """Read one preset.
 
     Raises:
-        FileError: it cannot be read or is none.
+        FileError: it cannot be read or is not a preset.
     """
     fields = read_document(path, "preset", VERSION)
     try:
         return _from_document(fields, path, own)
     except FieldError as error:
-        raise FileError(path, f"is no preset: {error}", "delete it and save it again") from error
+        problem = f"is not a valid preset: {error}"
+        raise FileError(path, problem, "delete it and save it again") from error
 
 
 def _from_document(fields: Fields, path: Path, own: bool) -> Preset:
@@ -156,18 +157,18 @@ def save_preset(
     folder: Path | None = None,
     replace_old: bool = False,
 ) -> Preset:
-    """Keep the edits of a selection as a preset of the user's.
+    """Save the edits of a selection as a preset of the user's.
 
     Args:
-        name: what the user calls it.
-        edits: all edits; those that hold within the selection are kept, cut at its ends.
+        name: its name.
+        edits: all edits; those whose hold overlaps the selection are saved, cut at its ends.
         start, end: the selection, seconds.
         folder: where; None = `own_folder()`.
-        replace_old: a preset of that name gives way.
+        replace_old: whether to replace a preset of the same name.
 
     Raises:
-        FileError: there is one of that name, or it cannot be written.
-        FaceEditError: it has no name, or there is no edit in the selection.
+        FileError: a preset of that name exists, or the file cannot be written.
+        FaceEditError: the name is empty, or there is no edit in the selection.
     """
     name = clean_text(name.strip())
     if not name:
@@ -187,7 +188,7 @@ def save_preset(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise FileError(folder, f"cannot be made ({reason})", "check its permissions") from error
+        raise FileError(folder, f"cannot be created ({reason})", "check its permissions") from error
     head = to_text(
         {
             "version": VERSION,
@@ -206,7 +207,7 @@ def save_preset(
 
 
 def delete_preset(preset: Preset) -> None:
-    """Forget a preset of the user's.
+    """Delete a preset of the user's.
 
     Raises:
         FileError: it cannot be deleted.
@@ -221,5 +222,5 @@ def delete_preset(preset: Preset) -> None:
 
 
 def _file_name(name: str) -> str:
-    """A name that every file system takes; two names that look alike may share it."""
+    """A file name that every file system accepts; similar names may share it."""
     return re.sub(r"[^\w-]+", "_", name.lower()).strip("_")[:60] or "preset"

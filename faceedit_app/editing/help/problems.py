@@ -1,4 +1,4 @@
-"""What commonly goes wrong in tracked faces, found in a take, each with a proposal."""
+"""Find common faults of tracked faces in a take, each with a proposed fix."""
 
 from __future__ import annotations
 
@@ -22,36 +22,36 @@ from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_bli
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.filters import moving_mean
 
-SHAKES = 0.15  # mm to and fro between frames
-# Ripple against the movement from frame to frame: 0.37 for noise, 0.18 for a quarter of the
-# frame rate, 0.5 for half of it.
+SHAKES = 0.15  # mm of ripple between frames
+# Ripple relative to the movement from frame to frame: 0.37 for noise, 0.18 for a wave at a quarter
+# of the frame rate, 0.5 at half of it.
 SHARE = 0.25
 SHAKE_WINDOW = 0.5  # seconds
-STEADIED = 0.04  # seconds of smoothing that are proposed against shaking
+STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
-JUMP = 1.5  # mm across lost frames that catch the eye
-TOGETHER = 0.3  # seconds between faults that are told as one
+JUMP = 1.5  # mm across a gap that are noticeable
+TOGETHER = 0.3  # seconds; faults closer than this are reported as one
 
 
 class Kind(StrEnum):
     """What is wrong."""
 
-    LIPS = "lips"  # lips nearly met and did not
-    BLINK = "blink"  # a blink did not close the eyes
+    LIPS = "lips"  # the lips nearly meet, but do not
+    BLINK = "blink"  # a blink does not close the eyes
     JITTER = "jitter"  # a curve shakes from frame to frame
     DROPPED = "dropped"  # the recording lost frames
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is probably wrong.
+    """A place where the take is probably wrong.
 
     Attributes:
         kind: see `Kind`.
         start, end: seconds.
-        controls: the curves in which it shows; none for dropped frames without a jump.
+        controls: the curves that show it; none for a gap without a jump.
         message: one line for the user.
-        fix: edits that are proposed; none where edits cannot help.
+        fix: the proposed edits; none if edits cannot help.
     """
 
     kind: Kind
@@ -63,17 +63,17 @@ class Problem:
 
 
 def find_problems(session: EditSession) -> list[Problem]:
-    """What is wrong with the take as edited up to now, in order of time."""
+    """The problems of the take with its edits, in order of time."""
     return problems_of(session.take.clip, session.weights, session.achieved)
 
 
 def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
-    """What is wrong with a performance, in order of time.
+    """The problems of a clip, in order of time.
 
     Args:
-        clip: its times, rate and gaps; the clip's own weights are not looked at.
+        clip: its times, rate and gaps are used, not its weights.
         weights: (T, 52) in ARKit order.
-        controls: (T, C) mm, as measured on them.
+        controls: (T, C) mm, measured with these weights.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
@@ -93,7 +93,7 @@ def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
             dip.start,
             dip.end,
             (LIP_OPENING,),
-            f"The lips nearly meet: {dip.level - closed:.1f} mm are left between them",
+            f"The lips nearly meet: they stay {dip.level - closed:.1f} mm apart",
             (close_lips(dip, closed),),
         )
         for dip in missed_closures(clip.times, controls, weights, clip.rate)
@@ -126,7 +126,7 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
     for first, last in _runs(somewhere, round(TOGETHER * clip.rate)):
         if clip.times[last] - clip.times[first] < SHORTEST_SHAKE:
             continue
-        # A window that is half shaking still counts, at either end.
+        # A stretch whose window is half shaking still counts, at either end.
         first, last = max(first - window // 4, 0), min(last + window // 4, len(clip) - 1)
         start, end = (round(float(clip.times[frame]), 4) for frame in (first, last))
         which = np.flatnonzero(shaking[first : last + 1].any(axis=0))
@@ -139,12 +139,12 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
 
 
 def _shakes(ripple: Doubles, curves: Doubles, window: int) -> Bools:
-    """(T, C) where curves go to and fro, again and again, faster than any face does.
+    """(T, C) where curves oscillate faster than any face.
 
-    Speech moves lips at up to 8 Hz, which at 30 frames a second is a ripple too; shaking is
-    where most of all movement is ripple.
+    Speech moves the lips at up to 8 Hz, which is a ripple too at 30 frames a second; it is shaking
+    where most of the movement is ripple.
     """
-    # More than half of the frames, not the mean: one fast movement is not shaking.
+    # The median of the frames, not the mean: one fast movement is not shaking.
     wide = (np.abs(ripple) > SHAKES).astype(np.float64)
     often = moving_mean(wide, window) > 0.5
     if not often.any():
@@ -156,7 +156,7 @@ def _shakes(ripple: Doubles, curves: Doubles, window: int) -> Bools:
 
 
 def _ripple(curves: Doubles) -> Doubles:
-    """(T, C) mm: what goes to and fro from frame to frame; a slow movement leaves nothing."""
+    """(T, C) mm: the oscillation from frame to frame; slow movement is removed."""
     x = np.pad(curves, ((2, 2), (0, 0)), mode="edge")
     ripple: Doubles = (x[:-4] - 4 * x[1:-3] + 6 * x[2:-2] - 4 * x[3:-1] + x[4:]) / 16
     return ripple
@@ -185,7 +185,7 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
 
 
 def _joined(frames: list[int], clip: Clip) -> list[tuple[int, int]]:
-    """Frames as runs (first, last); those that are close together are one."""
+    """Frames as runs (first, last); frames close together form one run."""
     runs: list[tuple[int, int]] = []
     for frame in sorted(frames):
         if runs and clip.times[frame] - clip.times[runs[-1][1]] <= TOGETHER:
@@ -196,7 +196,7 @@ def _joined(frames: list[int], clip: Clip) -> list[tuple[int, int]]:
 
 
 def _runs(where: Bools, join: int) -> list[tuple[int, int]]:
-    """Runs (first, last) of true frames; those at most `join` frames apart are one."""
+    """Runs (first, last) of true frames; runs at most `join` frames apart are joined."""
     frames = np.flatnonzero(where)
     if not len(frames):
         return []

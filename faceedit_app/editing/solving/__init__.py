@@ -1,1 +1,1 @@
-"""From a list of edits to weights: what is asked for, the networks' answer, reach."""
+"""From edits to weights: what is asked for, the networks' answer, and reach."""

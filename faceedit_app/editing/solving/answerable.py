@@ -1,13 +1,13 @@
 """Which curves a take's channels can answer.
 
-A take need not have all channels. What is asked of a curve is done mostly by some of them: the
-width of the mouth by smiles and stretches, an eye by its blink. Where those are missing, a solver
-that insists would take what is left, and shut the mouth to widen it. So a curve of which the take
-has too little is not answered at all, and the user is told which channels it needs.
+A take need not have all channels. A curve is moved mostly by some of them: the width of the mouth
+by smiles and stretches, an eye by its blink. If those are missing, a solver would have to use the
+others, and shut the mouth to widen it. So a curve that lacks too much of its movement is not
+answered at all, and the user sees which channels it needs.
 
-How much of a curve each channel does comes from how channels vary together in performances: if
-the curve c = J w moves by one millimetre, the most probable change of the weights is
-S J' / (J S J'), with S their covariance, and channel k does J_k (S J')_k / (J S J') of it.
+The share of each channel follows from how channels vary together in performances: if the curve
+c = J w moves by one millimetre, the most probable change of the weights is S J' / (J S J'), with S
+their covariance, and channel k contributes J_k (S J')_k / (J S J') of it.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from faceedit_app.formats.take import Take
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
-ENOUGH = 0.45  # share of a curve's movement that the take's channels must be able to do
-_MAIN = 0.1  # share from which on a missing channel is worth naming
-_PRIOR = 0.04  # variance of each weight where no network tells
+ENOUGH = 0.45  # share of a curve's movement that the take's channels must cover
+_MAIN = 0.1  # missing channels with a smaller share are not named
+_PRIOR = 0.04  # variance of each weight if no engine is loaded
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Lack:
 
     Attributes:
         control: its id.
-        channels: the missing channels that would do most of it, the most important first.
+        channels: the missing channels with the largest shares, the most important first.
     """
 
     control: str
@@ -53,7 +53,7 @@ class Lack:
 
 
 def region_covariance(region: Region, engine: Engine | None) -> Doubles:
-    """(K, K) how a region's channels vary together in performances."""
+    """(K, K) the covariance of a region's channels in performances."""
     if engine is not None:
         return engine.models[region.id].description.covariance
     return _PRIOR * np.eye(len(region.channels))
@@ -62,12 +62,12 @@ def region_covariance(region: Region, engine: Engine | None) -> Doubles:
 def find_lacks(
     channels: Collection[str], distances: Distances, engine: Engine | None = None
 ) -> dict[str, Lack]:
-    """The curves that cannot be answered, by control.
+    """The curves that cannot be answered, by control id.
 
     Args:
-        channels: those that the take has.
+        channels: the take's channels.
         distances: the controls as a function of the 52 weights in ARKit order.
-        engine: the networks, if they are there.
+        engine: the engine, if it is loaded.
     """
     rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
     slopes = distances.jacobian(rest)[1][0].astype(np.float64)
@@ -79,7 +79,7 @@ def find_lacks(
         for control in region.own:
             slope = slopes[CONTROL_INDEX[control], columns]
             shares = slope * (covariance @ slope)
-            if shares.sum() <= 0:  # nothing moves it on this character
+            if shares.sum() <= 0:  # no channel moves it on this character
                 continue
             shares /= shares.sum()
             missing = [k for k, name in enumerate(region.channels) if name not in present]
@@ -93,13 +93,13 @@ def find_lacks(
 def unanswerable(
     edit: Edit, take: Take, rig: Rig, engine: Engine | None = None
 ) -> tuple[Lack, ...]:
-    """The curves of an edit that the take's channels cannot answer; the edit leaves them as is."""
+    """The curves of an edit that the take's channels cannot answer; they stay unchanged."""
     lacks = find_lacks(take.clip.channels, rig.arkit_distances, engine)
     return tuple(lacks[control] for control in edit.controls if control in lacks)
 
 
 def without(edit: Edit, controls: Collection[str]) -> Edit | None:
-    """The edit without some of its controls; None if it has no other."""
+    """The edit without some controls; None if it has no others."""
     kept = tuple(control for control in edit.controls if control not in controls)
     if kept == edit.controls:
         return edit

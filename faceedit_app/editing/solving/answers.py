@@ -1,4 +1,4 @@
-"""The networks' answers to a take's chunks, with those kept that will be asked for again."""
+"""A cache of the networks' answers to the chunks of a take."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Floats
 
-if TYPE_CHECKING:  # the window is there before the networks
+if TYPE_CHECKING:  # the grid_range is there before the networks
     from faceedit_app.networks.engine import Engine
 
-Window = tuple[int, int]  # the first grid frame, and the one after the last
+GridRange = tuple[int, int]  # the first grid frame, and the one after the last
 
-# Chunks of each region whose last answer is kept: a drag touches one or two, and of those only
-# the region whose curves it moves has to answer anew.
+# Chunks of each region whose last answer is kept: a drag changes one or two chunks, and only in the
+# regions whose curves it moves.
 RECENT = 4
 
 
 class Answers:
-    """What the networks say to one take.
+    """The networks' answers for one take.
 
-    An answer that is kept is the one that would be given: it depends on nothing but the curves.
+    A cached answer equals a new one, because answers depend on nothing but the curves.
 
     Args:
         engine: the networks.
@@ -31,25 +31,25 @@ class Answers:
 
     def __init__(self, engine: Engine, grid: Doubles) -> None:
         self._engine, self._grid = engine, grid
-        # Of the curves that a region listens to.
+        # The columns of the curves that each region listens to.
         self._columns = {name: model.columns for name, model in engine.models.items()}
         self._tracked: dict[tuple[str, int, float], Floats] = {}
         self._recent: dict[tuple[str, int, float], tuple[Doubles, Doubles]] = {}
 
     def to(
-        self, regions: Sequence[str], window: Window, curves: Doubles, naturalness: float
+        self, regions: Sequence[str], grid_range: GridRange, curves: Doubles, naturalness: float
     ) -> dict[str, Doubles]:
         """(N, K) weights of each region for edited curves.
 
         Args:
             regions: `Region.id`s.
-            window: first grid frame, and the one after the last.
-            curves: (N, C) mm in the window.
+            grid_range: the first grid frame, and the one after the last.
+            curves: (N, C) mm in that range.
             naturalness: see `Engine.answer`.
         """
         heard = {region: curves[:, self._columns[region]] for region in regions}
         known = {
-            region: self._recent.pop((region, window[0], naturalness), None) for region in heard
+            region: self._recent.pop((region, grid_range[0], naturalness), None) for region in heard
         }
         new = [
             region
@@ -60,22 +60,23 @@ class Answers:
         for region, entry in known.items():
             kept = (heard[region], answers[region]) if region in answers else entry
             assert kept is not None
-            self._recent[region, window[0], naturalness] = kept
+            self._recent[region, grid_range[0], naturalness] = kept
         while len(self._recent) > RECENT * len(self._columns):
-            del self._recent[next(iter(self._recent))]  # the one not asked for for longest
-        return {region: self._recent[region, window[0], naturalness][1] for region in regions}
+            del self._recent[next(iter(self._recent))]  # the least recently used
+        return {region: self._recent[region, grid_range[0], naturalness][1] for region in regions}
 
     def to_tracked(
-        self, regions: Sequence[str], window: Window, naturalness: float
+        self, regions: Sequence[str], grid_range: GridRange, naturalness: float
     ) -> dict[str, Doubles]:
-        """The same for the take as tracked; all of them are kept, for one naturalness."""
+        """The same for the take as tracked; all answers are kept, for one naturalness."""
         if any(known != naturalness for _, _, known in self._tracked):
             self._tracked.clear()
-        curves = self._grid[slice(*window)]
+        curves = self._grid[slice(*grid_range)]
         for name in regions:
-            if (name, window[0], naturalness) not in self._tracked:
+            if (name, grid_range[0], naturalness) not in self._tracked:
                 answer = self._engine.answer(name, curves, naturalness)
-                self._tracked[name, window[0], naturalness] = answer.astype(np.float32)
+                self._tracked[name, grid_range[0], naturalness] = answer.astype(np.float32)
         return {
-            name: self._tracked[name, window[0], naturalness].astype(np.float64) for name in regions
+            name: self._tracked[name, grid_range[0], naturalness].astype(np.float64)
+            for name in regions
         }

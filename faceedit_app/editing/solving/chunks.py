@@ -1,9 +1,9 @@
-"""Which parts of a take a list of edits changes, and what each part depends on.
+"""Which chunks of a take a list of edits changes, and what each result depends on.
 
-The take is cut into chunks of fixed length at fixed places. A chunk's result follows from the
-take, from the edits that can be seen from it and from the settings, and from nothing else: not
-from the order in which the user got there, and not from what else is computed. A chunk is always
-computed in the same shape, so that a part of a take comes out bit for bit as in the whole.
+The take is divided into chunks of fixed length at fixed places. A chunk's result depends on the
+take, the edits within its range and the settings, and on nothing else: neither on the order of the
+gestures nor on what else is computed. A chunk is always computed in the same array shape, so that
+it comes out bit for bit the same alone as with all others.
 """
 
 from __future__ import annotations
@@ -22,26 +22,26 @@ from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.request import active, affected, smoothing_frames
 
 # Grid frames (8.3 s): long enough that the context on either side is not most of the work, short
-# enough to be computed between two pictures. The paper's take of 202 frames is one chunk.
+# enough to be computed within one picture. The paper's take of 202 frames is one chunk.
 CHUNK = 208
-# Seconds by which a frame may stand outside a time range and still count as on its edge.
+# Seconds by which a frame may be outside a time range and still count as on its edge.
 SLACK = 1e-9
-# Edits whose frames are remembered; a drag makes another edit with each move of the mouse.
+# Edits whose frames are cached; a drag makes a new edit with each move of the mouse.
 REMEMBERED = 4096
 
 Rows = tuple[int, int]  # the first frame, and the one after the last
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A chunk to be computed, with all that its result depends on.
+class ChunkTask:
+    """A chunk to compute, with everything that its result depends on.
 
     Attributes:
         chunk: its number.
-        near: the frames that it is computed from.
+        near: the frames that it is computed from: its own and those around them.
         settings: how the edits are answered.
-        edits: those that matter to it, in the user's order.
-        regions: ids of those to be made anew (resynthesize).
+        edits: the edits that it depends on, in the user's order.
+        regions: ids of the regions to resynthesize.
     """
 
     chunk: int
@@ -53,7 +53,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Span:
-    """The frames that an edit can affect, and those that it holds in full."""
+    """The frames that an edit can affect, and those of its hold."""
 
     affected: Rows
     held: Rows
@@ -65,13 +65,13 @@ class Chunks:
     Args:
         times: (T,) seconds of the frames.
         rate: nominal frames per second.
-        grid: how many frames the take has on the networks' grid.
-        scale: the networks' windows begin at multiples of so many grid frames.
+        grid: the number of grid frames in the take.
+        scale: the networks' input begins at a multiple of this many grid frames.
         context: grid frames on either side that an answer can depend on.
 
     Attributes:
-        rows: (n + 1,) where each chunk's frames begin, and the number of frames.
-        windows: (n, 2) the grid frames that the networks answer for each.
+        rows: (n + 1,) the first frame of each chunk, then the number of frames.
+        grid_ranges: (n, 2) the grid frames that the networks answer for each chunk.
     """
 
     def __init__(
@@ -81,35 +81,35 @@ class Chunks:
         length = -(-CHUNK // scale) * scale
         starts = length * np.arange(max(-(-grid // length), 1))
         self.rows = np.append(np.searchsorted(times, starts / GRID_RATE - SLACK), len(times))
-        # A frame is read from the grid frame before it and from the two after it.
+        # Interpolation reads the grid frame before a frame and the two after it.
         margin = -(-(context + 3) // scale) * scale
-        self.windows = np.stack(
+        self.grid_ranges = np.stack(
             [np.maximum(starts - margin, 0), np.minimum(starts + length + margin, grid)], axis=1
         )
-        edges = (self.windows + np.array([-1, 0])) / GRID_RATE
+        edges = (self.grid_ranges + np.array([-1, 0])) / GRID_RATE
         self._near = np.clip(np.searchsorted(times, edges) + np.array([-1, 1]), 0, len(times))
         self._spans: dict[Edit, Span] = {}
 
     def __len__(self) -> int:
-        return len(self.windows)
+        return len(self.grid_ranges)
 
     def of_frame(self, frame: int) -> int:
-        """The chunk that a frame lies in."""
+        """The chunk that contains a frame."""
         return int(np.searchsorted(self.rows, frame, side="right")) - 1
 
     def slice(self, chunk: int) -> slice:
         """A chunk's frames."""
         return slice(int(self.rows[chunk]), int(self.rows[chunk + 1]))
 
-    def pieces(
+    def tasks(
         self, edits: Sequence[Edit], settings: Settings, listening: Mapping[str, Iterable[str]]
-    ) -> dict[int, Piece]:
-        """What has to be computed to answer edits, by chunk.
+    ) -> dict[int, ChunkTask]:
+        """The tasks that answer edits, by chunk.
 
         Args:
             edits: in the user's order.
             settings: how they are answered.
-            listening: the controls that each region answers to.
+            listening: the controls that each region listens to, by region id.
         """
         edits = active(edits)
         if not edits:
@@ -125,7 +125,9 @@ class Chunks:
         wanted = [chunk for chunk in chunks if self.rows[chunk] < self.rows[chunk + 1]]
         columns, ranges = seen.T[wanted].tolist(), near[wanted].tolist()
         return {
-            chunk: Piece(chunk, (first, last), settings, tuple(compress(edits, column)), regions)
+            chunk: ChunkTask(
+                chunk, (first, last), settings, tuple(compress(edits, column)), regions
+            )
             for chunk, column, (first, last) in zip(wanted, columns, ranges, strict=True)
         }
 
@@ -143,7 +145,7 @@ class Chunks:
         return int(start), int(stop)
 
     def _under(self, spans: Sequence[Span]) -> list[int]:
-        """The chunks that have frames which edits affect, in order of time."""
+        """The chunks with frames that edits affect, in order of time."""
         found: set[int] = set()
         for first, last in {span.affected for span in spans}:
             if first < last:
@@ -151,17 +153,17 @@ class Chunks:
         return sorted(found)
 
     def _seen(self, edits: Sequence[Edit], spans: Sequence[Span]) -> tuple[Bools, Indices]:
-        """Which edits (E, n) each chunk depends on, and the frames (n, 2) that it reads.
+        """Which edits each chunk depends on (E, n), and the frames that it reads (n, 2).
 
-        Going back from the last edit: what a smooth reads, the edits before it have changed.
+        Goes from the last edit to the first: a smooth reads frames that earlier edits change.
         """
         first, last = self._near.T
         seen = np.zeros((len(edits), len(self)), np.bool_)
         for i in reversed(range(len(edits))):
             start, stop = spans[i].affected
             seen[i] = (start < last) & (stop > first)
-            if edits[i].op is Op.SMOOTH and (radius := smoothing_frames(edits[i], self._rate)):
-                from_, to = np.maximum(first, start) - radius, np.minimum(last, stop) + radius
+            if edits[i].op is Op.SMOOTH and (margin := smoothing_frames(edits[i], self._rate)):
+                from_, to = np.maximum(first, start) - margin, np.minimum(last, stop) + margin
                 first = np.where(seen[i], np.minimum(first, from_), first)
                 last = np.where(seen[i], np.maximum(last, to), last)
         near = np.stack([np.maximum(first, 0), np.minimum(last, len(self._times))], axis=1)
@@ -169,7 +171,7 @@ class Chunks:
 
 
 def _influenced(edits: Sequence[Edit], spans: Sequence[Span]) -> set[str]:
-    """The controls that edits influence on some frame that no full reset after them covers."""
+    """The controls that edits change, except where a later reset at full strength covers them."""
     left: dict[str, list[Rows]] = {control: [] for control in CONTROL_IDS}
     for edit, span in zip(edits, spans, strict=True):
         for control in edit.controls:

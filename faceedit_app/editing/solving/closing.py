@@ -1,13 +1,12 @@
-"""Lips and lids that are shut on FaceEdit's own character are shut on the user's character too.
+"""Close lips and lids on the user's character where they are closed on FaceEdit's own.
 
-Further distances, measured on that character, become goals of reach: where something is shut on
-ours and open on theirs, the smallest believable change of the weights shuts it, while our own
-controls stay about where they are. How firmly it is asked for fades as ours opens, so that nothing
-jumps; what is shut on both, or open on both, keeps its weights bit for bit.
+Distances measured on the user's character become goals of reach: where lips or lids are closed on
+ours and open on theirs, the smallest believable change of the weights closes them, while our own
+controls stay about the same. The goal fades as ours opens, so that nothing jumps; where both are
+closed, or both open, the weights stay unchanged bit for bit.
 
-The goals are heights, which are linear in the weights and say which vertex is above: with the
-length between two vertices that stand one in front of the other, the shortest way is through
-each other.
+The goals are heights: they are linear in the weights and say which vertex is above. With plain
+distances, the shortest way for two vertices at different depths would be through each other.
 """
 
 from __future__ import annotations
@@ -24,18 +23,18 @@ from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Distances, Rig
 from faceedit_app.editing.solving.reach import Goal, Reach
 
-# How high a gap is left, mm: lips keep clear of each other, lids just meet.
+# Height of the gap that is left, mm: lips keep clear of each other, lids just meet.
 _LEFT = np.where(ARE_LIPS, 0.1, -0.1)
-_OF_OURS = np.where(ARE_LIPS, 0.15, 0.0)  # and of what is left on ours, this share
-# Lips that meet may stand one before the other by this much more than at rest, mm; how exactly
-# they do not counts this share of how exactly they meet.
+_OF_OURS = np.where(ARE_LIPS, 0.15, 0.0)  # plus this share of the gap on ours
+# Lips that meet may differ in depth by this much more than at rest, mm; the goal for depth has
+# this share of the precision of the goal for height.
 _IN_FRONT, _DEPTH = 0.1, 0.3
-# In units of what counts as shut: where ours is this open, nothing is asked of theirs any more.
+# In units of what counts as closed: if ours is this open, there is no goal for theirs.
 _LET_GO = 2.5
-_FADE = 0.15  # seconds from the edge of what is edited, within which closing sets in
-_NEEDED = 0.05  # mm by which something has to be too open
-_VARIANCE = 0.04  # of a channel, where no model says how it varies
-# And added where one does: models know how channels go together on our character, not on theirs.
+_FADE = 0.15  # seconds from the edge of the edited frames over which closing fades in
+_NEEDED = 0.05  # mm; smaller gaps are left
+_VARIANCE = 0.04  # of a channel without a model
+# Added to a model's: it knows how channels vary together on our character, not on theirs.
 _MORE_VARIANCE = 0.02
 
 
@@ -45,8 +44,8 @@ class Closing:
     Args:
         ours: the character that the controls are measured on.
         theirs: the user's character.
-        channels: those that may change: the take has columns for them.
-        covariances: by region, (K, K) how its channels vary together in real performances.
+        channels: the channels that may change, because the take has them.
+        covariances: (K, K) of the channels in performances, by region.
     """
 
     def __init__(
@@ -65,10 +64,10 @@ class Closing:
         self._parts = [part for part in parts if part.rows.size and part.columns.size]
 
     def __call__(self, weights: Floats, share: Doubles | None = None) -> Floats:
-        """(T, 52) weights with lips and lids closed; frames without need of it are unchanged.
+        """(T, 52) weights with lips and lids closed; other frames are unchanged.
 
         Args:
-            share: (T,) in 0..1, how far to close on each frame; None is all the way.
+            share: (T,) in 0..1, how far to close each frame; None = all the way.
         """
         ours = self.ours.measure(weights)
         closed = weights.copy()
@@ -77,7 +76,7 @@ class Closing:
         return closed
 
     def where_edited(self, tracked: Floats, weights: Floats, times: Times) -> Floats:
-        """(T, 52) weights, closed on the frames that edits have changed, and on no others.
+        """(T, 52) weights, closed on frames that edits have changed, and only there.
 
         Args:
             tracked: (T, 52) before the edits.
@@ -87,7 +86,7 @@ class Closing:
         rest = np.flatnonzero(~edited)
         if not len(rest):
             return self(weights)
-        # From the nearest frame that nobody has edited on.
+        # Seconds from the nearest unedited frame.
         after = np.minimum(np.searchsorted(rest, np.arange(len(times))), len(rest) - 1)
         before = np.maximum(after - 1, 0)
         apart = np.minimum(np.abs(times - times[rest[after]]), np.abs(times - times[rest[before]]))
@@ -96,11 +95,11 @@ class Closing:
 
 
 class _Part:
-    """One region: its own controls on our character, and what closes on theirs.
+    """One region: its own controls on our character, and the closures on theirs.
 
     Attributes:
-        rows: (R,) which of `CLOSING` its channels close.
-        columns: (K,) those of its channels, among the 52, that may change.
+        rows: (R,) the entries of `CLOSING` that its channels close.
+        columns: (K,) its channels that may change, among the 52.
     """
 
     def __init__(
@@ -135,7 +134,7 @@ class _Part:
         self._reach = Reach(goals, self.columns, prior[np.ix_(have, have)], coupled)
 
     def close(self, weights: Floats, ours: Doubles, share: Doubles | float) -> None:
-        """Close what it can of (T, 52) weights, in place.
+        """Close (T, 52) weights as far as possible, in place.
 
         Args:
             ours: (T, R) mm, the gaps of `rows` on our character.
@@ -166,7 +165,7 @@ class _Part:
 
 
 def _along(distances: Distances, axis: int) -> Distances:
-    """The distances along one axis only; those along Y are below 0 where a pair has passed."""
+    """The distances along one axis; those along Y are negative once a pair has passed."""
     unit = np.zeros(3, np.float32)
     unit[axis] = 1.0
     shuts = np.full(len(distances.shuts), axis == 1)
@@ -185,7 +184,7 @@ def _rest(distances: Distances) -> Doubles:
 
 
 def _joined(*all_: Distances) -> Distances:
-    """Distances of several characters, as functions of the same weights."""
+    """The distances of several characters, as functions of the same weights."""
     return Distances(
         np.concatenate([one.offsets for one in all_]),
         np.concatenate([one.gradients for one in all_], axis=1),
@@ -194,7 +193,7 @@ def _joined(*all_: Distances) -> Distances:
 
 
 def _fading(openness: Doubles) -> Doubles:
-    """1 while shut (openness up to 1), smoothly 0 at `_LET_GO`."""
+    """1 while closed (openness up to 1), then smoothly down to 0 at `_LET_GO`."""
     t = np.clip((_LET_GO - openness) / (_LET_GO - 1.0), 0.0, 1.0)
     fading: Doubles = t * t * (3.0 - 2.0 * t)
     return fading

@@ -1,15 +1,14 @@
-"""Curves that follow an edited one although nobody asked: their companions.
+"""Companions: curves that follow an edited curve although only that one was dragged.
 
-Lifting a mouth corner while the mouth keeps its width is a frown, not a smile; nobody who drags
-the corner up means that. So the width follows the corners, and the corners the width, by what is
-most probable given what the edit changes and with all others held (the mean of a Gaussian over the
-region's controls, conditioned on the rest). Everything else stays where it was. The table of
-controls says who leads whom.
+A mouth corner that rises while the mouth keeps its width looks like a frown, not a smile. So the
+width follows the corners, and the corners follow the width, by the most probable amount given what
+the edit changes and with all others held (the mean of a Gaussian over the region's controls,
+conditioned on the rest). All other curves stay. `Control.leads` says which curves follow which.
 
-Each edit brings its own companions, and they are part of what is asked for from then on: a later
-edit scales, smooths or resets them as it does all else. A curve that the user has put somewhere is
-*claimed* and follows no more. One-click expressions (`Company.ALONG`) take the lips along as well,
-and neither claim nor heed claims, so that any of them after any other still is a face.
+The companions' changes are part of what is asked for: a later edit scales, smooths or resets them
+like any other change. A curve that the user has edited directly is *claimed* and no longer follows.
+One-click expressions (`Company.ALONG`) take the lips along as well, and neither make nor respect
+claims, so that any of them after any other still gives a believable face.
 """
 
 from __future__ import annotations
@@ -23,19 +22,19 @@ from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.controls import CONTROL_INDEX, control_named
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 
-# Variance in mm² that is not the region's: keeps nearly redundant controls apart.
+# Added variance, mm²: keeps nearly redundant controls apart.
 JITTER = 0.01
-# They change the shape of a curve and do not put it anywhere.
+# These change the shape of a curve without setting its value.
 _SHAPING = (Op.SCALE, Op.SMOOTH, Op.RESET)
 
 
 @dataclass(frozen=True)
 class _Group:
-    """Leaders and followers by name, and columns among all controls.
+    """Leaders and followers: their ids, and their columns among all controls.
 
     Attributes:
-        given: (G,) of all that is not a follower.
-        gain: (G, F): how far followers go for a millimetre of each.
+        given: (G,) the columns of all controls that do not follow.
+        gain: (G, F) mm by which followers move for each millimetre of these.
     """
 
     leaders: frozenset[str]
@@ -61,17 +60,17 @@ class _Group:
 
 
 class Companions:
-    """Who follows whom, and how far.
+    """Computes how far curves follow edits.
 
     Args:
-        regions: for each region, the ids of its own C controls and (C, C) mm², how they vary
-            together in real performances.
+        regions: for each region, the ids of its own C controls, and their covariance in
+            performances, (C, C) mm².
     """
 
     def __init__(self, regions: Mapping[tuple[str, ...], Doubles]) -> None:
         self._groups: dict[Company, list[_Group]] = {Company.YIELD: [], Company.ALONG: []}
         for controls, covariance in regions.items():
-            # A smile with the lips held still is half a frown.
+            # A smile while the lips stay still looks half like a frown.
             expressive = tuple(name for name in controls if control_named(name).expressive)
             for leaders, followers in _leading(controls):
                 for company, more in ((Company.YIELD, ()), (Company.ALONG, expressive)):
@@ -79,7 +78,7 @@ class Companions:
                     self._groups[company].append(group)
 
     def leads(self, edit: Edit) -> bool:
-        """Whether something may follow an edit."""
+        """Whether any curve may follow an edit."""
         named = {*edit.controls}
         return edit.companions is not Company.STAY and any(
             group.leaders & named and not {*group.followers} <= named
@@ -87,7 +86,7 @@ class Companions:
         )
 
     def claims(self, edit: Edit) -> list[int]:
-        """The columns that an edit puts somewhere: they follow no other curve any more."""
+        """The columns that an edit claims: they no longer follow other curves."""
         if edit.companions is not Company.YIELD or edit.op in _SHAPING:
             return []
         named = {*edit.controls}
@@ -99,14 +98,14 @@ class Companions:
         ]
 
     def follow(self, edit: Edit, change: Doubles, claimed: Doubles) -> Doubles:
-        """How far curves go along with an edit.
+        """How far curves follow an edit.
 
         Args:
-            change: (N, C) mm by which the edit changed the curves that it names.
-            claimed: (N, C) in 0..1: how firmly the user has put each curve where it is.
+            change: (N, C) mm by which the edit changes its own curves.
+            claimed: (N, C) in 0..1, how firmly each curve is claimed.
 
         Returns:
-            (N, C) mm to be added; 0 for the curves that it names.
+            (N, C) mm to add; 0 for the edit's own curves.
         """
         added = np.zeros_like(change)
         named = {*edit.controls}
@@ -123,9 +122,9 @@ class Companions:
 
 
 def _leading(controls: Sequence[str]) -> list[tuple[tuple[str, ...], tuple[str, ...]]]:
-    """(leaders, followers) among controls: those with the same followers lead them jointly.
+    """Pairs (leaders, followers): controls with the same followers lead jointly.
 
-    A control that leads alone comes last: what follows it and others too, follows it.
+    A control that leads alone comes last, so that it wins over joint leaders.
     """
     found = []
     for followers in dict.fromkeys(control_named(name).leads for name in controls):

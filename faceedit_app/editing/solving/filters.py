@@ -1,7 +1,7 @@
-"""Peaks and smoothing of curves, by numpy alone.
+"""Peaks and smoothing of curves, in numpy.
 
-They find and return what `scipy.signal.find_peaks` and `scipy.ndimage` do. Those bring a second
-of imports, and half of scipy with a linear algebra of its own into the installed application.
+The results are those of `scipy.signal.find_peaks` and `scipy.ndimage`, whose imports take more
+than half a second, which a drag would wait for.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from faceedit_app.core.arrays import Doubles
 
 
 def gaussian(curve: Doubles, sigma: float) -> Doubles:
-    """A curve (T,) smoothed by a Gaussian of `sigma` frames, cut at four; the ends go on level."""
-    radius = int(4 * sigma + 0.5)
-    kernel = np.exp(-0.5 * (np.arange(-radius, radius + 1) / sigma) ** 2)
-    return np.convolve(np.pad(curve, radius, mode="edge"), kernel / kernel.sum(), mode="valid")
+    """A curve (T,) smoothed by a Gaussian of `sigma` frames, cut at four; the ends are repeated."""
+    half_width = int(4 * sigma + 0.5)
+    kernel = np.exp(-0.5 * (np.arange(-half_width, half_width + 1) / sigma) ** 2)
+    return np.convolve(np.pad(curve, half_width, mode="edge"), kernel / kernel.sum(), mode="valid")
 
 
 def moving_mean(curves: Doubles, window: int) -> Doubles:
-    """Curves (T, C), each frame the mean of the `window` around it; the ends go on level."""
+    """The mean of `window` frames around each frame of curves (T, C); the ends are repeated."""
     before = window // 2
     wide = np.pad(curves, ((before + 1, window - 1 - before), (0, 0)), mode="edge")
     sums = np.cumsum(wide, axis=0)
@@ -30,29 +30,29 @@ def moving_mean(curves: Doubles, window: int) -> Doubles:
 
 
 def peaks(
-    curve: Doubles, prominence: float, width: float, reach: int
+    curve: Doubles, prominence: float, width: float, extent: int
 ) -> Iterator[tuple[int, float]]:
-    """Peaks of a curve, at least so prominent and at half of that at most so wide.
+    """Find peaks of a curve by their prominence and width.
 
     Args:
         curve: (T,).
-        prominence: by how much a peak is above the higher of the lowest points on its two sides,
-            each as far as nothing is higher than the peak.
-        width: frames.
-        reach: frames on either side that are looked at.
+        prominence: the least prominence: the height of a peak above the higher of the lowest
+            points on its two sides, each searched up to where the curve is above the peak.
+        width: the greatest width at half prominence, frames.
+        extent: frames on either side that are searched.
 
     Yields:
-        Frame and prominence of each; of a level top, the frame in the middle.
+        The frame and the prominence of each peak; for a flat top, the frame in its middle.
     """
     starts = np.flatnonzero(np.diff(curve, prepend=np.nan))  # of runs of equal values
     ends = np.append(starts[1:], len(curve)) - 1
     tops = curve[starts]
     peak = 1 + np.flatnonzero((tops[1:-1] > tops[:-2]) & (tops[1:-1] > tops[2:]))
     frames = (starts[peak] + ends[peak]) // 2
-    # Both sides of each peak, outwards, (peaks, reach + 1), up to where the curve is higher.
-    walled = np.pad(curve, reach, constant_values=np.inf)
-    steps = np.arange(reach + 1)
-    sides = [walled[frames[:, None] + reach + way * steps] for way in (-1, 1)]
+    # Both sides of each peak, outwards, (peaks, extent + 1); infinite beyond a higher value.
+    walled = np.pad(curve, extent, constant_values=np.inf)
+    steps = np.arange(extent + 1)
+    sides = [walled[frames[:, None] + extent + way * steps] for way in (-1, 1)]
     for side in sides:
         side[np.maximum.accumulate(side > side[:, :1], axis=1)] = np.inf
     prominences = curve[frames] - np.maximum(*(side.min(axis=1) for side in sides))
@@ -63,7 +63,7 @@ def peaks(
 
 
 def _distance(side: Doubles, level: float) -> float:
-    """Frames from the beginning to where a curve that begins higher comes down to a level."""
+    """Frames until a curve that begins above a level comes down to it."""
     frame = int(np.argmax(side <= level))
     below, above = side[frame], side[frame - 1]
     return frame - float((level - below) / (above - below))

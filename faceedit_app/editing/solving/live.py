@@ -1,7 +1,7 @@
-"""The live result of a take: what is shown now, what is wanted, and what has still to be computed.
+"""The live result of a take: what is shown, and which chunks have still to be computed.
 
-Nothing is ever computed from a result, so it does not matter in which order chunks come, or
-whether some were begun and given up for others.
+No result is computed from another, so neither the order of the chunks matters nor whether some
+were dropped for others.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from collections.abc import Mapping
 from itertools import islice
 
 from faceedit_app.core.arrays import Floats
-from faceedit_app.editing.solving.chunks import Piece, Rows
+from faceedit_app.editing.solving.chunks import ChunkTask, Rows
 from faceedit_app.editing.solving.solver import Solver
 
-REMEMBERED = 1024  # changes of chunks
+REMEMBERED = 1024  # changes that `Live.changes` can report
 
 
 class Live:
@@ -24,8 +24,8 @@ class Live:
     Attributes:
         tracked, asked, achieved: (T, C) mm: the three curves of the plots.
         weights: (T, 52) in ARKit order.
-        patience: seconds that `show` may take, more or less; what is not done by then waits for
-            `work`. None is as long as it takes.
+        patience: about how many seconds `show` may take; the rest is left to `work`. None = as
+            long as it takes.
     """
 
     def __init__(self, solver: Solver) -> None:
@@ -35,59 +35,59 @@ class Live:
         self.achieved: Floats = solver.controls.copy()
         self.weights: Floats = solver.tracked.copy()
         self.patience: float | None = None
-        self._wanted: Mapping[int, Piece] = {}
-        self._shown: dict[int, Piece] = {}
+        self._wanted: Mapping[int, ChunkTask] = {}
+        self._shown: dict[int, ChunkTask] = {}
         self._changed: dict[int, int] = {}  # frames, by chunk
         self._waiting: list[int] = []  # chunks, the most urgent last
         self._total = 0
-        self._sight = (0, 0, 0)
+        self._in_view = (0, 0, 0)
         self._changes: deque[Rows] = deque(maxlen=REMEMBERED)
         self._count = 0
 
     @property
     def progress(self) -> tuple[int, int]:
-        """How many chunks of the last change are done, and how many there are."""
+        """The number of chunks of the last change that are done, and of all."""
         return self._total - len(self._waiting), self._total
 
     @property
     def is_complete(self) -> bool:
-        """Whether all that was asked for is shown."""
+        """Whether no chunk is waiting."""
         return not self._waiting
 
     @property
     def changed_frames(self) -> int:
-        """How many frames differ from the take as tracked."""
+        """The number of frames that differ from the take as tracked."""
         return sum(self._changed.values())
 
     def forget(self) -> None:
         """Show the take as tracked."""
         self.show({})
 
-    def show(self, pieces: Mapping[int, Piece]) -> None:
-        """Show these pieces, and the tracked take between them."""
-        for chunk in [chunk for chunk in self._shown if chunk not in pieces]:
+    def show(self, tasks: Mapping[int, ChunkTask]) -> None:
+        """Show the results of these tasks by chunk, and the take as tracked elsewhere."""
+        for chunk in [chunk for chunk in self._shown if chunk not in tasks]:
             rows = self._solver.chunks.slice(chunk)
             self.asked[rows] = self.achieved[rows] = self.tracked[rows]
             self.weights[rows] = self._solver.tracked[rows]
             del self._shown[chunk], self._changed[chunk]
             self._note(rows)
-        self._wanted = pieces
+        self._wanted = tasks
         shown = self._shown
-        self._waiting = [chunk for chunk, piece in pieces.items() if shown.get(chunk) != piece]
+        self._waiting = [chunk for chunk, task in tasks.items() if shown.get(chunk) != task]
         self._total = len(self._waiting)
         self._sort()
         self.work(self.patience)
 
     def look(self, frame: int, first: int, last: int) -> None:
-        """Say what the user sees: it comes first. Frame on screen, and those that curves show."""
+        """Compute first what the user sees: the frame on screen, then `first` to `last`."""
         chunks = self._solver.chunks
-        sight = chunks.of_frame(frame), chunks.of_frame(first), chunks.of_frame(last)
-        if sight != self._sight:
-            self._sight = sight
+        in_view = chunks.of_frame(frame), chunks.of_frame(first), chunks.of_frame(last)
+        if in_view != self._in_view:
+            self._in_view = in_view
             self._sort()
 
     def _sort(self) -> None:
-        at, first, last = self._sight
+        at, first, last = self._in_view
 
         def distance(chunk: int) -> tuple[bool, int]:
             return not (chunk == at or first <= chunk <= last), abs(chunk - at)
@@ -96,10 +96,10 @@ class Live:
             self._waiting.sort(key=distance, reverse=True)
 
     def work(self, seconds: float | None = None) -> bool:
-        """Compute what waits, at least one chunk, until it is done or time is up.
+        """Compute waiting chunks, at least one, until all are done or the time is up.
 
         Returns:
-            Whether something is left to do.
+            Whether chunks are still waiting.
         """
         until = None if seconds is None else time.perf_counter() + seconds
         while self._waiting:
@@ -109,14 +109,14 @@ class Live:
         return bool(self._waiting)
 
     def _compute(self, chunk: int) -> None:
-        piece = self._wanted[chunk]
-        patch = self._solver.solve(piece)
+        task = self._wanted[chunk]
+        patch = self._solver.solve(task)
         rows = self._solver.chunks.slice(chunk)
         self.asked[rows] = patch.asked
         self.achieved[rows] = patch.controls
         self.weights[rows] = patch.weights
         self._note(rows)
-        self._shown[chunk] = piece
+        self._shown[chunk] = task
         differs = (patch.weights != self._solver.tracked[rows]).any(axis=1)
         self._changed[chunk] = int(differs.sum())
 
@@ -125,13 +125,13 @@ class Live:
         self._count += 1
 
     def changes(self, since: int) -> tuple[int, list[Rows]]:
-        """What has changed: for those who keep something that follows from the arrays.
+        """What has changed, for caches of values that are derived from the arrays.
 
         Args:
-            since: the number that the last call gave, 0 at first.
+            since: the number that the last call returned; 0 at first.
 
         Returns:
-            A number for the next call, and ranges that hold all frames that changed since.
+            A number for the next call, and ranges that cover all frames changed since.
         """
         missed = self._count - since
         if missed > len(self._changes):  # too long ago

@@ -1,11 +1,9 @@
-"""Reach: the smallest believable change of weights that brings controls to what was asked.
+"""Reach: the smallest believable change of weights that brings controls to what was asked for.
 
-The networks answer an edit with a believable face that comes near the request; this closes the
-rest of the way. It is a damped Gauss-Newton on the rig's distances in which "small" is measured
-against how the channels of the region vary together in real performances: of all weight changes
-that reach the request, the one that is most probable under that covariance (the maximum a
-posteriori estimate with a Gaussian prior, re-linearised a few times, with bounds as an active
-set).
+The networks answer an edit with a believable face near what was asked for; reach goes the rest of
+the way. Of all weight changes that do so, it finds the most probable one under the covariance of
+the region's channels in performances: a maximum a posteriori estimate with a Gaussian prior, by
+damped Gauss-Newton on the rig's distances, with the bounds as an active set.
 """
 
 from __future__ import annotations
@@ -20,19 +18,19 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.rig import Distances
 
 ITERATIONS = 6
-# Shorter steps, tried where a full one leads farther away.
+# Shorter steps, tried if a full one leads farther away.
 STEPS = np.array([0.7, 0.4, 0.2, 0.1, 0.0])
-# A frame is done when its weights moved by no more than this: the next step is a small part of
-# that, far below what can be seen.
+# A frame is done if its weights moved by no more than this: the next step would be a small part of
+# that, far too small to see.
 SETTLED = 2e-3
-# It is also done when its controls are where they should be: an asked-for one within 0.016 mm.
+# It is also done if its controls are at their targets: one that was asked for, within 0.016 mm.
 MET = 0.1
-# How exactly an asked-for control must be met, and how much the others may give way, in mm.
+# Precision of controls that were asked for, and how much the others may give way, mm.
 ASKED_MM = 0.05
 FREE_MM = 1.5
-# How much a control may lack, in mm, before it is tried from the other side.
+# mm that a control may lack before the search is repeated from the other side.
 MISSED_MM = 1.0
-# Longest change that still counts as natural, in standard deviations of the prior.
+# The longest change that still counts as natural, in standard deviations of the prior.
 NATURAL_LENGTH = 4.0
 
 
@@ -42,9 +40,9 @@ class Goal:
 
     Attributes:
         targets: (N, C), mm.
-        strength: (N, C) in 0..1: how far to go from the present length to the target.
-        asked: (N, C) bool: the user asked for this one; the others are to stay about where
-            their target is, and give way.
+        strength: (N, C) in 0..1, how far to go from the present length to the target.
+        asked: (N, C) bool, whether the user asked for this control; the others stay near their
+            targets and give way.
     """
 
     targets: Doubles
@@ -58,7 +56,7 @@ class Reach:
     Args:
         distances: the region's C controls as a function of all 52 weights.
         channels: (K,) columns that may change.
-        covariance: (K, K) of the channels in real performances.
+        covariance: (K, K) of the channels in performances.
         coupled: positions (a, b) in `channels` with weight a <= weight b (mouthClose, jawOpen).
     """
 
@@ -82,10 +80,10 @@ class Reach:
         """The new weights (N, K) of the channels.
 
         Args:
-            weights: (N, 52) present weights; those of other channels are kept.
+            weights: (N, 52) present weights, of which those of `channels` may change.
             goal: see `Goal`.
             upper: (N, K) largest allowed weights; the smallest is 0.
-            naturalness: 0 lifts the limit on the change's length, 1 keeps `NATURAL_LENGTH`.
+            naturalness: 1 limits the length of the change to `NATURAL_LENGTH`, 0 does not.
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
         targets = np.maximum(self._distances.lengths(vectors), 0.0)
@@ -94,8 +92,8 @@ class Reach:
         frames = _Frames(start, np.minimum(start, 0.0), upper, vectors, targets, noise)
         limit = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
         change, lengths = self._search(frames, limit, passed=False)
-        # Pressed lips can have passed each other: opening them begins with what seems to close
-        # them.
+        # Pressed lips may have passed each other: opening them then begins with what seems to
+        # close them.
         missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
         if len(missed):
             those = frames.at(missed)
@@ -106,14 +104,14 @@ class Reach:
         return np.clip(start + change, frames.lower, np.maximum(start, upper))
 
     def _search(self, frames: _Frames, limit: float, passed: bool) -> tuple[Doubles, Doubles]:
-        """The change of the channels (N, K), and the lengths (N, C) that it leads to.
+        """The change of the channels (N, K), and the resulting lengths (N, C), mm.
 
         Args:
-            limit: how long the change may be, in standard deviations.
-            passed: begin as if each pair of vertices had passed each other.
+            limit: the longest change, in standard deviations.
+            passed: start as if each pair of vertices had passed each other.
         """
         found, there = np.empty_like(frames.start), np.empty_like(frames.targets)
-        rows: slice | Indices = slice(None)  # of the frames that are not done yet
+        rows: slice | Indices = slice(None)  # the frames that are not done yet
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
         here = self._place(frames, frames.vectors)
         for iteration in range(ITERATIONS):
@@ -142,7 +140,7 @@ class Reach:
     def _linear(
         self, frames: _Frames, here: _Place, change: Doubles, passed: bool
     ) -> tuple[Doubles, Doubles]:
-        """Slopes J (N, C, K) at `change`, and what J times the whole change should be (N, C)."""
+        """The slopes J (N, C, K) at `change`, and the wanted product of J and the change (N, C)."""
         directions = self._distances.directions(here.vectors, here.lengths, passed)
         by_control = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
         slopes = np.ascontiguousarray(by_control.transpose(1, 0, 2))
@@ -156,7 +154,7 @@ class Reach:
         change: Doubles,
         frozen: Bools,
     ) -> Doubles:
-        """The most probable change with J change = wanted; frozen channels keep theirs."""
+        """The most probable change with slopes x change = wanted; frozen channels keep theirs."""
         rest, free, held = wanted, slopes, change
         if frozen.any():
             held = np.where(frozen, change, 0.0)
@@ -171,7 +169,7 @@ class Reach:
         return np.where(frozen, held, moved)
 
     def _shortening(self, change: Doubles, limit: float) -> Doubles:
-        """(N, 1) factor that keeps each frame's change within a length."""
+        """(N, 1) factors that limit the length of each frame's change."""
         length = np.sqrt(((change @ self._precision) * change).sum(axis=1))
         factor: Doubles = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
         return factor
@@ -179,13 +177,13 @@ class Reach:
     def _line_search(
         self, frames: _Frames, here: _Place, old: Doubles, new: Doubles
     ) -> tuple[Doubles, _Place]:
-        """The way from `old` to `new`, or as much of it as leads nearer, each frame by itself.
+        """The step from `old` to `new`, shortened for each frame until it leads nearer.
 
-        A full step can carry a pair of vertices through each other, where the distance grows
-        again. Vectors are linear in the weights, so that those of all steps come from two.
+        A full step can move a pair of vertices through each other, where the distance grows
+        again. Vectors are linear in the weights, so those of shorter steps are interpolated.
 
         Returns:
-            The change (N, K), and where it leads.
+            The change (N, K), and its result.
         """
         moves = (new @ self._moves).reshape(frames.vectors.shape)
         there = self._place(frames, frames.vectors + moves)
@@ -204,12 +202,12 @@ class Reach:
 
 @dataclass(frozen=True)
 class _Place:
-    """Where changes of weights lead to, on N frames.
+    """The result of a change of weights, on N frames.
 
     Attributes:
         vectors: (N, C, 3) mm.
-        lengths: (N, C) mm; negative where a pair of vertices has passed each other.
-        costs: (N,) how far that is from the targets.
+        lengths: (N, C) mm; negative once a pair of vertices has passed.
+        costs: (N,) how far the lengths are from the targets.
     """
 
     vectors: Doubles
@@ -221,20 +219,20 @@ class _Place:
         return _Place(self.vectors[rows], self.lengths[rows], self.costs[rows])
 
     def put(self, rows: Indices, other: _Place) -> None:
-        """Lead elsewhere on some of the frames."""
+        """Replace some of the frames."""
         self.vectors[rows] = other.vectors
         self.lengths[rows], self.costs[rows] = other.lengths, other.costs
 
 
 @dataclass(frozen=True)
 class _Frames:
-    """What is given of N frames.
+    """The input of a search, on N frames.
 
     Attributes:
-        start, lower, upper: (N, K) weights, and between what they may go.
+        start, lower, upper: (N, K) weights and their bounds.
         vectors: (N, C, 3) mm.
         targets: (N, C) mm.
-        noise: (N, C) mm²: how exactly each target is to be met.
+        noise: (N, C) mm², how exactly each target has to be met.
     """
 
     start: Doubles
@@ -261,7 +259,7 @@ class _Frames:
     def cost(self, lengths: Doubles) -> Doubles:
         """How far lengths (..., N, C) are from the targets: (..., N).
 
-        Pairs that have passed each other touch.
+        Pairs that have passed each other count as touching.
         """
         costs: Doubles = ((self.targets - np.maximum(lengths, 0.0)) ** 2 / self.noise).sum(axis=-1)
         return costs

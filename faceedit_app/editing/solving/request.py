@@ -1,4 +1,4 @@
-"""From a list of edits to what the user asked for: curves, and where they are asked for."""
+"""From a list of edits to what is asked for: curves, and where and how firmly."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.filters import gaussian
 
-# How far beyond an edit the networks may let the face prepare and follow through, in seconds.
-# Speech moves its lips into a closure in about this time.
+# Seconds beyond an edit in which the networks may let the face prepare and follow through. Lips
+# take about this long to close in speech.
 SPILL = 0.25
-FARTHEST = 10_000.0  # mm: what is asked for stays a number, however many edits scale it
-NARROW = 0.01  # frames: a smooth of less changes nothing
+FARTHEST = 10_000.0  # mm; keeps what is asked for finite, however many edits scale it
+NARROW = 0.01  # frames; a narrower smooth changes nothing
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class Request:
 
     Attributes:
         curves: (N, C), mm: the tracked controls with the edits applied, companions included.
-        hold: (N, C) in 0..1: how firmly each curve is asked for (the edits' masks).
-        influence: (N, C) in 0..1: where the networks may answer: 1 over an edit and its
-            falloff, fading over `SPILL` seconds beyond.
+        hold: (N, C) in 0..1, how firmly each curve is asked for (the edits' masks).
+        influence: (N, C) in 0..1, where the networks may answer: 1 in an edit's span, fading
+            over `SPILL` seconds beyond it.
     """
 
     curves: Doubles
@@ -37,13 +37,13 @@ class Request:
 
 
 def active(edits: Sequence[Edit]) -> tuple[Edit, ...]:
-    """The edits that change something, as their `effect`."""
+    """The `effect` of each edit that has one."""
     return tuple(effect for edit in edits if (effect := edit.effect) is not None)
 
 
 def affected(edit: Edit) -> tuple[float, float]:
     """First and last second at which an edit can change the face."""
-    first, last = edit.reach
+    first, last = edit.span
     return first - SPILL, last + SPILL
 
 
@@ -61,8 +61,8 @@ def request(
         times: (N,) seconds.
         rate: frames per second, for smoothing.
         tracked: (N, C), mm.
-        medians: (C,), mm: the take's median of each control, which `scale` is about.
-        companions: which curves follow which; None = none does.
+        medians: (C,), mm: the take's median of each control, the fixed point of `scale`.
+        companions: which curves follow which; None = no curve follows.
     """
     curves = tracked.astype(np.float64, copy=True)
     hold, influence, claimed = (np.zeros_like(curves) for _ in range(3))
@@ -79,7 +79,7 @@ def request(
             column = CONTROL_INDEX[control]
             wanted = _wanted(edit, rows, times, curves, tracked, medians, rate, column)
             now = curves[rows, column]
-            # A distance cannot be negative: 0 is touching.
+            # A distance cannot be negative; 0 is touching.
             curves[rows, column] = np.where(
                 mask > 0, np.clip(now + share * (wanted - now), 0.0, FARTHEST), now
             )
@@ -100,8 +100,8 @@ def request(
 
 
 def _spread(edit: Edit, times: Times) -> Doubles:
-    """(N,) in 0..1: over the edit 1, then fading so that velocity and acceleration are steady."""
-    first, last = edit.reach
+    """(N,) in 0..1: 1 in the edit's span, then fading with continuous velocity and acceleration."""
+    first, last = edit.span
     left = np.clip(1.0 - np.maximum(first - times, times - last) / SPILL, 0.0, 1.0)
     spread: Doubles = left**3 * (10.0 - 15.0 * left + 6.0 * left**2)
     return spread
@@ -109,12 +109,12 @@ def _spread(edit: Edit, times: Times) -> Doubles:
 
 def _share(edit: Edit) -> float:
     """How much of the way to `_wanted` the edit goes in its hold."""
-    # Beyond the smoothed or the tracked curve lies its mirror image, which nobody wants.
+    # More than 1 would go beyond the smoothed or the tracked curve, to its mirror image.
     return min(edit.strength, 1.0) if edit.op in (Op.SMOOTH, Op.RESET) else edit.strength
 
 
 def smoothing(edit: Edit) -> float:
-    """Standard deviation in seconds of a `smooth`: above full strength it grows; 0 for others."""
+    """Standard deviation of a `smooth`, seconds; it grows above full strength; else 0."""
     return edit.value * max(edit.strength, 1.0) if edit.op is Op.SMOOTH else 0.0
 
 
@@ -128,7 +128,7 @@ def _wanted(
     rate: float,
     column: int,
 ) -> Doubles:
-    """One curve with the edit in full, on `rows`."""
+    """One curve with the edit at full strength, on `rows`."""
     curve = curves[rows, column]
     match edit.op:
         case Op.OFFSET:
@@ -150,7 +150,7 @@ def _wanted(
 
 
 def smoothing_frames(edit: Edit, rate: float) -> int:
-    """How many frames to either side a smooth reads; 0 for other edits."""
+    """How many frames on either side a smooth reads; 0 for other edits."""
     frames = smoothing(edit) * rate
     return 0 if frames < NARROW else int(4 * frames + 0.5) + 1  # where the kernel ends
 
@@ -171,6 +171,6 @@ def _drawn(edit: Edit, times: Times) -> Doubles:
 
 
 def region_influence(request: Request, controls: Sequence[str]) -> Doubles:
-    """(N,) in 0..1: where a region that listens to `controls` may answer."""
+    """(N,) in 0..1, where a region that listens to `controls` may answer."""
     influence: Doubles = request.influence[:, [CONTROL_INDEX[c] for c in controls]].max(axis=1)
     return influence

@@ -1,8 +1,8 @@
 """From edits to weights: the networks' answer combined with the take, then reach.
 
 The take is computed in chunks; see `chunks.py` for what a chunk's result depends on. So undo needs
-no copies, an export has the same bytes however an edit came to be, and moving an edit recomputes
-the chunks that it touches.
+no copies, an export has the same bytes whatever led to the edits, and moving an edit recomputes
+only the chunks that it touches.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.answerable import find_lacks, region_covariance, without
 from faceedit_app.editing.solving.answers import Answers
-from faceedit_app.editing.solving.chunks import Chunks, Piece
+from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.reach import Goal, Reach
 from faceedit_app.editing.solving.request import Request, region_influence, request
@@ -32,10 +32,7 @@ from faceedit_app.editing.solving.request import Request, region_influence, requ
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
-__all__ = ["Mode", "Patch", "Settings", "Solver"]
-
-
-# How far above the range seen in training a request is followed, as a share of that range.
+# How far beyond the range seen in training a curve is followed, as a share of that range.
 BEYOND = 0.1
 
 
@@ -49,13 +46,12 @@ class Patch:
 
 
 class Solver:
-    """Computes chunks of one take on one rig.
+    """Computes the chunks of one take on one rig.
 
     Args:
         clip: the take as tracked.
         rig: the character that the controls are measured on.
-        engine: the networks; None leaves all the work to reach (while they are loading, or
-            where no model can be had).
+        engine: the engine; None leaves all the work to reach, while no model is loaded.
     """
 
     def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
@@ -69,7 +65,7 @@ class Solver:
         self.use_engine(engine)
 
     def use_engine(self, engine: Engine | None) -> None:
-        """Answer by these networks from now on; chunks may lie elsewhere than before."""
+        """Use another engine from now on; the chunks may change."""
         self.engine = engine
         clip, present = self.clip, frozenset(self.clip.channels)
         self.lacks = find_lacks(present, self.distances, engine)
@@ -90,9 +86,9 @@ class Solver:
         self.limits = self._limits()
 
     def _limits(self) -> list[tuple[float, float]]:
-        """Lowest and highest mm of each control that a face, or this take, can do.
+        """The lowest and highest value of each control that a face, or this take, can have, mm.
 
-        A hand need not ask for more. Where no networks say how low people go, it is down to 0.
+        Without an engine the lowest is 0.
         """
         high = np.where(np.isfinite(self._high), self._high, self.distances.farthest)
         low = np.where(np.isfinite(self._low), self._low, 0.0)
@@ -101,24 +97,24 @@ class Solver:
         high = np.maximum(high, self.controls.max(axis=0))
         return list(zip(low.tolist(), high.tolist(), strict=True))
 
-    def pieces(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Piece]:
-        """What has to be computed to answer edits, by chunk."""
+    def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, ChunkTask]:
+        """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
-        return self.chunks.pieces(self._possible(edits), settings, listening)
+        return self.chunks.tasks(self._possible(edits), settings, listening)
 
     def _possible(self, edits: Sequence[Edit]) -> Sequence[Edit]:
-        """The edits without the controls that the character lacks, or the take cannot answer."""
+        """The edits without controls that the character lacks or the take cannot answer."""
         if not self._mute:
             return edits
         parts = (without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
 
-    def solve(self, piece: Piece) -> Patch:
+    def solve(self, task: ChunkTask) -> Patch:
         """Compute one chunk."""
-        rows, near, settings = self.chunks.slice(piece.chunk), slice(*piece.near), piece.settings
+        rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
         tracked = self.controls[near].astype(np.float64)
         times, rate = self.clip.times[near], self.clip.rate
-        asked = request(times, rate, tracked, self.medians, piece.edits, self._companions)
+        asked = request(times, rate, tracked, self.medians, task.edits, self._companions)
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
         weights = self.tracked[rows].astype(np.float64)
@@ -126,50 +122,50 @@ class Solver:
         influences = {}
         for name, part in self._parts.items():
             influence = region_influence(mine, part.listens_to)
-            if name in piece.regions:
+            if name in task.regions:
                 influence = np.ones_like(influence)
             if influence.any():
                 influences[name] = influence
-        answers = self._answer(piece, tuple(influences), wanted - tracked)
+        answers = self._answer(task, tuple(influences), wanted - tracked)
         for name, influence in influences.items():
             self._combine(weights, self._parts[name], answers[name], influence, rows, settings)
         for name in influences:
             self._reach(weights, self._parts[name], mine, wanted[inner], settings)
         result = weights.astype(np.float32)
         controls = self.distances.measure(result)
-        # A matrix product's last bits depend on how many frames it is made for.
+        # The last bits of a matrix product depend on the number of frames.
         same = (result == self.tracked[rows]).all(axis=1)
         controls[same] = self.controls[rows][same]
         return Patch(mine.curves.astype(np.float32), result, controls)
 
     def _believable(self, curves: Doubles, tracked: Doubles) -> Doubles:
-        """(N, C) mm: curves within what faces do, or what this face already did."""
+        """(N, C) mm: the curves, limited to what faces do or this take already does."""
         low, high = np.minimum(self._low, tracked), np.maximum(self._high, tracked)
         believable: Doubles = np.minimum(np.maximum(curves, low), high)
         return believable
 
     def _answer(
-        self, piece: Piece, regions: tuple[str, ...], change: Doubles
+        self, task: ChunkTask, regions: tuple[str, ...], change: Doubles
     ) -> dict[str, Doubles]:
-        """(N, K) by region: what the networks add (preserve) or put (resynthesize) on its rows.
+        """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
 
         Args:
-            change: (N', C) mm by which the controls near the piece differ from the take.
+            change: (N', C) mm by which the controls near the task differ from the take.
         """
-        rows, settings = self.chunks.slice(piece.chunk), piece.settings
-        anew = settings.mode is Mode.RESYNTHESIZE
+        rows, settings = self.chunks.slice(task.chunk), task.settings
+        resynthesize = settings.mode is Mode.RESYNTHESIZE
         if self._answers is None:
-            share, tracked = float(anew), self.tracked[rows].astype(np.float64)
+            share, tracked = float(resynthesize), self.tracked[rows].astype(np.float64)
             return {name: share * tracked[:, self._parts[name].columns] for name in regions}
         if not regions:
             return {}
-        first, last = (int(i) for i in self.chunks.windows[piece.chunk])
-        times = self.clip.times[slice(*piece.near)]
+        first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
+        times = self.clip.times[slice(*task.near)]
         edited = self.grid[first:last] + to_grid(times, change, first, last)
-        window = first, last
-        answers = self._answers.to(regions, window, edited, settings.naturalness)
-        if not anew:
-            unedited = self._answers.to_tracked(regions, window, settings.naturalness)
+        grid_range = first, last
+        answers = self._answers.to(regions, grid_range, edited, settings.naturalness)
+        if not resynthesize:
+            unedited = self._answers.to_tracked(regions, grid_range, settings.naturalness)
             answers = {name: answer - unedited[name] for name, answer in answers.items()}
         stacked = np.concatenate([answers[name] for name in regions], axis=1)
         ends = np.cumsum([answers[name].shape[1] for name in regions])[:-1]
@@ -185,7 +181,7 @@ class Solver:
         rows: slice,
         settings: Settings,
     ) -> None:
-        """Put the networks' answer into the chunk's weights, within bounds."""
+        """Combine the networks' answer with the chunk's weights, within bounds."""
         columns = part.columns[part.have]
         answer = answer[:, part.have]
         old = weights[:, columns]
@@ -199,7 +195,7 @@ class Solver:
     def _reach(
         self, weights: Doubles, part: _Part, mine: Request, wanted: Doubles, settings: Settings
     ) -> None:
-        """Bring the region's own controls the rest of the way to what was asked."""
+        """Bring the region's own controls the rest of the way to what was asked for."""
         where = np.flatnonzero(mine.hold[:, part.own_columns].any(axis=1))
         if not len(where) or part.reach is None or settings.reach == 0:
             return
@@ -215,15 +211,14 @@ class Solver:
 
 
 class _Part:
-    """What solving needs to know of a region, worked out once.
+    """What the solver needs to know about a region, computed once.
 
     Attributes:
-        own: ids of the controls that it brings to what is asked, in columns `own_columns`; the
-            brows have none, they move no control.
-        listens_to: ids of the controls that it answers to: its networks, or reach.
+        own: ids of the controls that it moves, in columns `own_columns`; the upper face has none.
+        listens_to: ids of the controls that its networks or reach answer.
         columns: (K,) its channels among the 52.
-        have: positions of the channels that may change: the source has a column for them.
-        reach: brings its own controls to a goal, where it has any and may change anything.
+        have: positions of the channels that may change, because the take has them.
+        reach: brings its own controls to a goal; None if it has none or no channel may change.
     """
 
     def __init__(
@@ -253,14 +248,14 @@ class _Part:
             self.reach = Reach(self._distances, self.columns[self.have], covariance, coupled)
 
     def control_covariance(self) -> Doubles:
-        """(C, C) mm² how its own C controls vary together, linearised at rest."""
+        """(C, C) mm²: the covariance of its own controls, linearised at rest."""
         rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
         slopes = self._distances.jacobian(rest)[1][0][:, self.columns].astype(np.float64)
         covariance: Doubles = slopes @ self._covariance @ slopes.T
         return covariance
 
     def limits(self) -> tuple[Doubles, Doubles]:
-        """(C,) mm: how low and how high the controls it listens to are followed."""
+        """(C,) mm: the lowest and highest values to which its controls are followed."""
         low, high = np.full(len(CONTROLS), -np.inf), np.full(len(CONTROLS), np.inf)
         if self._model is not None:
             heard = [CONTROL_INDEX[control] for control in self._model.controls]
@@ -270,14 +265,14 @@ class _Part:
 
 
 def _upper(old: Doubles, influence: Doubles) -> Doubles:
-    """Largest weight: 1, but a tracked value above 1 is let go of only as the edit fades in."""
+    """The largest weight: 1; a tracked value above 1 is reduced only as the edit fades in."""
     return 1.0 + np.maximum(old - 1.0, 0.0) * (1.0 - influence[:, None])
 
 
 def _couple(weights: Doubles, tracked: Floats, where: Bools) -> None:
-    """Keep mouthClose <= jawOpen, in place: alone, the corrective tears any rig.
+    """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
 
-    Where the take itself exceeds it, by as much as the take does.
+    If the take itself exceeds this, the same excess is allowed.
     """
     close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
     slack = np.maximum(tracked[:, close].astype(np.float64) - tracked[:, jaw], 0.0)

@@ -197,7 +197,7 @@ def _epoch(
             loss = loss_of(forward(examples), examples)
         if optimiser is not None:
             optimiser.zero_grad()
-            loss.backward()  # type: ignore[no-untyped-call]
+            loss.backward()
             optimiser.step()
         total += float(loss.detach()) * len(rows)
     return total / len(order)

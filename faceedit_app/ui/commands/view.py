@@ -9,7 +9,7 @@ from PySide6.QtCore import QBuffer, QByteArray, QIODevice
 from PySide6.QtGui import QGuiApplication, QImage
 
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
@@ -38,6 +38,11 @@ class ViewCommands:
 
     # --- time --------------------------------------------------------------------------------
 
+    def fit_values(self) -> None:
+        """Let each value axis fit its curve again, as far as that is in view."""
+        if self._workspace.page is not None:
+            self._workspace.page.curves.fit_values()
+
     def fit(self) -> None:
         """Show the selection if there is one that is not yet all there is to see."""
         line = self._timeline
@@ -49,17 +54,6 @@ class ViewCommands:
             if line.view != before:
                 return
         line.show_range(0.0, line.duration)
-
-    def fit_curve(self) -> None:
-        """Let the values of the curve that has the focus fit what is in view."""
-        page = self._workspace.page
-        if page is not None and page.curves.focused_control is not None:
-            page.curves.fit_values(CONTROL_INDEX[page.curves.focused_control])
-
-    def fit_curves(self) -> None:
-        """Let the values of all curves fit what is in view."""
-        if self._workspace.page is not None:
-            self._workspace.page.curves.fit_values()
 
     def zoom(self, factor: float) -> None:
         """Scale the time in view around the playhead."""
@@ -184,14 +178,12 @@ MENU: Menu[ViewCommands] = Menu("View", (
             "Look at the eyes from near", submenu=CAMERA),
     Command("fit", "&Zoom to fit", ViewCommands.fit, ("F",),
             "Show the whole take, or the selection", "fit"),
+    Command("fit_values", "Fit &values", lambda do: do.fit_values(), ("Shift+F",),
+            "Let each value axis show what is in view"),
     Command("zoom_in", "Zoom &in", lambda do: do.zoom(ZOOM), ("+", "="),
             "Show less time around the playhead", "zoom_in"),
     Command("zoom_out", "Zoom &out", lambda do: do.zoom(1 / ZOOM), ("-",),
             "Show more time around the playhead", "zoom_out"),
-    Command("fit_curve", "Fit values of this curve", ViewCommands.fit_curve,
-            tip="Let the scale of the curve that has the focus fit what is in view"),
-    Command("fit_curves", "Fit values of &all curves", ViewCommands.fit_curves, ("Shift+F",),
-            "Let the scales of all curves fit what is in view"),
     Command("unit_seconds", "&Seconds", lambda do: do.show_time_as(Unit.SECONDS),
             tip="Time in seconds", checked=lambda do: do.unit is Unit.SECONDS,
             submenu="Show &time as"),
@@ -224,7 +216,7 @@ MENU: Menu[ViewCommands] = Menu("View", (
     Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,
             tip="Put the picture of the face on the clipboard, as it is shown",
             enabled=lambda do: do.has_picture, starts_group=True),
-    Command("save_picture", "Sa&ve picture…", ViewCommands.save_picture,
+    Command("save_picture", "&Save picture…", ViewCommands.save_picture,
             tip="Save the picture of the face as PNG, as it is shown",
             enabled=lambda do: do.has_picture),
 ))

@@ -49,6 +49,11 @@ class ValueAxis(pg.AxisItem):
             hideOverlappingLabels=True,
         )
 
+    def boundingRect(self) -> QRectF:
+        """No number leaves it."""
+        rect: QRectF = self.rect()
+        return rect
+
     def tickSpacing(self, low: float, high: float, size: float) -> list[tuple[float, float]]:
         """Round steps that leave room for the numbers."""
         return [(nice_step((high - low) * style.VALUE_SPACING / size), 0.0)]

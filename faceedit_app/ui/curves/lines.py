@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import pyqtgraph as pg
-from pyqtgraph.functions import arrayToQPath
-from PySide6.QtGui import QPainter, QPainterPath, QPen, QTransform
+from pyqtgraph.functions import arrayToQPath, create_qpolygonf, ndarray_from_qpolygonf
+from PySide6.QtGui import QPainter, QPainterPath, QPen, QPolygonF, QTransform
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from faceedit_app.ui.curves import style
@@ -23,6 +24,8 @@ class CurveLines(pg.UIGraphicsItem):
     """
 
     def __init__(self, color: str) -> None:
+        # Edge, left, right, top and height of the view.
+        self._room: tuple[float, float, float, float, float] | None = None
         super().__init__()
         self.lines = Lines()
         self._tracked = Stroke(style.tracked_pen())
@@ -41,13 +44,20 @@ class CurveLines(pg.UIGraphicsItem):
         if spans:
             self._update_between(min(span[0] for span in spans), max(span[1] for span in spans))
 
+    def viewRangeChanged(self) -> None:
+        """Other pixels."""
+        self._room = None
+        super().viewRangeChanged()
+
     def _update_between(self, first: float, last: float) -> None:
-        rect = self.boundingRect()
-        edge = _EDGE * self.getViewBox().viewPixelSize()[0]
-        rect.setLeft(max(first - edge, rect.left()))
-        rect.setRight(min(last + edge, rect.right()))
-        if rect.isValid():
-            self.update(rect)
+        if self._room is None:
+            rect = self.boundingRect()
+            edge = _EDGE * self.getViewBox().viewPixelSize()[0]
+            self._room = edge, rect.left(), rect.right(), rect.top(), rect.height()
+        edge, left, right, top, height = self._room
+        left, right = max(first - edge, left), min(last + edge, right)
+        if left < right:
+            self.update(left, top, right - left, height)
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
@@ -72,7 +82,7 @@ class Stroke:
 
     def __init__(self, pen: QPen) -> None:
         self._wanted, self._dashed = pen, bool(pen.dashPattern())
-        self._line, self._path = EMPTY, QPainterPath()
+        self._line, self._points, self._path = EMPTY, QPolygonF(), QPainterPath()
         self._hair: tuple[float, QPen] = (0.0, pen)
 
     def show_line(self, line: Polyline) -> Interval | None:
@@ -80,8 +90,10 @@ class Stroke:
         changed = line.changed_from(self._line)
         if changed is not None:
             self._line = line
-            joined = "all" if line.joined is None else line.joined
-            self._path = arrayToQPath(line.x, line.y, joined, finiteCheck=False)
+            if line.joined is None:
+                self._points = _polygon(line)
+            else:
+                self._path = arrayToQPath(line.x, line.y, line.joined, finiteCheck=False)
             if self._dashed and len(line.x):
                 changed = changed[0], max(changed[1], float(line.x[-1]))  # all dashes move
         return changed
@@ -100,8 +112,19 @@ class Stroke:
         place = painter.transform()
         for dx, dy in offsets(1.0 if self._line.thinned else ratio * self._wanted.widthF()):
             painter.setTransform(place * QTransform.fromTranslate(dx / ratio, dy / ratio))
-            painter.drawPath(self._path)
+            if self._line.joined is None:
+                painter.drawPolyline(self._points)
+            else:
+                painter.drawPath(self._path)
         painter.setTransform(place)
+
+
+def _polygon(line: Polyline) -> QPolygonF:
+    """Its points, for Qt."""
+    polygon: QPolygonF = create_qpolygonf(len(line.x))
+    points = ndarray_from_qpolygonf(polygon)
+    points[:, 0], points[:, 1] = line.x, line.y
+    return polygon
 
 
 def _hairline(pen: QPen, ratio: float) -> QPen:
@@ -113,6 +136,7 @@ def _hairline(pen: QPen, ratio: float) -> QPen:
     return hair
 
 
+@lru_cache(maxsize=8)
 def offsets(width: float) -> list[tuple[float, float]]:
     """Where to draw a line of 1 pixel so that it looks `width` pixels wide in any direction."""
     if width <= 1:

@@ -53,7 +53,8 @@ class SpanRegion(pg.LinearRegionItem):
         self._color, self._hold, self._falloff = color, hold, falloff
         self._shown: tuple[Span | None, int] = (None, 0)
         self._rect: QRectF | None = None
-        self._fades: list[QBrush] = []
+        self._fills: list[tuple[QRectF, QBrush]] = []
+        self._edges: list[tuple[QPen, list[QLineF]]] = []
         for line in self.lines:
             line.hide()
         self.hide()
@@ -70,16 +71,7 @@ class SpanRegion(pg.LinearRegionItem):
         self.viewRangeChanged()
         self.setRegion((span.start, span.end))
         self.setBrush(style.color(self._color, alpha))
-        ramps = (span.ends[0], span.start), (span.end, span.ends[1])
-        self._fades = [self._fade(span, *ramp, alpha) for ramp in ramps]
         self.update()
-
-    def _fade(self, span: Span, first: float, last: float, alpha: int) -> QBrush:
-        fade = QLinearGradient(first, 0.0, last, 0.0)
-        for place, strength in _stops(span, first, last):
-            seen = alpha * (_FAINTEST + (1 - _FAINTEST) * strength)
-            fade.setColorAt(place, style.color(self._color, round(seen)))
-        return QBrush(fade)
 
     def viewRangeChanged(self) -> None:
         """It is as tall as the view, and never thinner than a pixel."""
@@ -92,27 +84,43 @@ class SpanRegion(pg.LinearRegionItem):
             view = self.viewRect()
             if view is None:
                 return QRectF()
-            first, last = self.span.ends
-            pixel = self.getViewBox().viewPixelSize()[0]
-            first, last = first - pixel, last + pixel
-            self._rect = QRectF(first, view.top(), last - first, view.height())
+            self._rect = self._measure(view, self.getViewBox().viewPixelSize()[0])
         return self._rect
+
+    def _measure(self, view: QRectF, pixel: float) -> QRectF:
+        """Work out what is painted where; a frame's hold is a pixel wide."""
+        span, top, height = self.span, view.top(), view.height()
+        first, last = span.ends
+        hold = max(span.end - span.start, pixel)
+        self._fills = [(QRectF(span.start, top, hold, height), self.brush)]
+        for start, end in ((first, span.start), (span.end, last)):
+            if end > start:
+                rect = QRectF(start, top, end - start, height)
+                self._fills.append((rect, self._fade(start, end)))
+        pens = (self._hold, (span.start, span.end)), (self._falloff, (first, last))
+        self._edges = [
+            (pen, [QLineF(x, top, x, top + height) for x in edges])
+            for pen, edges in pens
+            if pen is not _NONE
+        ]
+        return QRectF(first - pixel, top, last - first + 2.0 * pixel, height)
+
+    def _fade(self, first: float, last: float) -> QBrush:
+        fade = QLinearGradient(first, 0.0, last, 0.0)
+        for place, strength in _stops(self.span, first, last):
+            seen = self._shown[1] * (_FAINTEST + (1 - _FAINTEST) * strength)
+            fade.setColorAt(place, style.color(self._color, round(seen)))
+        return QBrush(fade)
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
         """Fill hold and falloffs, then draw the edges."""
-        rect, span = self.boundingRect(), self.span
-        top, height = rect.top(), rect.height()
-        least = self.getViewBox().viewPixelSize()[0]
-        (first, last), hold = span.ends, max(span.end - span.start, least)
-        painter.fillRect(QRectF(span.start, top, hold, height), self.brush)
-        for start, end, fade in ((first, span.start, 0), (span.end, last, 1)):
-            if end > start:
-                painter.fillRect(QRectF(start, top, end - start, height), self._fades[fade])
-        for pen, edges in ((self._hold, (span.start, span.end)), (self._falloff, (first, last))):
+        for rect, brush in self._fills:
+            painter.fillRect(rect, brush)
+        for pen, edges in self._edges:
             painter.setPen(pen)
-            painter.drawLines([QLineF(x, top, x, top + height) for x in edges])
+            painter.drawLines(edges)
 
 
 @lru_cache(maxsize=16)
@@ -167,10 +175,36 @@ class Gaps(pg.UIGraphicsItem):
 
 
 class Playhead(pg.InfiniteLine):
-    """The line of the frame on screen, one dot wide so that it is crisp."""
+    """The line of the frame on screen, one dot wide so that it is crisp.
+
+    pyqtgraph measures its line again wherever it goes; this one is measured once for each view.
+    """
 
     def __init__(self) -> None:
         super().__init__(0.0, 90, pen=style.hairline(style.PLAYHEAD, 215))
+        self._rect: QRectF | None = None
+
+    def viewRangeChanged(self) -> None:
+        """It is as long as the view is high."""
+        self._rect = None
+        self.prepareGeometryChange()
+
+    def boundingRect(self) -> QRectF:
+        """Along the line, which is turned by 90 degrees."""
+        if self._rect is None:
+            view = self.getViewBox()
+            low, high = view.viewRange()[1]
+            edge = 2.0 * view.viewPixelSize()[0]
+            self._rect = QRectF(low, -edge, high - low, 2.0 * edge)
+        return self._rect
+
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Draw it."""
+        rect = self.boundingRect()
+        painter.setPen(self.pen)
+        painter.drawLine(QLineF(rect.left(), 0.0, rect.right(), 0.0))
 
 
 class Marker(QGraphicsPathItem):

@@ -6,10 +6,13 @@ import math
 
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, Qt, Signal
+from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import (
     QGraphicsSceneHoverEvent,
     QGraphicsSceneMouseEvent,
     QGraphicsSceneWheelEvent,
+    QStyleOptionGraphicsItem,
+    QWidget,
 )
 
 from faceedit_app.ui.curves.gestures import PAN_STEP, ZOOM_STEP, Pointer, WheelMeans, wheel_means
@@ -97,6 +100,11 @@ class TimeView(pg.ViewBox):
         """How its pixels map to seconds and millimetres."""
         (first, last), (low, high) = self.viewRange()
         return Scale(self.width(), self.height(), (first, last), (low, high))
+
+    def paint(
+        self, _painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Nothing: the border is an item of its own."""
 
     def _follow(self) -> None:
         self.setXRange(*self._timeline.view, padding=0)

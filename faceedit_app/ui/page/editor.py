@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QAbstractSlider,
     QGridLayout,
@@ -16,12 +14,12 @@ from PySide6.QtWidgets import (
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.face.pane import FacePane
-from faceedit_app.ui.look.widgets import context_menu
 from faceedit_app.ui.media.film_pane import FilmPane
 from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
+from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.proposal_bar import ProposalBar
@@ -37,22 +35,6 @@ from faceedit_app.ui.state.tools import Tools
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
 _SIDE = (560, 170)  # of the height beside the curves: face, edits
-
-
-# What a right click offers on the curves; ids of commands, with lines between the groups.
-CURVE_MENU = (
-    ("reset_curve", "reset_range"),
-    ("copy", "copy_changes", "paste", "paste_mirrored", "mirror"),
-    ("mark_start", "mark_end", "deselect"),
-    ("fit", "fit_curve"),
-)
-NAME_MENU = (("raise", "lower", "reset_curve"), ("fit_curve", "fit_curves"), ("link",))
-TIME_MENU = (
-    ("mark_start", "mark_end", "select_all", "deselect"),
-    ("fit", "zoom_in", "zoom_out"),
-    ("unit_seconds", "unit_frames", "unit_timecode"),
-    ("go_to", "play_around", "loop"),
-)
 
 
 class Editor(QWidget):
@@ -120,16 +102,11 @@ class Editor(QWidget):
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)
-        for asked, menu in (
-            (self.curves.curve_menu_asked, CURVE_MENU),
-            (self.curves.name_menu_asked, NAME_MENU),
-            (self.curves.time_menu_asked, TIME_MENU),
-        ):
-            asked.connect(partial(self._show_menu, actions, menu))
         self.edits.selected.connect(actions.refresh)
         self.problems.found.connect(actions.refresh)
         self.proposal.toggled.connect(actions.refresh)
         self.face.switched.connect(actions.refresh)
+        connect_menus(self.curves, actions)
 
     def _first_steps(self) -> tuple[Step, ...]:
         return (
@@ -190,10 +167,6 @@ class Editor(QWidget):
         """Bring gestures on the sliders to their end."""
         self.settings_bar.settle()
         self.edits.settle()
-
-    def _show_menu(self, actions: Actions, menu: tuple[tuple[str, ...], ...], at: QPoint) -> None:
-        """Offer commands at a place of the screen."""
-        context_menu(self.curves, *([actions[name] for name in group] for group in menu)).popup(at)
 
     def _previewed(self) -> None:
         """The face comes first: it is drawn while the curves are painted."""

@@ -1,0 +1,40 @@
+"""Any edit that the application allows, for tests that hold for all of them."""
+
+from __future__ import annotations
+
+from hypothesis import strategies as st
+
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.editing.edits.edit import (
+    LONGEST_SMOOTH,
+    STRONGEST,
+    WITH_POINTS,
+    Company,
+    Edit,
+    Op,
+)
+
+_points = st.dictionaries(st.floats(-100, 1e5), st.floats(0, 100), min_size=1, max_size=5)
+
+
+@st.composite
+def edits(draw: st.DrawFn) -> Edit:
+    """Edits with every field that their operation has."""
+    start = draw(st.floats(-100, 1e5))
+    op = draw(st.sampled_from(Op))
+    values = {Op.SCALE: st.floats(0, 50), Op.SMOOTH: st.floats(0, LONGEST_SMOOTH)}
+    return Edit(
+        controls=tuple(draw(st.lists(st.sampled_from(CONTROL_IDS), min_size=1, unique=True))),
+        op=op,
+        start=start,
+        end=start + draw(st.floats(0, 1000)),
+        falloff=draw(st.floats(0, 10)),
+        value=draw(values.get(op, st.floats(-100, 100))),
+        falloff_out=draw(st.none() | st.floats(0, 10)),
+        strength=draw(st.floats(0, STRONGEST)),
+        enabled=draw(st.booleans()),
+        name=draw(st.text(max_size=5)),
+        about=draw(st.none() | st.floats(0, 50)) if op is Op.SCALE else None,
+        points=tuple(sorted(draw(_points).items())) if op in WITH_POINTS else (),
+        companions=draw(st.sampled_from(Company)),
+    )

@@ -1,0 +1,98 @@
+"""The film beside the face: the picture of the frame, mirrored, out of reach."""
+
+from __future__ import annotations
+
+import numpy as np
+from PySide6.QtGui import QImage
+from support.films import make_film
+from support.media import FakeOutput, editor_of, settle, shown, with_media
+from support.takes import make_livelink_csv
+from support.windows import Bench, session_of, trigger
+
+
+def test_the_film_shows_the_picture_of_the_frame(bench: Bench, devices: list[FakeOutput]) -> None:
+    window = with_media(bench, make_film(bench.folder / "a.mp4", 60, 30))
+    for seconds in (0.0, 1.0, 0.5, 0.499, 1.95, 0.7, 0.02):
+        window.timeline.go_to_time(seconds)
+        expected = int((window.timeline.time + 5e-4) * 30)
+        assert shown(bench, window) == expected
+    window.timeline.go_to_time(1.0)
+    editor_of(window).film.offset.setValue(0.4)
+    assert shown(bench, window) == 18
+
+
+def rgb(image: QImage, x: int, y: int) -> tuple[int, int, int]:
+    color = image.pixelColor(x, y)
+    return color.red(), color.green(), color.blue()
+
+
+def test_a_mirrored_film_is_shown_as_in_a_mirror_and_kept_in_the_project(
+    bench: Bench, devices: list[FakeOutput]
+) -> None:
+    window = bench.editing()
+    assert not window.actions_["mirror_film"].isEnabled()
+    window.media.add(make_film(bench.folder / "a.mp4", 60, 30))
+    settle(bench, window)
+    window.timeline.go_to_time(1.0)
+    shown(bench, window)
+    screen = editor_of(window).film.screen_
+    plain = screen.grab().toImage()
+    steps = session_of(window).state
+    trigger(window, "mirror_film")
+    assert window.actions_["mirror_film"].isChecked()
+    mirrored = screen.grab().toImage()
+    assert mirrored != plain
+    differ = [
+        abs(a - b)
+        for y in range(0, plain.height(), 7)
+        for x in range(0, plain.width(), 3)
+        for a, b in zip(rgb(mirrored, x, y), rgb(plain, plain.width() - 1 - x, y), strict=True)
+    ]
+    assert np.mean(differ) < 3.0
+    assert session_of(window).state == steps, "no step: it is a way to look"
+    bench.answers["save_project"] = bench.folder / "p.faceedit"
+    trigger(window, "save")
+    again = bench.window(bench.folder / "p.faceedit")
+    settle(bench, again)
+    assert again.media.mirrored
+    assert again.actions_["mirror_film"].isChecked()
+    other = make_livelink_csv(bench.folder / "another.csv", seconds=1.0)
+    again.commands.file.open(other)
+    bench.qtbot.waitUntil(lambda: again.document.path == other)
+    assert not again.media.mirrored
+
+
+def test_outside_of_the_film_it_says_where_it_is(bench: Bench, devices: list[FakeOutput]) -> None:
+    window = with_media(bench, make_film(bench.folder / "a.mp4", 30, 30))
+    screen = editor_of(window).film.screen_
+    window.timeline.go_to_time(2.5)
+    assert screen.index == -1
+    assert screen._note == "The film ended at 0:01.000"
+    window.media.move_film(2.0)
+    assert shown(bench, window) == 15
+    window.timeline.go_to_time(0.5)
+    assert screen._note == "The film begins at 0:02.000"
+    screen.grab()
+
+
+def test_sound_and_picture_of_a_film_move_together(bench: Bench, devices: list[FakeOutput]) -> None:
+    window = with_media(bench, make_film(bench.folder / "a.mp4", sound=1.0))
+    editor = editor_of(window)
+    editor.sound.offset.setValue(0.3)
+    assert window.media.film is not None
+    assert window.media.film.offset == 0.3
+    assert editor.film.offset.value() == 0.3
+
+
+def test_a_film_that_vanishes_says_so(bench: Bench, devices: list[FakeOutput]) -> None:
+    path = make_film(bench.folder / "a.mp4", 300, 30, gop=10)
+    window = with_media(bench, path)
+    screen = editor_of(window).film.screen_
+    assert shown(bench, window) == 0
+    bench.qtbot.waitUntil(lambda: screen._film is not None and screen._film.cached(12) is not None)
+    assert screen._film is not None
+    screen._film.close()
+    screen._film._cache.clear()
+    path.unlink()
+    window.timeline.go_to_time(2.0)
+    bench.qtbot.waitUntil(lambda: "is not there" in screen._note, timeout=10_000)
