@@ -19,7 +19,7 @@ from faceedit_app.characters.pictures import Unreadable, decode
 from faceedit_app.characters.points import PAIRS, POINTS, Face, Points, find_points
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.welding import Weld, weld
-from faceedit_app.core.arrays import Bools, Floats, Pixels
+from faceedit_app.core.arrays import Bools, Pixels
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Material, Rig
@@ -264,8 +264,3 @@ def _outwards(assembly: Assembly, welded: Weld, face: Face) -> NDArray[np.int32]
         return assembly.faces
     turned: NDArray[np.int32] = np.ascontiguousarray(assembly.faces[:, ::-1])
     return turned
-
-
-def points_in_millimetres(fitted: FittedCharacter) -> dict[str, Floats]:
-    """Where each point is at rest, (3,) mm, from between the eyes."""
-    return {name: 1000.0 * fitted.rig.neutral[v] for name, v in fitted.points.items()}

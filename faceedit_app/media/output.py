@@ -110,11 +110,6 @@ class Mixer:
         with self._lock:
             self._hush()
 
-    @property
-    def is_silent(self) -> bool:
-        """Whether nothing is heard and nothing will be."""
-        return not self._voices
-
     def _hush(self) -> None:
         self._playing = False
         for voice in self._voices:
