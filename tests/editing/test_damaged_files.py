@@ -181,7 +181,9 @@ def test_any_name_that_the_user_gives_an_edit_comes_back_from_a_file(
 
 
 def _hostile(*patterns: str) -> list[Path]:
-    return sorted(path for pattern in patterns for path in HOSTILE.glob(pattern))
+    found = sorted(path for pattern in patterns for path in HOSTILE.glob(pattern))
+    assert found, patterns
+    return found
 
 
 @pytest.mark.skipif(not HOSTILE.is_dir(), reason="the samples of hostile files are not at hand")

@@ -86,7 +86,9 @@ def test_evaluate_writes_the_json_of_the_promise(
     assert found["edits"]["preserve"]["changed_outside"] == 0.0
     assert [t["name"] for t in found["takes"]] == ["take_0.csv", "take_1.csv"]
     text = (report / "evaluation.md").read_text()
-    for picture in report.glob("*.svg"):
+    pictures = list(report.glob("*.svg"))
+    assert pictures
+    for picture in pictures:
         assert picture.name in text
         ElementTree.fromstring(picture.read_text())
 

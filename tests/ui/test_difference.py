@@ -342,7 +342,9 @@ def test_the_legend_is_clear_of_the_switches(window: MainWindow, width: int) -> 
     QApplication.processEvents()
     legend = face.viewport.legend
     assert face.viewport.rect().contains(legend.geometry())
-    for button in face.findChildren(QToolButton):
+    buttons = face.findChildren(QToolButton)
+    assert buttons
+    for button in buttons:
         place = QRect(button.mapTo(face, QPoint(0, 0)), button.size())
         assert not place.intersects(legend.geometry())
 

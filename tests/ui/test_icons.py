@@ -13,6 +13,8 @@ from faceedit_app.ui.look import icons
 
 NAMES = sorted(path.stem for path in icons.icon_file("x").parent.glob("*.svg"))
 
+assert NAMES, "the icons have moved"
+
 
 def inks(pixmap: QPixmap) -> set[str]:
     """The colours of the pixels that are covered in full."""

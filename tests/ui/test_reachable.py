@@ -58,6 +58,11 @@ def test_nothing_is_cut_off_in_a_small_window(
         assert plot.height() >= 24
     right = window.editor.transport.width()
     for part in (window.editor.settings_bar, window.editor.tool_bar, window.editor.transport):
-        for child in part.findChildren(QWidget):
-            if child.isVisible() and child.parent() is part and not isinstance(child, QLabel):
-                assert child.geometry().right() <= right, (child, child.objectName())
+        children = [
+            child
+            for child in part.findChildren(QWidget)
+            if child.isVisible() and child.parent() is part and not isinstance(child, QLabel)
+        ]
+        assert children, part
+        for child in children:
+            assert child.geometry().right() <= right, (child, child.objectName())
