@@ -116,7 +116,7 @@ class Desk:
         self._send(self.plot(control), QEvent.Type.MouseButtonRelease, _LEFT)
         self.settle(0.0)
 
-    def give_up(self) -> None:
+    def cancel(self) -> None:
         """Drop the drag."""
         self.editor.curves.cancel_drag()
         self.settle(0.0)

@@ -59,7 +59,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
     # Qt calls what paints a plot past Python's classes, so it is measured by itself.
     plots = [plot.viewport() for plot in desk.editor.curves.plots]
     painted = repeat(lambda: [plot.repaint() for plot in plots], times, 2)
-    desk.give_up()
+    desk.cancel()
     desk.choose()
     parts = {stage: 1e3 * stages.seconds.get(stage, 0.0) / times for stage in STAGES}
     parts["plots"] += painted.median
@@ -80,7 +80,7 @@ def _drag_of_one(desk: Desk, times: int) -> Times:
     for _ in range(10):
         once()
     steps = Times([once() for _ in range(times)])
-    desk.give_up()
+    desk.cancel()
     return steps
 
 
@@ -105,12 +105,12 @@ def _length(desk: Desk, frames: int, times: int) -> dict[str, Any]:
     for _ in range(10):
         once()
     local = Times([once() for _ in range(times)])
-    desk.give_up()
+    desk.cancel()
     line.show_range(0.0, clip.duration)
     desk.settle()
     desk.press(LIP_OPENING, moment)
     overview = Times([once() for _ in range(max(times // 4, 2))])
-    desk.give_up()
+    desk.cancel()
     line.show_range(moment - 4.0, moment + 4.0)
     return {
         "local": local.summary(),
