@@ -110,11 +110,6 @@ def transcribe(text: str, tempo: float = 1.0, voice: str = "en-us") -> tuple[Pho
     return with_durations(parse(_espeak(text, voice)), tempo)
 
 
-def available() -> bool:
-    """Whether espeak-ng is installed."""
-    return shutil.which("espeak-ng") is not None
-
-
 @functools.lru_cache(maxsize=1024)
 def _espeak(text: str, voice: str) -> str:
     program = shutil.which("espeak-ng")

@@ -70,11 +70,6 @@ class Waveform(QWidget):
         """How its pixels map to seconds and to amplitudes, -1..1."""
         return Scale(self.width(), self.height(), self._timeline.view, (-1.0, 1.0))
 
-    @property
-    def is_moving(self) -> bool:
-        """Whether the sound is being dragged in time."""
-        return self._grabbed is not None
-
     def _measure(self) -> None:
         sound = self._media.sound.item if self._media.sound is not None else None
         self._grabbed = self._picture = None
