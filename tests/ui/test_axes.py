@@ -90,7 +90,7 @@ def test_values_are_whole_and_apart(panel: CurvesPanel, height: int) -> None:
     panel.resize(900, height)
     QApplication.processEvents()
     plot = panel.plots[0]
-    axis = plot.plotItem.getAxis("left")
+    axis = plot.axis
     for low, high in ((0.0, 0.3), (-3.0, 17.0), (4.9, 5.3), (0.0, 999.0), (-0.4, 1.7)):
         plot.show_values((low, high))
         numbers = drawn(axis)

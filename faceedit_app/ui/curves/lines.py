@@ -122,8 +122,9 @@ class Stroke:
 def _polygon(line: Polyline) -> QPolygonF:
     """The points of a line, for Qt."""
     polygon: QPolygonF = create_qpolygonf(len(line.x))
-    points = ndarray_from_qpolygonf(polygon)
-    points[:, 0], points[:, 1] = line.x, line.y
+    if len(line.x):
+        points = ndarray_from_qpolygonf(polygon)
+        points[:, 0], points[:, 1] = line.x, line.y
     return polygon
 
 

@@ -89,8 +89,10 @@ class Marks:
     alpha: int = style.HOVER
 
 
-class CurvePlot(pg.PlotWidget, Mouse):
-    """The plot of one control.
+class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
+    """The plot of one control: a view box, and a value axis left of it.
+
+    A `PlotItem` would bring three more axes, and 45 widgets of options that nobody sees.
 
     Signals:
         focus_changed(): the plot gained or lost the focus.
@@ -102,18 +104,16 @@ class CurvePlot(pg.PlotWidget, Mouse):
 
     def __init__(self, control: Control, timeline: Timeline, mouse: CurveMouse) -> None:
         self.control, self._mouse, self._timeline = control, mouse, timeline
-        self.view = TimeView(timeline, self)
-        axis = ValueAxis()
-        super().__init__(
-            background=style.PLOT, viewBox=self.view, axisItems={"left": axis}, enableMenu=False
-        )
-        self.values_chosen = False  # by the user; they then stay fixed
-        self.close_up = False  # whether small movements are enlarged
+        super().__init__()
+        self.setBackground(style.PLOT)
+        self.view, self.axis = TimeView(timeline, self), ValueAxis()
+        self.values_chosen = False  # by the user: nothing else then changes them
+        self.close_up = False  # whether they fit even the smallest movements
         self.shows_focus = False
         self._marks, self._active = Marks(), False
-        self._at = (0.0, 0.0)  # seconds and face's value at the playhead
-        self._lay_out(axis)
-        self._fill(axis)
+        self._at = (0.0, 0.0)  # the playhead, and the face's value there
+        self._lay_out()
+        self._fill()
         self.setObjectName(f"plot_{control.id}")
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
@@ -124,16 +124,16 @@ class CurvePlot(pg.PlotWidget, Mouse):
         self.view.values_chosen.connect(self._choose_values)
         self.view.menu_asked.connect(self._ask_menu)
 
-    def _lay_out(self, axis: ValueAxis) -> None:
-        self.plotItem.hideAxis("bottom")
-        for unseen in ("top", "right", "bottom"):
-            self.plotItem.getAxis(unseen).unlinkFromView()  # else numbered, though hidden
-        self.plotItem.hideButtons()
-        self.plotItem.layout.setContentsMargins(0, 0, 0, 0)
-        axis.setStyle(tickFont=style.scaled_font(self, 0.82))
+    def _lay_out(self) -> None:
+        self.ci.setContentsMargins(0, 0, 0, 0)
+        self.ci.setSpacing(0)
+        self.ci.addItem(self.axis, 0, 0)
+        self.ci.addItem(self.view, 0, 1)
+        self.axis.linkToView(self.view)
+        self.axis.setStyle(tickFont=style.scaled_font(self, 0.82))
 
-    def _fill(self, axis: ValueAxis) -> None:
-        """Add the items, from back to front."""
+    def _fill(self) -> None:
+        """Put in what is seen, from the back to the front."""
         color = self.control.color
         self._selection, self._edit = selection_region(), edit_region()
         self._gaps, self._lines = Gaps(_GAP_ALPHA), CurveLines(color)
@@ -147,7 +147,7 @@ class CurvePlot(pg.PlotWidget, Mouse):
             self._selection,
             self._edit,
             self._gaps,
-            GridLines(axis),
+            GridLines(self.axis),
             self._lines,
             self._playhead,
             self._dot,
