@@ -227,7 +227,7 @@ VICTIM = """
 import sys, time
 from pathlib import Path
 sys.path.insert(0, {tests!r})
-from support.sessions import session_by_rig
+from support.sessions import session_by_rig, strengthen
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files.journal import Journal
 
@@ -240,7 +240,7 @@ for i in range(6):
     session.preview(edit(i, 2.0))
     session.commit()
 session.undo()
-session.set_strength(2, 0.5)
+strengthen(session, 2, 0.5)
 mm = 0.0
 while True:  # in the middle of a drag
     mm += 0.1

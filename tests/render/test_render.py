@@ -379,7 +379,8 @@ def test_the_shipped_character_blinks(renderer: FaceRenderer, blinking: tuple[st
             weights[rig.channel_index[BLINKS[lid]]] = 1.0
         lengths = rig.controls(weights[None])[0]
         assert {lid for lid in LIDS if lengths[CONTROL_INDEX[lid]] < 1.0} == {*closed}
-        return snapshot(rig, weights, size, size, camera).mean(axis=2)
+        grey: np.ndarray = snapshot(rig, weights, size, size, camera).mean(axis=2)
+        return grey
 
     awake, asleep = eyes(), eyes(*blinking)
     untouched = np.ones((size, size), bool)

@@ -157,7 +157,7 @@ def test_digits_typed_into_the_falloff_are_no_shortcuts(window: MainWindow) -> N
     press(window, Qt.Key.Key_Return)
     assert window.timeline.falloff == pytest.approx(0.5)
     assert not box.hasFocus()
-    window.timeline.set_falloff(1.25)
+    window.timeline.set_falloffs(1.25, 1.25)
     assert box.value() == 1.25
 
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import Enum, auto
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
-from faceedit_app.editing.files.journal import Pending
-from faceedit_app.editing.files.project import SUFFIX
+from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import ENDINGS
 from faceedit_app.ui.page.rate_dialog import RateDialog
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.files.journal import Pending
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
@@ -57,7 +60,7 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    kinds = f"Takes and projects ({takes_pattern()} *{SUFFIX});;All files (*)"
+    kinds = f"Takes and projects ({takes_pattern()} *{PROJECT_SUFFIX});;All files (*)"
     return _chosen(
         QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
     )

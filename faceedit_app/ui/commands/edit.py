@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.editing.edits.settings import Mode
-from faceedit_app.editing.help.clipboard import Clipboard, Copied, copy_range
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
-if TYPE_CHECKING:  # comes with the page, after the first paint
+if TYPE_CHECKING:  # the window is there before the solver, and before the page
+    from faceedit_app.editing.help.clipboard import Clipboard, Copied
     from faceedit_app.ui.edits.panel import EditsPanel
 
 
@@ -94,8 +94,21 @@ class EditCommands:
 
     # --- clipboard ---------------------------------------------------------------------------
 
-    def copy(self, what: Copied) -> None:
-        """Copy what the face does in the selection, or only what the edits changed there."""
+    def copy(self) -> None:
+        """Keep what the face does in the selection."""
+        from faceedit_app.editing.help.clipboard import Copied
+
+        self._copy(Copied.CURVE)
+
+    def copy_changes(self) -> None:
+        """Keep what the edits changed in the selection."""
+        from faceedit_app.editing.help.clipboard import Copied
+
+        self._copy(Copied.CHANGE)
+
+    def _copy(self, what: Copied) -> None:
+        from faceedit_app.editing.help.clipboard import copy_range
+
         session, selection = self._document.session, self._selection("copy")
         if session is None or selection is None:
             return
@@ -118,7 +131,9 @@ class EditCommands:
             self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste mirrored")
 
     def mirror(self) -> None:
-        """Swap left and right in the selection."""
+        """Let left and right change places in the selection."""
+        from faceedit_app.editing.help.clipboard import Copied, copy_range
+
         session, selection = self._document.session, self._selection("mirror")
         if session is None or selection is None:
             return
@@ -205,9 +220,9 @@ MENU: Menu[EditCommands] = Menu("Edit", (
             ("Ctrl+Shift+R",),
             "Go back to the take as tracked for the focused curve only",
             enabled=lambda do: do.has_edits),
-    Command("copy", "&Copy range", lambda do: do.copy(Copied.CURVE), ("Ctrl+C",),
+    Command("copy", "&Copy range", EditCommands.copy, ("Ctrl+C",),
             "Copy what the face does in the selection", starts_group=True),
-    Command("copy_changes", "Copy changes only", lambda do: do.copy(Copied.CHANGE),
+    Command("copy_changes", "Copy changes only", EditCommands.copy_changes,
             ("Ctrl+Shift+C",),
             "Copy only what your edits changed in the selection, to add it elsewhere"),
     Command("paste", "&Paste at playhead", EditCommands.paste, ("Ctrl+V",),

@@ -1,16 +1,19 @@
-"""The File menu: ask the user, then hand over to the document, the opener or projects."""
+"""The File menu: ask the user, then let document, opener and projects do it.
+
+What comes with the solver is imported once it is needed: the window is there before it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
-from faceedit_app.editing.files.project import SUFFIX, Located, Project, Whereabouts
-from faceedit_app.ui.commands import dialogs, projects
+from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
@@ -51,32 +54,16 @@ class FileCommands:
             self.open(path)
 
     def open(self, path: Path) -> None:
-        """Read a take or a project in the background; on an error the current one stays open."""
-        if not projects.is_project(path):
+        """Read a take or a project in the background; on an error the present one stays open."""
+        if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return
+        from faceedit_app.ui.commands import projects
 
-        def found(project: Project, located: Located) -> None:
-            take = self._take_of(located, path.parent)
-            if take is None:
-                self._workspace.opener.reading.emit("")
-                return
-            as_it_was = located.where is Whereabouts.FOUND
-            projects.open_take(self._workspace, project, path, take, as_it_was)
-            self._preferences.add_recent(path)
+        def ask(message: str, likely: Sequence[Path]) -> Path | None:
+            return dialogs.ask_take_of_project(self._window, message, likely, path.parent)
 
-        projects.read(self._workspace, path, found, self._show_error)
-
-    def _take_of(self, located: Located, folder: Path) -> Path | None:
-        """The take of a project; asks the user if it is in doubt."""
-        take = located.path
-        match located.where:
-            case Whereabouts.CHANGED | Whereabouts.MISSING:
-                choices = [*([take] if take is not None else []), *located.others]
-                return dialogs.ask_take_of_project(self._window, located.message, choices, folder)
-            case Whereabouts.MOVED:
-                self._workspace.warning.emit(located.message)
-        return take
+        projects.open_project(self._workspace, path, ask, self._show_error)
 
     def _remember(self, path: Path) -> None:
         """Remember the take and its folder."""
@@ -108,11 +95,15 @@ class FileCommands:
     def save_as(self) -> bool:
         """Save the project under a name that the user chooses; False as for `save`."""
         self._workspace.end_gestures()
-        suggestion = self._document.project or self._workspace.suggest("project", "", SUFFIX)
+        suggestion = self._document.project or self._workspace.suggest(
+            "project", "", PROJECT_SUFFIX
+        )
         path = dialogs.ask_save_project(self._window, suggestion)
         return path is not None and self._save(path)
 
     def _save(self, path: Path) -> bool:
+        from faceedit_app.ui.commands import projects
+
         def save(path: Path) -> None:
             projects.save(self._workspace, path)
             self._preferences.add_recent(path)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
@@ -18,12 +17,15 @@ from faceedit_app.editing.help.presets import (
     save_preset,
     shipped_presets,
 )
-from faceedit_app.editing.help.problems import Problem
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
 from faceedit_app.ui.state.actions import Command, Menu
+
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.edits.edit import Edit
+    from faceedit_app.editing.help.problems import Problem
 
 
 class FixCommands:
@@ -42,7 +44,9 @@ class FixCommands:
             self._workspace.add_edits(edits, preset.name)
 
     def _edits_of(self, preset: Preset) -> tuple[Edit, ...]:
-        """The edits that a preset would make now."""
+        """What a preset would do now."""
+        from faceedit_app.editing.help.fixes import apply_preset
+
         session, line = self._document.session, self._timeline
         if session is None:
             return ()

@@ -17,7 +17,6 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app import __version__
-from faceedit_app.core.licences import libraries, texts_file
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.palette import ACCENT, MUTED, TEXT
 from faceedit_app.ui.state.actions import Command, Menu
@@ -82,7 +81,12 @@ def shortcuts_dialog(parent: QWidget, rows: Rows) -> QDialog:
 
 
 def about_html(attribution: str) -> str:
-    """Version, credits and licences."""
+    """What this is, whose work is in it, and under which licences."""
+    from faceedit_app.core.licences import (  # brings the standard e-mail parser
+        libraries,
+        texts_file,
+    )
+
     texts = texts_file()
     paragraphs = [
         f"<span style='font-size:18pt; font-weight:600'>FaceEdit</span> {escape(__version__)}",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,10 +11,10 @@ from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.files.journal import Pending
 from faceedit_app.editing.files.project import (
-    SUFFIX,
     Located,
     Project,
     ViewState,
+    Whereabouts,
     locate_take,
     read_project,
 )
@@ -22,11 +22,6 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.clock import Unit
-
-
-def is_project(path: Path) -> bool:
-    """Whether a file is a project, by its suffix."""
-    return path.suffix.lower() == SUFFIX
 
 
 def save(workspace: Workspace, path: Path) -> None:
@@ -67,17 +62,37 @@ def restore_view(workspace: Workspace, view: ViewState) -> None:
     workspace.media.mirror(view.ui.get("mirror_film") is True)
 
 
-def read(
+def open_project(
     workspace: Workspace,
     path: Path,
-    found: Callable[[Project, Located], None],
+    ask: Callable[[str, Sequence[Path]], Path | None],
     failed: Callable[[FaceEditError], None],
 ) -> None:
-    """Read a project and find its take, in the background."""
+    """Read a project in the background, look for its take, and open it.
 
-    def work() -> tuple[Project, Located]:
+    Args:
+        ask: which file is the take, where that is in doubt; given why it is, and likely ones.
+        failed: is given the error of a project that cannot be read.
+    """
+
+    def read() -> tuple[Project, Located]:
         project = read_project(path)
         return project, locate_take(project, path)
+
+    def found(both: tuple[Project, Located]) -> None:
+        project, located = both
+        take = located.path
+        match located.where:
+            case Whereabouts.CHANGED | Whereabouts.MISSING:
+                likely = [*([take] if take is not None else []), *located.others]
+                take = ask(located.message, likely)
+            case Whereabouts.MOVED:
+                workspace.warning.emit(located.message)
+        if take is None:
+            workspace.opener.reading.emit("")
+            return
+        _open_take(workspace, project, path, take, located.where is Whereabouts.FOUND)
+        workspace.preferences.add_recent(path)
 
     def report(error: Exception) -> None:
         workspace.opener.reading.emit("")
@@ -86,13 +101,13 @@ def read(
         failed(error)
 
     workspace.opener.reading.emit(f"Opening {path.name}…")
-    workspace.background.run(work, lambda both: found(*both), report)
+    workspace.background.run(read, found, report)
 
 
-def open_take(
+def _open_take(
     workspace: Workspace, project: Project, path: Path, take: Path, is_as_it_was: bool
 ) -> None:
-    """Open a project that has been read.
+    """Open the take of a project.
 
     Args:
         path: the project's file.

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.retiming import retimed
-from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
 from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
+
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.session import EditSession
 
 
 class TakeCommands:

@@ -11,7 +11,6 @@ from PySide6.QtGui import QGuiApplication, QImage
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.render import Aim
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
@@ -76,10 +75,10 @@ class ViewCommands:
         if self.face is not None:
             self.face.viewport.reset_camera()
 
-    def aim(self, aim: Aim) -> None:
-        """Point the camera at the face from a side, or at a part of it."""
+    def aim(self, aim: str) -> None:
+        """Point the camera at the face from a side, or at a part of it: see `render.Aim`."""
         if self.face is not None:
-            self.face.viewport.aim(aim)
+            self.face.aim(aim)
 
     def copy_picture(self) -> None:
         """Copy the picture of the face to the clipboard, as shown."""
@@ -169,13 +168,13 @@ def _shows_edited(do: ViewCommands) -> bool:
 MENU: Menu[ViewCommands] = Menu("View", (
     Command("reset_camera", "&Reset camera", ViewCommands.reset_camera, ("0",),
             "Look at the face from the front", "camera", needs_take=False),
-    Command("camera_left", "&Left side", lambda do: do.aim(Aim.LEFT), ("Shift+L",),
+    Command("camera_left", "&Left side", lambda do: do.aim("left"), ("Shift+L",),
             "Look at the character's left side", submenu=CAMERA),
-    Command("camera_right", "&Right side", lambda do: do.aim(Aim.RIGHT), ("Shift+R",),
+    Command("camera_right", "&Right side", lambda do: do.aim("right"), ("Shift+R",),
             "Look at the character's right side", submenu=CAMERA),
-    Command("camera_mouth", "&Mouth", lambda do: do.aim(Aim.MOUTH), ("Shift+M",),
+    Command("camera_mouth", "&Mouth", lambda do: do.aim("mouth"), ("Shift+M",),
             "Look closely at the mouth", submenu=CAMERA),
-    Command("camera_eyes", "&Eyes", lambda do: do.aim(Aim.EYES), ("Shift+E",),
+    Command("camera_eyes", "&Eyes", lambda do: do.aim("eyes"), ("Shift+E",),
             "Look closely at the eyes", submenu=CAMERA),
     Command("fit", "&Zoom to fit", ViewCommands.fit, ("F",),
             "Show the selection or the whole take", "fit"),
@@ -217,8 +216,8 @@ MENU: Menu[ViewCommands] = Menu("View", (
     Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,
             tip="Copy the picture of the face to the clipboard, as shown",
             enabled=lambda do: do.has_picture, starts_group=True),
-    Command("save_picture", "Sa&ve picture…", ViewCommands.save_picture,
-            tip="Save the picture of the face as a PNG file, as shown",
+    Command("save_picture", "&Save picture…", ViewCommands.save_picture,
+            tip="Save the picture of the face as PNG, as it is shown",
             enabled=lambda do: do.has_picture),
 ))
 # fmt: on

@@ -9,9 +9,6 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.resources import is_demo_take
-from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.undo import MediaSteps
@@ -23,7 +20,10 @@ from faceedit_app.ui.state.take_opener import TakeOpener
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
-if TYPE_CHECKING:  # it imports pyqtgraph; the window appears first
+if TYPE_CHECKING:  # the window is there before the solver, and before pyqtgraph with the page
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.edits.edit import Edit
+    from faceedit_app.editing.session import EditSession
     from faceedit_app.ui.page.editor import Editor
 
 

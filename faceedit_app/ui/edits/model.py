@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import (
     QAbstractListModel,
@@ -14,10 +14,9 @@ from PySide6.QtCore import (
     Signal,
 )
 
+from faceedit_app.editing.edits.describe import describe, describe_controls
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.state.document import Document
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.edits.edit import Edit
 
 _MIME = "application/x-faceedit-row"
 Index = QModelIndex | QPersistentModelIndex
@@ -53,9 +52,7 @@ class EditsModel(QAbstractListModel):
         return 0 if parent.isValid() else len(self.edits)
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
-        """Name, switch, and a description for tooltips and screen readers."""
-        from faceedit_app.editing.edits.describe import describe
-
+        """Name, switch, and all of it in words for tooltips and screen readers."""
         if not 0 <= index.row() < len(self.edits):
             return None
         edit = self.edits[index.row()]
@@ -135,8 +132,6 @@ class EditsModel(QAbstractListModel):
 
 def columns(edit: Edit) -> tuple[str, str, str]:
     """When it acts, on what, and how strongly."""
-    from faceedit_app.editing.edits.describe import describe_controls
-
     start, end = (f"{max(seconds, 0.0):.2f}" for seconds in (edit.start, edit.end))
     return (
         f"{start} s" if start == end else f"{start} – {end} s",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent
@@ -19,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.edits.delegate import EditsDelegate
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.look.gesture_slider import GestureSlider
@@ -27,9 +27,6 @@ from faceedit_app.ui.look.widgets import caption, context_menu, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.edits.edit import Edit
 
 STRONGEST = 150  # per cent
 _EMPTY = (

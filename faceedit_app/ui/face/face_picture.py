@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 
 from faceedit_app import render
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import tint_of
 from faceedit_app.ui.look.palette import BORDER, TEXT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 Size = tuple[int, int]  # pixels
 
@@ -32,7 +28,7 @@ class FacePicture:
     def __init__(self) -> None:
         self.camera = render.Camera()
         self.image: QImage | None = None
-        self._pixels: NDArray[np.uint8] | None = None  # memory that the image shares
+        self._pixels: Pixels | None = None  # the image is a view of it
         self._rig: Rig | None = None
         self._renderer: render.FaceRenderer | None = None
         self._weights: Floats | None = None
@@ -130,10 +126,8 @@ class FacePicture:
             return vertices, None
         return vertices, tint_of(vertices, rig.vertices(self._against))
 
-    def _faces(
-        self, renderer: render.FaceRenderer, rig: Rig, size: Size, smooth: bool
-    ) -> NDArray[np.uint8]:
-        """(H, W, 4) the picture: one face, or two side by side."""
+    def _faces(self, renderer: render.FaceRenderer, rig: Rig, size: Size, smooth: bool) -> Pixels:
+        """(H, W, 4) the picture: one face, or two beside each other."""
         if self._begun and not smooth:
             self._begun = False
             return renderer.finish()

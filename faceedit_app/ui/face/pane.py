@@ -93,6 +93,10 @@ class FacePane(QWidget):
             self._tracked = False
         self._switched()
 
+    def aim(self, aim: str) -> None:
+        """Point the camera: see `render.Aim`."""
+        self.viewport.aim(Aim(aim))
+
     def glance(self, glancing: bool) -> None:
         """Show the tracked face while a key is held."""
         self._glancing = glancing

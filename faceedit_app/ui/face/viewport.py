@@ -6,7 +6,7 @@ import contextlib
 import logging
 import time
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
@@ -26,18 +26,16 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QLabel, QSizePolicy, QWidget
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.rig import Rig
 from faceedit_app.render import Aim, Camera
 from faceedit_app.ui.face.camera_keys import moved_by_key
 from faceedit_app.ui.face.difference_legend import DifferenceLegend
 from faceedit_app.ui.face.face_picture import FacePicture, Size, paint_names
 from faceedit_app.ui.look.palette import ACCENT, PANEL
 
-if TYPE_CHECKING:
-    from faceedit_app.core.arrays import Floats
-    from faceedit_app.core.rig import Rig
-
-IDLE_MS = 150  # without a change, before the picture is drawn with smooth edges
+IDLE_MS = 150  # after so long without a change the picture is drawn with smooth edges
 ORBIT = 0.008  # radians per pixel
 ZOOM_STEP = 0.88  # per notch of the wheel
 # Seconds that a rough picture may take before its resolution is lowered.

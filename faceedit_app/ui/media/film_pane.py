@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QContextMenuEvent, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
+from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats.timing import format_time
+from faceedit_app.media.film import Film, Projector
 from faceedit_app.ui.look.palette import MUTED, PANEL
 from faceedit_app.ui.look.theme import MARGIN
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
-
-if TYPE_CHECKING:
-    from faceedit_app.core.arrays import Pixels
-    from faceedit_app.media.film import Film, Projector
 
 
 class Screen(QWidget):
@@ -54,9 +51,7 @@ class Screen(QWidget):
         self.broken.connect(self._stop, Qt.ConnectionType.QueuedConnection)
 
     def _load(self) -> None:
-        """Show another film, or none."""
-        from faceedit_app.media.film import Projector
-
+        """Another film, or none."""
         self.close_film()
         if self._media.film is not None:
             self._film = self._media.film.item

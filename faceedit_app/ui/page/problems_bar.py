@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolTip, QWidget
 
+from faceedit_app.editing.help.problems import Problem, find_problems, problems_of
+from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.look.widgets import icon_button
@@ -16,10 +17,6 @@ from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.help.problems import Problem
-    from faceedit_app.editing.session import EditSession
 
 HEIGHT = 24
 _WAIT_MS = 250  # after the last change
@@ -85,8 +82,6 @@ class ProblemsBar(QWidget):
             self._search_beside(session)
 
     def _search_beside(self, session: EditSession) -> None:
-        from faceedit_app.editing.help.problems import problems_of
-
         self._newest += 1
         number, clip = self._newest, session.take.clip
         weights, controls = session.weights.copy(), session.achieved.copy()
@@ -111,8 +106,6 @@ class ProblemsBar(QWidget):
         if session.is_previewing:
             self._timer.start()
             return
-        from faceedit_app.editing.help.problems import find_problems
-
         began = time.perf_counter()
         self.problems = tuple(find_problems(session))
         # Long takes are searched less often.

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout
 
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Elided, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.edits.edit import Edit
 
 
 class ProposalBar(QFrame):

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from PySide6.QtCore import QObject, QSignalBlocker, Qt, QTimer
 from PySide6.QtWidgets import QLabel
 
+from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.state.document import Document
 
-if TYPE_CHECKING:  # the window is there before the solver is imported
-    from faceedit_app.editing.edits.settings import Settings
-
-_LIVE_MS = 40  # least time between two previews of a drag
-_LIVE_COST = 0.1  # seconds; slower answers wait for the release
+_LIVE_MS = 40  # a drag is previewed at most this often
+_LIVE_COST = 0.1  # seconds; when an answer takes longer, it waits for the release
 
 
 class SettingSlider(QObject):

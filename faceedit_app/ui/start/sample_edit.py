@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession
+
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.session import EditSession
 
 
 def sample_edit(session: EditSession) -> Edit:

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.core.rig import Rig
 from faceedit_app.media import is_media
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import Commands
@@ -28,7 +27,8 @@ from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.preferences import Preferences
 
-if TYPE_CHECKING:  # both import a lot; the window appears first
+if TYPE_CHECKING:  # these bring much along; the window is there before them
+    from faceedit_app.core.rig import Rig
     from faceedit_app.networks.engine import Engine
     from faceedit_app.ui.page.editor import Editor
 

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.rig import Rig
-from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.document import Document
+
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
 
 
 class TakeOpener(QObject):

@@ -115,10 +115,6 @@ class Timeline(QObject):
             self.selection = selection
             self.selection_changed.emit()
 
-    def set_falloff(self, seconds: float) -> None:
-        """Set both falloffs to the same value."""
-        self.set_falloffs(seconds, seconds)
-
     def set_falloffs(self, fade_in: float, fade_out: float) -> None:
         """Set each falloff."""
         low, high = FALLOFF_RANGE
