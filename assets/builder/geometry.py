@@ -1,4 +1,4 @@
-"""What several parts need to model: grids of triangles, smoothing, rays, attachment to a surface.
+"""Modelling shared by several parts: grids of triangles, smoothing, rays, anchoring to a surface.
 
 Normals, adjacency, borders, rays and fits are trimesh's. Ours is what it lacks: triangles that
 join rows of vertices, and smoothing of any values by an amount that differs from place to place.

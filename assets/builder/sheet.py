@@ -1,4 +1,4 @@
-"""Draws the character in every shape, as the application shows it, for a person to look at."""
+"""Draws the character in every shape, as the application shows it, for review."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ class Arch:
 
     Attributes:
         length: mm along the curve, from the character's right to the left.
-        middle: (2,) a point (x, z) inside, from which the outside is told.
+        middle: (2,) a point (x, z) inside, which determines the outside.
     """
 
     def __init__(self, helper: Floats, jaw: Jaw) -> None:

@@ -1,4 +1,4 @@
-"""The laboratory's commands: bench, train, evaluate and its kin, synthesize, statistics."""
+"""The laboratory's commands: bench, train, evaluate, experiment, synthesize, statistics."""
 
 from __future__ import annotations
 
@@ -56,12 +56,12 @@ def train(
         bool, typer.Option(help="Also train the baseline that evaluate compares with.")
     ] = True,
     fresh: Annotated[
-        bool, typer.Option("--fresh", help="Do not go on from an interrupted training.")
+        bool, typer.Option("--fresh", help="Do not resume an interrupted training.")
     ] = False,
 ) -> int:
     """Train the networks of all regions and write them with a model card.
 
-    Ctrl+C keeps the best so far; the same command goes on from there.
+    Ctrl+C keeps the best so far; the same command resumes.
     """
     require("torch", extra="training")
     from faceedit_app.lab.training.run import TrainingPlan, train_models
@@ -88,7 +88,7 @@ def train(
                 print(path)
         except KeyboardInterrupt:
             progress.stop()
-            print(f"Stopped. The best so far is in {output}; the same command goes on from there.")
+            print(f"Stopped. The best so far is in {output}; the same command resumes.")
             return 130
     return 0
 
@@ -134,7 +134,7 @@ def evaluate_character(
     ],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Make shapes for heads that have their own, and say how alike they are."""
+    """Make shapes for heads that have their own, and compare them."""
     from faceedit_app.lab.evaluation.making import evaluate_making
 
     require("rtree", extra="scans")
@@ -146,7 +146,7 @@ def evaluate_character(
 
 
 def experiment(
-    name: Annotated[str, typer.Argument(help="Which one, or all; a wrong name lists them.")],
+    name: Annotated[str, typer.Argument(help="Its name, or all; a wrong name lists them.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")] = Path(
         "docs/evaluation"
     ),
@@ -204,7 +204,7 @@ def statistics(
     takes: Annotated[list[Path], typer.Argument(help="Folders of takes, compared by source.")],
     exclude: ExcludeOption = None,
 ) -> None:
-    """Compare takes: blinks, closures and jaw peaks, spectrum, how channels move together."""
+    """Compare takes: blinks, closures, jaw peaks, spectrum, correlation of channels."""
     require("torch", extra="training")
     from faceedit_app.lab.training.sources import by_source
     from faceedit_app.lab.training.statistics import measure, table
@@ -223,7 +223,7 @@ def bench(
         bool, typer.Option("--quick", help="Few repetitions and short takes: a trial run.")
     ] = False,
 ) -> None:
-    """Measure the window on this machine: from the mouse to the picture, playback, start."""
+    """Measure the window on this machine: drags, wide edits, playback, start."""
     from faceedit_app.lab.bench.report import QUICK, BenchPlan, run, text
 
     found = run(QUICK if quick else BenchPlan(), lambda what: print(f"{what}…", file=sys.stderr))

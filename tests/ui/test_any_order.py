@@ -98,7 +98,7 @@ def test_undo_all_and_redo_all(bench: Bench, monkeypatch: pytest.MonkeyPatch, se
     monkey = Monkey(window, seed)
     for _ in range(STEPS):
         monkey.act()
-    window.workspace.finish()
+    window.workspace.end_gestures()
     reached, steps = exported(window), 0
     state = session.state
     while session.can_undo:

@@ -13,10 +13,10 @@ from faceedit_app.ui.curves.gestures import (
     Pan,
     RulerDrag,
     Span,
-    WheelMeans,
+    WheelAction,
     span_at,
     stepped_falloff,
-    wheel_means,
+    wheel_action,
 )
 from faceedit_app.ui.curves.lines import offsets
 from faceedit_app.ui.curves.scale import Scale
@@ -84,10 +84,10 @@ def test_a_press_inside_the_selection_edits_all_of_it() -> None:
 
 
 def test_what_the_wheel_means() -> None:
-    assert wheel_means(dragging=True, shift=True, ctrl=True) is WheelMeans.FALLOFF
-    assert wheel_means(dragging=False, shift=True, ctrl=False) is WheelMeans.PAN
-    assert wheel_means(dragging=False, shift=False, ctrl=True) is WheelMeans.ZOOM_VALUES
-    assert wheel_means(dragging=False, shift=False, ctrl=False) is WheelMeans.ZOOM_TIME
+    assert wheel_action(dragging=True, shift=True, ctrl=True) is WheelAction.FALLOFF
+    assert wheel_action(dragging=False, shift=True, ctrl=False) is WheelAction.PAN
+    assert wheel_action(dragging=False, shift=False, ctrl=True) is WheelAction.ZOOM_VALUES
+    assert wheel_action(dragging=False, shift=False, ctrl=False) is WheelAction.ZOOM_TIME
 
 
 def test_falloff_goes_down_to_nothing_and_up_again() -> None:

@@ -5,15 +5,15 @@ JOB is a JSON file: `head` (a GLB), `weights` (by shape key, one number for each
 `target` (metres, Y up), `distance` (metres) and `field_of_view` (radians). Prints `FACEEDIT` and
 JSON, on one line: medians in ms, what was drawn, and by what; then again, with EEVEE's in it.
 
-A step is what somebody waits for who drags all keys of one curve in Blender: the keys move
+A step is the wait of a user who drags all keys of one curve in Blender: the keys move
 (`curve`), the scene is evaluated (`evaluate`), the window is drawn and shown (`draw`). In it:
 
 - all shape keys of the head, each with a key on each frame, so that none is skipped for being 0;
 - the same triangles, vertex colours and view as ours, smooth normals, and one sample a pixel;
-- a window that holds nothing but the face; no grid, no handles, no outline, no curve editor.
+- a window that shows only the face: no grid, handles, outline or curve editor.
 
-Not in it: networks (Blender has none: the other curves stay), plots, the mouse, undo. Keys are
-moved by one call for the whole curve; nothing here is done a key at a time in Python.
+Not in it: networks (Blender has none, so the other curves stay), plots, the mouse, undo. One call
+moves all keys of the curve; nothing is done key by key in Python.
 """
 
 import importlib
@@ -62,7 +62,7 @@ def head_of(job: dict[str, Any]) -> Any:
 
 
 def face_alone(job: dict[str, Any]) -> dict[str, Any]:
-    """Give the window to one 3D view that looks at the face; what operators need to find it."""
+    """Fill the window with one 3D view of the face; returns the context for operators."""
     window = bpy.context.window_manager.windows[0]
     area = next(a for a in window.screen.areas if a.type == "VIEW_3D")
     with bpy.context.temp_override(window=window, area=area, region=area.regions[-1]):
@@ -82,13 +82,13 @@ def face_alone(job: dict[str, Any]) -> dict[str, Any]:
     view.view_perspective, view.view_distance = "PERSP", job["distance"]
     view.view_location = (x, -z, y)
     view.view_rotation = mathutils.Euler((math.pi / 2.0, 0.0, 0.0)).to_quaternion()
-    bpy.context.preferences.system.viewport_aa = "OFF"  # ours has none either while it moves
+    bpy.context.preferences.system.viewport_aa = "OFF"  # as in FaceEdit while the face moves
     bpy.context.scene.eevee.taa_samples = 1
     return {"window": window, "screen": window.screen, "area": area, "region": region}
 
 
 def steps(job: dict[str, Any], head: Any, view: dict[str, Any]) -> dict[str, Any]:
-    """Edit, evaluate, draw, so many times; medians in ms, of the whole and of its parts."""
+    """Edit, evaluate and draw repeatedly; medians in ms, in total and by part."""
     path = f'key_blocks["{job["changed"]}"].value'
     curve = head.data.shape_keys.animation_data.action.fcurves.find(path)
     before = np.empty(2 * len(curve.keyframe_points), np.float32)  # frame and value of each key
@@ -124,7 +124,7 @@ def steps(job: dict[str, Any], head: Any, view: dict[str, Any]) -> dict[str, Any
 
 
 def compile_shaders(view: dict[str, Any]) -> None:
-    """Draw once beside the window: there EEVEE waits for its shaders, else they come later."""
+    """Draw once offscreen, where EEVEE waits for its shaders; else they are compiled later."""
     width = view["region"].width
     space = view["area"].spaces.active
     beside = gpu.types.GPUOffScreen(width, width)
@@ -145,7 +145,7 @@ def picture() -> Any:
 
 
 def main() -> None:
-    """Measure Workbench, the view one animates in, and then EEVEE, which fewer machines can."""
+    """Measure Workbench, in which users animate, then EEVEE, which fewer machines can run."""
     job = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text(encoding="utf-8"))
     head = head_of(job)
     view = face_alone(job)

@@ -1,9 +1,8 @@
-"""Ten minutes at 60 frames a second with 500 edits: how soon the window answers.
+"""Ten minutes at 60 frames a second with 500 edits: how fast the window answers.
 
 Measured in the real window with the shipped networks. An answer is what the user waits for: the
-command or the step of a slider, and all painting that follows from it. What is left to be computed
-then goes on in the background; the longest time that the window does not answer meanwhile is told
-as well.
+command or the step of a slider, and all painting that follows. The rest is computed in the
+background; the longest time during which the window does not respond is reported as well.
 """
 
 from __future__ import annotations
@@ -21,13 +20,13 @@ from faceedit_app.lab.bench.desk import Desk, Heartbeat, long_take
 
 FRAMES, RATE = 36_000, 60.0
 EDITS = 500
-REST = 0.8  # seconds after which the problems of the take have been sought again
+REST = 0.8  # seconds until the problems of the take have been searched again
 _OPS = (Op.OFFSET, Op.SCALE, Op.SMOOTH, Op.DRAW)
 _VALUES = {Op.OFFSET: 2.0, Op.SCALE: 1.2, Op.SMOOTH: 0.05}
 
 
 def spread_edits(count: int, seconds: float) -> tuple[Edit, ...]:
-    """Edits of several kinds, all over a take, in no order of time."""
+    """Edits of several kinds, all over a take, in random order."""
     starts = np.random.default_rng(0).uniform(0.0, max(seconds - 1.0, 0.1), count)
     made = []
     for i, start in enumerate(starts.tolist()):
@@ -40,7 +39,7 @@ def spread_edits(count: int, seconds: float) -> tuple[Edit, ...]:
 
 
 def busy(desk: Desk, times: int, frames: int = FRAMES, count: int = EDITS) -> dict[str, Any]:
-    """Measure 4: what is done to the list of edits, and to the whole take."""
+    """Measure 4: changes to the list of edits, and edits of the whole take."""
     session = desk.open(long_take(frames, RATE))
     session.add(*spread_edits(count, session.take.clip.duration))
     desk.settle()
@@ -80,7 +79,7 @@ def busy(desk: Desk, times: int, frames: int = FRAMES, count: int = EDITS) -> di
 
 
 def text(found: dict[str, Any]) -> list[str]:
-    """Lines of the report for people."""
+    """Lines of the printed report."""
     lines = [
         "",
         f"{found['frames']} frames, {found['edits']} edits"
@@ -95,12 +94,12 @@ def text(found: dict[str, Any]) -> list[str]:
 
 
 def _nearest(edits: tuple[Edit, ...], seconds: float) -> int:
-    """The edit next to the playhead: what it changes is on screen."""
+    """The edit nearest to the playhead, whose effect is on screen."""
     return min(range(len(edits)), key=lambda i: abs(edits[i].start - seconds))
 
 
 def _switched(desk: Desk, row: int, times: int) -> dict[str, float]:
-    """Off and on; it is on afterwards, so that its strength matters."""
+    """Switch an edit off and on; it ends up on."""
     result = _answers(desk, desk.window.actions_["toggle_edit"].trigger, times)
     if not desk.session.edits[row].enabled:
         desk.window.actions_["toggle_edit"].trigger()
@@ -122,7 +121,7 @@ def _delete(desk: Desk, row: int, times: int) -> dict[str, float]:
 
 
 def _smile(desk: Desk, times: int) -> dict[str, float]:
-    """One click, for the whole take; the last one stays."""
+    """One click for the whole take; the last one is kept."""
 
     def prepare() -> None:
         desk.window.timeline.select(None)

@@ -1,4 +1,4 @@
-"""Measuring: repetitions, and where the time of one goes."""
+"""Measuring: repetitions, and the time of their stages."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Times:
-    """Milliseconds of some repetitions."""
+    """Milliseconds of repetitions."""
 
     all: Sequence[float]
 
     @property
     def median(self) -> float:
-        """The middle one."""
+        """The median."""
         return float(np.median(self.all))
 
     @property
     def p95(self) -> float:
-        """All but one in twenty are shorter."""
+        """The 95th percentile."""
         return float(np.percentile(self.all, 95))
 
     @property
     def best(self) -> float:
-        """What the machine can do when it is left alone."""
+        """The shortest, undisturbed by other work on the machine."""
         return float(np.min(self.all))
 
     def summary(self) -> dict[str, float]:
-        """As it stands in the report."""
+        """Values for the report."""
         return {"median": self.median, "p95": self.p95, "best": self.best}
 
 
 def repeat(work: Callable[[], object], times: int, warm_up: int = 10) -> Times:
-    """Do something often enough to know how long it takes."""
+    """Repeat something, after a warm-up, and time it."""
     for _ in range(warm_up):
         work()
     return Times([_timed(work) for _ in range(times)])
@@ -54,14 +54,14 @@ def _timed(work: Callable[[], object]) -> float:
 
 @dataclass
 class Stages:
-    """Adds up where time goes; what a stage calls in another stage counts there alone."""
+    """Adds up the time of stages; a nested stage's time counts only for that stage."""
 
     seconds: dict[str, float] = field(default_factory=dict)
     _stack: list[str] = field(default_factory=list)
     _since: float = 0.0
 
     def wrap(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """The function, with its time on the stage's account."""
+        """The function, timed for the stage."""
 
         @wraps(function)
         def measured(*args: Any, **named: Any) -> Any:
@@ -76,7 +76,7 @@ class Stages:
         return measured
 
     def _turn(self) -> None:
-        """Book the time since the last turn."""
+        """Add the time since the last turn to the current stage."""
         now = time.perf_counter()
         if self._stack:
             stage = self._stack[-1]
@@ -85,7 +85,7 @@ class Stages:
 
     @contextmanager
     def watching(self, *accounts: tuple[str, Any, str]) -> Iterator[None]:
-        """Measure for a while; each account is a stage, an owner and the name of its function."""
+        """Measure in a `with` block; an account is a stage, an object and its function's name."""
         with ExitStack() as stack:
             for stage, owner, name in accounts:
                 wrapped = self.wrap(stage, getattr(owner, name))

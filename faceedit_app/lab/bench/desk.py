@@ -1,4 +1,4 @@
-"""A real window without a display, and a hand on its mouse."""
+"""A real window without a display, with a simulated mouse."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _LEFT, _NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 
 
 def long_take(frames: int, rate: float = RATE) -> Take:
-    """The demo performance, again and again, until it has so many frames."""
+    """The demo take, repeated to a number of frames."""
     demo = open_take(shipped(DEMO_TAKE))
     rows = np.arange(frames) % len(demo.clip)
     times = np.arange(frames) / rate
@@ -42,10 +42,10 @@ def long_take(frames: int, rate: float = RATE) -> Take:
 
 
 class Desk:
-    """The window, with the face in a square of some pixels.
+    """The window, with the face in a square of a given size.
 
     Args:
-        folder: for the window's settings, so that the user's stay as they are.
+        folder: for the window's settings, to leave the user's alone.
         rig, engine: the character and the networks.
     """
 
@@ -57,7 +57,7 @@ class Desk:
         self.window.resize(1440, 900)
         self.window.show()
         self.editor: Editor = self.window.build_editor()
-        self.worked = 0.0  # ms of the processors for the last step of a drag
+        self.worked = 0.0  # ms of processor time for the last step of a drag
 
     @property
     def session(self) -> EditSession:
@@ -67,7 +67,7 @@ class Desk:
         return session
 
     def open(self, take: Take, size: int = 640) -> EditSession:
-        """Put a take on the screen, and the middle of it in view."""
+        """Open a take, with its middle in view."""
         self.window.document.adopt(open_session(take, self.rig, self.engine))
         viewport = self.editor.face.viewport
         if not viewport.can_draw:
@@ -81,7 +81,7 @@ class Desk:
         return self.session
 
     def settle(self, seconds: float = 0.25) -> None:
-        """Let the window come to rest: all computed, all painted, the smooth picture drawn."""
+        """Wait until everything is computed and painted, and the smooth picture drawn."""
         until = time.perf_counter() + seconds
         while time.perf_counter() < until or self.editor.solving.is_busy:
             self.app.processEvents()
@@ -93,13 +93,13 @@ class Desk:
         return self.editor.curves.plots[CONTROL_IDS.index(control)]
 
     def choose(self, *controls: str) -> None:
-        """Have curves edited together; none ends that."""
+        """Choose curves to edit together, or none."""
         curves = self.editor.curves
         for control in {*controls} ^ {*curves.chosen_controls}:
             curves.headers[CONTROL_IDS.index(control)].picked.emit(True)
 
     def press(self, control: str, seconds: float) -> None:
-        """Take hold of a curve."""
+        """Press on a curve."""
         plot = self.plot(control)
         x = plot.current_scale.x_of(seconds)
         self._held = plot.view.mapToScene(QPointF(x, plot.height() / 2))
@@ -107,22 +107,22 @@ class Desk:
         self._send(plot, QEvent.Type.MouseButtonPress, _LEFT)
 
     def move(self, control: str, pixels: float) -> None:
-        """Drag it to so many pixels above where it was taken hold of."""
+        """Drag the curve to a number of pixels above the press."""
         self._at = self._held - QPointF(0.0, pixels)
         self._send(self.plot(control), QEvent.Type.MouseMove, _NONE)
 
     def release(self, control: str) -> None:
-        """Let go of it."""
+        """Release the curve."""
         self._send(self.plot(control), QEvent.Type.MouseButtonRelease, _LEFT)
         self.settle(0.0)
 
-    def give_up(self) -> None:
-        """Drop the drag."""
+    def cancel(self) -> None:
+        """Cancel the drag."""
         self.editor.curves.cancel_drag()
         self.settle(0.0)
 
     def _send(self, plot: CurvePlot, kind: QEvent.Type, button: Qt.MouseButton) -> None:
-        """A scene's coordinates are the pixels of its view."""
+        """Send a mouse event; a scene's coordinates are the pixels of its view."""
         widget, keys = plot.viewport(), Qt.KeyboardModifier.NoModifier
         place = QPointF(widget.mapToGlobal(self._at))
         QApplication.sendEvent(widget, QMouseEvent(kind, self._at, place, button, _LEFT, keys))
@@ -135,7 +135,7 @@ class Desk:
         def once() -> float:
             nonlocal step
             step += 1
-            # At most one preview a screen frame is computed; the time until then is not ours.
+            # At most one preview per screen refresh; the wait for it does not count.
             resume = time.perf_counter() + 1.1 * PREVIEW_INTERVAL
             while time.perf_counter() < resume:
                 self.app.processEvents()
@@ -150,7 +150,7 @@ class Desk:
 
 
 class Heartbeat:
-    """How long the window did not answer, at most."""
+    """The longest time during which the window did not respond."""
 
     def __init__(self, parent: QWidget) -> None:
         self._timer = QTimer(parent, interval=1)

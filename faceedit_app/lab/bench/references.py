@@ -1,4 +1,4 @@
-"""What our times are compared with; each reference is None where it is not installed."""
+"""Reference measurements to compare with; None if one is not installed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from faceedit_app.networks.engine import ENDING, Engine
 from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, default_camera
 
 FRAMES, SIZE = 202, 640
-_BLENDER_SECONDS = 180  # about 25 are needed where both engines draw without a GPU
+_BLENDER_SECONDS = 180  # without a GPU, both engines need about 25
 
 
 def naive(engine: Engine, rig: Rig, times: int) -> Times:
@@ -67,7 +67,7 @@ def _can_train() -> bool:
 
 
 def in_torch(architecture: str, times: int) -> Times | None:
-    """Networks of some kind for the three regions, on 202 frames, in torch on one thread."""
+    """The three regions' networks of an architecture on 202 frames, in torch, on one thread."""
     if not _can_train():
         return None
     import torch
@@ -95,7 +95,7 @@ def _padded(frames: int, scale: int) -> int:
 
 
 def multiplications(path: Path, frames: int) -> int:
-    """How many a region's networks need to answer so many frames: those of their convolutions."""
+    """Multiplications in the convolutions of a region's networks, for a number of frames."""
     import onnx
 
     model = onnx.load(path)
@@ -114,7 +114,7 @@ def multiplications(path: Path, frames: int) -> int:
 
 
 def cpu_limit(folder: Path, times: int) -> Times | None:
-    """As many multiplications as the networks need for 202 frames, as one product of matrices."""
+    """One matrix product with as many multiplications as the networks need for 202 frames."""
     if not _can_train():
         return None
     paths = [folder / f"{region.id}{ENDING}" for region in REGIONS]
@@ -129,7 +129,7 @@ def cpu_limit(folder: Path, times: int) -> Times | None:
 
 
 def gl_limit(rig: Rig, times: int) -> Times | None:
-    """The same triangles, one colour, read back: what this OpenGL needs at the least."""
+    """The same triangles in one colour, read back: the least that this OpenGL needs."""
     if importlib.util.find_spec("moderngl") is None:
         return None
     import pyrender
@@ -172,15 +172,15 @@ def blender(
 ) -> dict[str, Any] | None:
     """The same head and take in Blender: change a shape key's curve, evaluate, draw.
 
-    Blender draws in a window only; where there is no display it gets one from `xvfb-run`.
+    Blender draws only in a window; without a display it gets one from `xvfb-run`.
 
     Args:
         rig: ours, for the take's weights and the view.
         times: repetitions.
-        say: told why there is no answer.
+        say: called with the reason if there is no result.
 
     Returns:
-        What `blender_script.py` prints; None where there is no `blender`, or it cannot draw.
+        What `blender_script.py` prints; None if there is no `blender`, or it cannot draw.
     """
     program = shutil.which("blender")
     if program is None:
@@ -207,7 +207,7 @@ def blender(
 
 
 def _job(rig: Rig, times: int) -> dict[str, Any]:
-    """What Blender is told: the head, our take on it, and from where it is looked at."""
+    """Blender's input: the head, the take, and the camera."""
     weights = rig.from_arkit(long_take(FRAMES).clip.arkit_weights())
     camera = default_camera(rig)
     return {
@@ -224,9 +224,9 @@ def _job(rig: Rig, times: int) -> dict[str, Any]:
 
 
 def _output(command: list[str], folder: str) -> str:
-    """What a program printed, errors too, after `_BLENDER_SECONDS` at the latest.
+    """What a program prints, including errors, within `_BLENDER_SECONDS`.
 
-    It is stopped with all that it started: `xvfb-run` would leave Blender and the display behind.
+    Its child processes are stopped too: `xvfb-run` would leave Blender and the display behind.
     """
     try:
         process = subprocess.Popen(
@@ -252,7 +252,7 @@ def _output(command: list[str], folder: str) -> str:
 
 
 def of_all(engine: Engine, rig: Rig, times: int) -> dict[str, Times | None]:
-    """Those that run in this process."""
+    """The references that run in this process."""
     models = shipped("models")
     references: dict[str, Times | None] = {
         "naive": naive(engine, rig, max(times // 5, 3)),

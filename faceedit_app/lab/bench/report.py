@@ -1,4 +1,4 @@
-"""Runs all measures and puts them together."""
+"""Runs all measurements and reports them."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
 
     Args:
         plan: how much.
-        say: told what is being measured.
+        say: called with what is being measured.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     rig = read_rig(shipped("assets/character.glb"))
@@ -109,7 +109,7 @@ def _compared(
     answered: Times,
     say: Callable[[str], None],
 ) -> tuple[dict[str, Any], dict[str, float | None]]:
-    """How many times as long as ours each reference takes."""
+    """Each reference's time as a multiple of FaceEdit's."""
     ratio: dict[str, float | None] = dict.fromkeys(
         ("naive", "torch", "holden", "gl_limit", "cpu_limit", "blender")
     )
@@ -124,12 +124,12 @@ def _compared(
             ratio[name] = times.median / ours.get(name, answered.median)
     if blender is not None:
         ratio["blender"] = blender["median"] / whole
-    told = {name: None if t is None else t.summary() for name, t in others.items()}
-    return told | {"blender": blender}, ratio
+    summaries = {name: None if t is None else t.summary() for name, t in others.items()}
+    return summaries | {"blender": blender}, ratio
 
 
 def machine() -> dict[str, Any]:
-    """What it was measured on."""
+    """The machine."""
     versions = {}
     for package in PACKAGES:
         try:
@@ -157,7 +157,7 @@ def _processor() -> str:
 
 
 def text(found: dict[str, Any]) -> str:
-    """The report for people."""
+    """The report as text."""
     drag, stages, start = found["drag"], found["stages"], found["start_s"]
     one = found["drag_one"]
     lines = [

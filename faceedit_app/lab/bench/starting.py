@@ -1,4 +1,4 @@
-"""Starts FaceEdit in a process of its own, and measures when things are there and what they take.
+"""Starts FaceEdit in its own process, and measures times and memory.
 
 `python -m faceedit_app.lab.bench.starting SECONDS_SINCE_1970 FRAMES` prints one line of JSON.
 """
@@ -17,21 +17,21 @@ _LONGEST = 240  # seconds
 
 
 def start(frames: int = 0) -> dict[str, float]:
-    """Start the window in another process: on the demo take, or on one of so many frames.
+    """Start the window in another process, on the demo take or one with a number of frames.
 
     Returns:
         Seconds from the start of the process to the `window`, the `face` and the first `edit`;
         `peak_mb` of memory, with an edit of the whole take made.
     """
     with tempfile.TemporaryDirectory() as home:
-        told = {"QT_QPA_PLATFORM": "offscreen", "HOME": home}
-        told |= {f"XDG_{name}_HOME": home for name in ("CONFIG", "STATE", "DATA", "CACHE")}
+        env = {"QT_QPA_PLATFORM": "offscreen", "HOME": home}
+        env |= {f"XDG_{name}_HOME": home for name in ("CONFIG", "STATE", "DATA", "CACHE")}
         command = [sys.executable, "-m", "faceedit_app.lab.bench.starting", str(time.time())]
         run = subprocess.run(
             [*command, str(frames)],
             capture_output=True,
             encoding="utf-8",
-            env=os.environ | told,
+            env=os.environ | env,
             timeout=_LONGEST,
             check=True,
         )
@@ -40,7 +40,7 @@ def start(frames: int = 0) -> dict[str, float]:
 
 
 def _child(began: float, frames: int) -> None:
-    """What `faceedit --demo` does, with somebody who looks at the clock."""
+    """Do what `faceedit --demo` does, and record times."""
     from PySide6.QtCore import QTimer
 
     from faceedit_app.ui.start import app
@@ -68,7 +68,7 @@ def _child(began: float, frames: int) -> None:
             seen["edit"] = time.time() - began
             _edit(window)
         elif "edit" in seen and not window.editor.solving.is_busy:
-            window.document.session = None  # nothing is to be asked about it
+            window.document.session = None  # so that closing asks no question
             window.close()
 
     really_start = MainWindow.start
@@ -101,7 +101,7 @@ def _edit(window: Any) -> None:
 
 
 def peak_megabytes() -> float:
-    """The most memory that this process has had; 0 where the system does not tell."""
+    """This process's peak memory; 0 if the system does not report it."""
     try:
         import resource
     except ImportError:  # Windows

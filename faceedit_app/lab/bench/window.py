@@ -1,4 +1,4 @@
-"""What the user waits for: a drag, wide edits at any length of take, playback."""
+"""What the user waits for: a drag, wide edits of takes of any length, playback."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ STAGES = ("controls", "networks", "curves", "plots", "deform", "draw")
 def drag(desk: Desk, times: int) -> dict[str, Any]:
     """Measure 1: the mouth and both lids are dragged over a whole take.
 
-    So all networks of all three regions answer, for all 202 frames, at each step.
+    So the networks of all three regions answer for all 202 frames, at each step.
     """
     clip = desk.open(long_take(FRAMES)).take.clip
     desk.choose(LIP_OPENING, *LIDS)
@@ -59,7 +59,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
     # Qt calls what paints a plot past Python's classes, so it is measured by itself.
     plots = [plot.viewport() for plot in desk.editor.curves.plots]
     painted = repeat(lambda: [plot.repaint() for plot in plots], times, 2)
-    desk.give_up()
+    desk.cancel()
     desk.choose()
     parts = {stage: 1e3 * stages.seconds.get(stage, 0.0) / times for stage in STAGES}
     parts["plots"] += painted.median
@@ -71,7 +71,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
 
 
 def _drag_of_one(desk: Desk, times: int) -> Times:
-    """The ordinary drag: one curve, in a selection of 0.4 s, where the lids are edited too."""
+    """A typical drag: one curve, in a selection of 0.4 s, where the lids are edited too."""
     session, line = desk.session, desk.window.timeline
     session.add(Edit(LIDS, Op.OFFSET, 0.0, session.take.clip.duration, 0.0, -1.0))
     line.select((line.time - 0.2, line.time + 0.2))
@@ -80,7 +80,7 @@ def _drag_of_one(desk: Desk, times: int) -> Times:
     for _ in range(10):
         once()
     steps = Times([once() for _ in range(times)])
-    desk.give_up()
+    desk.cancel()
     return steps
 
 
@@ -105,12 +105,12 @@ def _length(desk: Desk, frames: int, times: int) -> dict[str, Any]:
     for _ in range(10):
         once()
     local = Times([once() for _ in range(times)])
-    desk.give_up()
+    desk.cancel()
     line.show_range(0.0, clip.duration)
     desk.settle()
     desk.press(LIP_OPENING, moment)
     overview = Times([once() for _ in range(max(times // 4, 2))])
-    desk.give_up()
+    desk.cancel()
     line.show_range(moment - 4.0, moment + 4.0)
     return {
         "local": local.summary(),
@@ -166,4 +166,4 @@ def _run(desk: Desk, seconds: float) -> None:
     until = time.perf_counter() + seconds
     while time.perf_counter() < until:
         desk.app.processEvents()
-        time.sleep(0.0002)  # as an event loop that waits
+        time.sleep(0.0002)  # as a waiting event loop would

@@ -43,7 +43,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one trial.
+    """The result of one trial.
 
     Attributes:
         kind: of the trial.

@@ -81,8 +81,8 @@ def table1(setting: Setting) -> Path:
     titles = ["", lower, lids, f"the paper: {lower}", lids]
     text = f"""# Table 1: mean squared error
 
-{_takes_text(figures)} The paper's numbers are on its own data and other channels, beside ours for
-the proportions only.
+{_takes_text(figures)} The paper's numbers are on its own data and other channels; compare only
+the proportions.
 
 {markdown_table(titles, rows)}"""
     return setting.write("table1", text)
@@ -123,7 +123,7 @@ def oversmoothing(setting: Setting) -> Path:
 
 
 def statistics(setting: Setting) -> Path:
-    """Synthesised takes beside real ones: figures and spectrum."""
+    """Synthesised and real takes compared: figures and spectrum."""
     takes = by_source([*setting.data, *setting.held_out])
     figures = {name: measure(some) for name, some in takes.items()}
     lines = [

@@ -1,4 +1,4 @@
-"""The figures that we set out to reach, each with what was measured: for the model card."""
+"""Target figures and measured ones, for the model card."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class FigureGoal:
 
 
 def goals(figures: Figures) -> list[FigureGoal]:
-    """All goals that the figures can tell about."""
+    """All goals that the figures cover."""
     return [*_closures(figures), *_errors(figures), *_edits(figures), *_wild(figures)]
 
 

@@ -12,7 +12,7 @@ from html import escape
 import numpy as np
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
-"""Okabe and Ito's, which people with any colour vision tell apart."""
+"""Okabe and Ito's colours, which people with any colour vision can distinguish."""
 
 WIDTH, HEIGHT = 640, 300
 LEFT, RIGHT, TOP, BOTTOM = 58, 14, 30, 44

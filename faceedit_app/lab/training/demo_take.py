@@ -1,4 +1,4 @@
-"""The take that ships with FaceEdit: ten seconds in which there is something to repair.
+"""The take that ships with FaceEdit: ten seconds with something to fix.
 
 One speaker says two sentences, blinks three times, looks about and smiles at the end. Two
 things go wrong, as they do in tracked takes: the second blink stops half-way, and the lips do
@@ -81,7 +81,7 @@ class Timed:
 
 
 def script() -> Timed:
-    """What is said when."""
+    """The phonemes and their times."""
     first, second = (with_durations(parse(text), TEMPO) for text in TRANSCRIPTIONS)
     phonemes = [Phoneme(PAUSE, 0.70), *first, Phoneme(PAUSE, 0.62), *second]
     phonemes.append(Phoneme(PAUSE, max(0.5, SECONDS - sum(p.seconds for p in phonemes))))

@@ -70,7 +70,7 @@ class Examples:
             )
 
     def epoch(self, number: int) -> Windows:
-        """What to learn from in an epoch: with variety, takes are played anew in each."""
+        """The examples of an epoch; with variety, takes are altered for each."""
         variety = self.settings.variety
         if variety is None:
             return self._recorded

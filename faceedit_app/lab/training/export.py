@@ -64,7 +64,7 @@ def parameters(content: bytes) -> dict[str, Tensor]:
 
 
 class _Graph(nn.Module):
-    """What is exported: frames first, and no batch."""
+    """The module to export: frames first, and no batch."""
 
     def __init__(self, networks: Architecture) -> None:
         super().__init__()
@@ -104,7 +104,7 @@ def _template(name: str, controls: int, channels: int, settings: str) -> onnx.Mo
 
 
 def _traced(networks: Architecture) -> onnx.ModelProto:
-    """As torch exports it."""
+    """The graph as torch exports it."""
     curves = torch.zeros(_TRACED * networks.scale, networks.controls)
     with torch.inference_mode():
         outputs = list(networks.answers(curves.T[None]))
@@ -126,7 +126,7 @@ def _traced(networks: Architecture) -> onnx.ModelProto:
 
 
 def _bare(node: onnx.NodeProto) -> onnx.NodeProto:
-    """A node without what torch notes: where its source lay, and how the module was nested."""
+    """A node without torch's notes on its source and its module."""
     bare = helper.make_node(node.op_type, [_short(name) for name in node.input], node.output)
     for attribute in node.attribute:
         bare.attribute.add().CopyFrom(attribute)
@@ -144,7 +144,7 @@ def _value(name: str, size: int) -> onnx.ValueInfoProto:
 
 
 def _compare(networks: Architecture, content: bytes, description: Description) -> None:
-    """Raise where the file does not answer as the networks do."""
+    """Raise if the file does not answer as the networks do."""
     try:
         answer = RegionAnswer(content, Path(f"{description.region}.onnx"))
     except FileError as error:

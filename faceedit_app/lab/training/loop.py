@@ -85,7 +85,7 @@ class Checkpoint:
             )
             return history, _below("best.", tensors)
         except (OSError, SafetensorError, KeyError, ValueError, TypeError, RuntimeError):
-            return None  # missing or damaged: start anew
+            return None  # missing or damaged: start over
 
 
 def _below(prefix: str, tensors: State) -> State:
@@ -131,7 +131,7 @@ def learn(
     Args:
         forward: the answer to a batch; with a generator while learning, without when judged.
         examples: the windows to learn from in an epoch (1, 2, ...).
-        stage: tells the stages of one training apart.
+        stage: number of the stage, to distinguish those of one training.
         checkpoint: where to go on from, and where to keep the state after each epoch.
         report: called after each epoch with its number and the two losses.
     """

@@ -1,4 +1,4 @@
-"""What the networks are trained to make small, and the noise they learn to see through."""
+"""The losses of the networks, and the noise on their inputs during training."""
 
 from __future__ import annotations
 

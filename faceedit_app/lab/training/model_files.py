@@ -24,7 +24,7 @@ class TrainedRegion:
     networks: Architecture
 
     def answering(self) -> RegionAnswer:
-        """Them as the application would use them, without a file."""
+        """The networks as the application would use them, without a file."""
         content = export(self.networks, self.description)
         return RegionAnswer(content, Path(f"{self.description.region}.onnx"))
 

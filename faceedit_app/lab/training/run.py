@@ -1,4 +1,4 @@
-"""The whole training: takes in, a folder of models with a model card out."""
+"""The whole training: from takes to a folder of models with a model card."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class TrainingPlan:
         seed: same seed, same data: same networks.
         finetune: start from these models.
         baseline: train the baseline of the evaluation as well.
-        fresh: do not go on from an interrupted training in `output`.
+        fresh: do not resume an interrupted training in `output`.
     """
 
     folders: tuple[Path, ...]
@@ -112,8 +112,8 @@ class TrainingPlan:
 def train_models(plan: TrainingPlan, progress: Progress) -> Iterator[Path]:
     """Train the networks of each region; yields each file as it is written.
 
-    The state of each epoch is kept in the folder `checkpoint` of the output until all is done:
-    the same command goes on from there. Ctrl+C writes the best networks so far of the region
+    The state of each epoch is kept in the folder `checkpoint` of the output until training ends:
+    the same command resumes it. Ctrl+C writes the best networks so far of the region
     that is being trained.
 
     Raises:

@@ -10,7 +10,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Variety:
-    """How takes are played anew in each epoch, stretch by stretch: other people, other trackers.
+    """How stretches of takes are altered in each epoch: other people, other trackers.
 
     Every weight vector has exact controls on the rig, so an altered performance is as good an
     example as a recorded one.

@@ -1,4 +1,4 @@
-"""Figures that tell how a performance moves, to set synthesised takes beside real ones.
+"""Figures on how a performance moves, to compare synthesised takes with real ones.
 
 Everything is measured at 25 frames a second, the networks' rate. A missing channel (one that
 never moves) gives NaN instead of a figure.

@@ -1,4 +1,4 @@
-"""Playing a take anew: another tempo, another face, another tracker."""
+"""Altering a take: another tempo, another face, another tracker."""
 
 from __future__ import annotations
 

@@ -53,14 +53,14 @@ class EditCommands:
 
     def undo(self) -> None:
         """Undo the last step, or cancel the drag in progress."""
-        if not self._workspace.drop_gesture():
-            self._workspace.settle()
+        if not self._workspace.cancel_gesture():
+            self._workspace.commit_gestures()
             self._document.undo()
 
     def redo(self) -> None:
         """Redo the step that was undone last."""
-        if not self._workspace.drop_gesture():
-            self._workspace.settle()
+        if not self._workspace.cancel_gesture():
+            self._workspace.commit_gestures()
             self._document.redo()
 
     @property
@@ -80,7 +80,7 @@ class EditCommands:
         self._reset((control,) if control else ())
 
     def _reset(self, controls: tuple[str, ...]) -> None:
-        self._workspace.finish()
+        self._workspace.end_gestures()
         session = self._document.session
         if session is not None and session.edits and controls:
             session.reset(*self._range_at_hand(), controls, self._timeline.falloff)
@@ -137,7 +137,7 @@ class EditCommands:
         session, selection = self._document.session, self._selection("mirror")
         if session is None or selection is None:
             return
-        self._workspace.finish()
+        self._workspace.end_gestures()
         copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
         self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
 
@@ -158,7 +158,7 @@ class EditCommands:
         return self._clipboard
 
     def _put(self, source: Clipboard, at: float, name: str, step: str) -> None:
-        self._workspace.finish()
+        self._workspace.end_gestures()
         edits = source.paste(at, self._timeline.falloff)
         if edits:
             named = tuple(replace(edit, name=name) for edit in edits)
@@ -176,7 +176,7 @@ class EditCommands:
         """Do something with the list of edits, after any gesture in progress has ended."""
         page = self._workspace.page
         if page is not None:
-            self._workspace.finish()
+            self._workspace.end_gestures()
             work(page.edits)
 
     # --- selection and mode ------------------------------------------------------------------
@@ -187,7 +187,7 @@ class EditCommands:
 
     def deselect(self) -> None:
         """Cancel the gesture in progress, or clear the selection if there is none."""
-        if not self._workspace.drop_gesture():
+        if not self._workspace.cancel_gesture():
             self._timeline.select(None)
             if self._workspace.page is not None:
                 self._workspace.page.curves.setFocus()
@@ -200,7 +200,7 @@ class EditCommands:
 
     def set_mode(self, mode: Mode) -> None:
         """Choose how the networks' answer is combined with the take."""
-        self._workspace.finish()
+        self._workspace.end_gestures()
         session = self._document.session
         if session is not None:
             session.configure(replace(session.settings, mode=mode))
@@ -239,10 +239,10 @@ MENU: Menu[EditCommands] = Menu("Edit", (
             lambda do: do.on_list(lambda edits: edits.rename()), ("F2",),
             "Rename the selected edit",
             enabled=lambda do: do.has_selected_edit),
-    Command("edit_up", "Move edit up", lambda do: do.on_list(lambda edits: edits.bring(-1)),
+    Command("edit_up", "Move edit up", lambda do: do.on_list(lambda edits: edits.move_edit(-1)),
             ("Alt+Up",), "Move the selected edit up the list, to apply it earlier",
             enabled=lambda do: do.has_selected_edit),
-    Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.bring(1)),
+    Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.move_edit(1)),
             ("Alt+Down",), "Move the selected edit down the list, to apply it later",
             enabled=lambda do: do.has_selected_edit),
     Command("delete_edit", "&Delete edit",

@@ -88,13 +88,13 @@ class FileCommands:
 
     def save(self) -> bool:
         """Save the project; False if the user cancels or it fails."""
-        self._workspace.finish()
+        self._workspace.end_gestures()
         path = self._document.project
         return self._save(path) if path is not None else self.save_as()
 
     def save_as(self) -> bool:
         """Save the project under a name that the user chooses; False as for `save`."""
-        self._workspace.finish()
+        self._workspace.end_gestures()
         suggestion = self._document.project or self._workspace.suggest(
             "project", "", PROJECT_SUFFIX
         )
@@ -112,7 +112,7 @@ class FileCommands:
 
     def export(self) -> bool:
         """Export the take; False if the user cancels or it fails."""
-        self._workspace.finish()
+        self._workspace.end_gestures()
         take = self._document.path
         ending = take.suffix if take is not None else ""
         suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
@@ -121,7 +121,7 @@ class FileCommands:
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""
-        self._workspace.finish()
+        self._workspace.end_gestures()
         suggestion = self._workspace.suggest("edits", "_edits", ".json")
         path = dialogs.ask_save_edits(self._window, suggestion)
         return path is not None and self._write(self._document.save_edits, path, "edits", "Saved")

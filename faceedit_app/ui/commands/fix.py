@@ -50,7 +50,7 @@ class FixCommands:
         session, line = self._document.session, self._timeline
         if session is None:
             return ()
-        self._workspace.finish()
+        self._workspace.end_gestures()
         return apply_preset(session, preset, self._range_meant(), line.time, line.falloff)
 
     def _range_meant(self) -> tuple[float, float] | None:
@@ -100,7 +100,7 @@ class FixCommands:
         session = self._document.session
         if session is None:
             return
-        self._workspace.finish()
+        self._workspace.end_gestures()
         start, end = self._timeline.selection or (0.0, self._timeline.duration)
         name = dialogs.ask_preset_name(self._workspace.window)
         if not name:
@@ -152,7 +152,7 @@ class FixCommands:
         """Preview a fix for the problem at the playhead."""
         page, problem = self._workspace.page, self.problem
         if page is not None and problem is not None and problem.fix:
-            self._workspace.finish()
+            self._workspace.end_gestures()
             message = f"{problem.message}. The proposed fix is shown."
             page.proposal.offer(message, problem.fix, "Fix problem")
 
@@ -161,7 +161,7 @@ class FixCommands:
         page = self._workspace.page
         if page is None:
             return
-        self._workspace.finish()
+        self._workspace.end_gestures()
         fixable = [problem for problem in self.problems if problem.fix]
         edits = tuple(edit for problem in fixable for edit in problem.fix)
         if edits:

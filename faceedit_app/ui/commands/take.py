@@ -44,7 +44,7 @@ class TakeCommands:
 
     def change_rate(self) -> None:
         """Change the take's frame rate; its edits stay on their frames."""
-        self._workspace.finish()
+        self._workspace.end_gestures()
         session = self._workspace.session
         if session is None:
             return

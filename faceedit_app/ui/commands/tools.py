@@ -37,7 +37,7 @@ class ToolCommands:
         """Move the focused curve."""
         page = self._workspace.page
         if page is not None:
-            self._workspace.settle()
+            self._workspace.commit_gestures()
             page.curves.nudge(millimetres)
 
 

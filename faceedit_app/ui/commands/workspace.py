@@ -103,25 +103,25 @@ class Workspace(QObject):
 
     # --- gestures in progress ----------------------------------------------------------------
 
-    def drop_gesture(self) -> bool:
+    def cancel_gesture(self) -> bool:
         """Cancel the drag in progress, or close hints or a proposal; False if there is none."""
         if self.page is None:
             return False
         if self.page.curves.is_dragging:
             self.page.curves.cancel_drag()
             return True
-        return self.page.drop()
+        return self.page.cancel_gesture()
 
-    def settle(self) -> None:
+    def commit_gestures(self) -> None:
         """Commit gestures in progress outside the curves."""
         self.media_steps.settle()
         if self.page is not None:
             self.page.settle()
 
-    def finish(self) -> None:
+    def end_gestures(self) -> None:
         """Cancel a drag in progress and commit other gestures."""
-        self.drop_gesture()
-        self.settle()
+        self.cancel_gesture()
+        self.commit_gestures()
 
     def close(self) -> None:
         """Stop everything and free the graphics memory."""

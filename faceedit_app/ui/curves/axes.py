@@ -50,7 +50,7 @@ class ValueAxis(pg.AxisItem):
         )
 
     def boundingRect(self) -> QRectF:
-        """No number leaves it."""
+        """The axis itself, since all numbers are inside."""
         rect: QRectF = self.rect()
         return rect
 

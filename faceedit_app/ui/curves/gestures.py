@@ -218,7 +218,7 @@ class RulerDrag:
         return min(self.anchor, seconds), max(self.anchor, seconds)
 
 
-class WheelMeans(Enum):
+class WheelAction(Enum):
     """What a turn of the wheel does."""
 
     FALLOFF = "falloff"
@@ -227,13 +227,13 @@ class WheelMeans(Enum):
     PAN = "pan"
 
 
-def wheel_means(dragging: bool, shift: bool, ctrl: bool) -> WheelMeans:
+def wheel_action(dragging: bool, shift: bool, ctrl: bool) -> WheelAction:
     """The falloff during a drag; otherwise pan with Shift, zoom values with Ctrl, zoom time."""
     if dragging:
-        return WheelMeans.FALLOFF
+        return WheelAction.FALLOFF
     if shift:
-        return WheelMeans.PAN
-    return WheelMeans.ZOOM_VALUES if ctrl else WheelMeans.ZOOM_TIME
+        return WheelAction.PAN
+    return WheelAction.ZOOM_VALUES if ctrl else WheelAction.ZOOM_TIME
 
 
 def zoom_factor(notches: float) -> float:

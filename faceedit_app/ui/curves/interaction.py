@@ -150,7 +150,7 @@ class Interaction(QObject):
         )
         self.changed.emit()
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """The release was lost: end the gesture and keep its result."""
         self._edges.release()
         if self.drag is None:

@@ -45,7 +45,7 @@ class CurveLines(pg.UIGraphicsItem):
             self._update_between(min(span[0] for span in spans), max(span[1] for span in spans))
 
     def viewRangeChanged(self) -> None:
-        """Other pixels."""
+        """Forget the cached box: the scale changed."""
         self._room = None
         super().viewRangeChanged()
 
@@ -120,7 +120,7 @@ class Stroke:
 
 
 def _polygon(line: Polyline) -> QPolygonF:
-    """Its points, for Qt."""
+    """The points of a line, for Qt."""
     polygon: QPolygonF = create_qpolygonf(len(line.x))
     if len(line.x):
         points = ndarray_from_qpolygonf(polygon)

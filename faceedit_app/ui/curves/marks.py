@@ -88,7 +88,7 @@ class SpanRegion(pg.LinearRegionItem):
         return self._rect
 
     def _measure(self, view: QRectF, pixel: float) -> QRectF:
-        """Work out what is painted where; a frame's hold is a pixel wide."""
+        """Compute the pixels of the edges; the hold of a single frame is one pixel wide."""
         span, top, height = self.span, view.top(), view.height()
         first, last = span.ends
         hold = max(span.end - span.start, pixel)
@@ -185,12 +185,12 @@ class Playhead(pg.InfiniteLine):
         self._rect: QRectF | None = None
 
     def viewRangeChanged(self) -> None:
-        """It is as long as the view is high."""
+        """Update the length to the height of the view."""
         self._rect = None
         self.prepareGeometryChange()
 
     def boundingRect(self) -> QRectF:
-        """Along the line, which is turned by 90 degrees."""
+        """The box of the line, in its own coordinates, rotated by 90 degrees."""
         if self._rect is None:
             view = self.getViewBox()
             low, high = view.viewRange()[1]

@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QFont, QFontMetricsF, QLinearGradient, QPainter, QPen, QWheelEvent
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.gestures import PAN_STEP, Span, WheelMeans, wheel_means, zoom_factor
+from faceedit_app.ui.curves.gestures import PAN_STEP, Span, WheelAction, wheel_action, zoom_factor
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.state.timeline import Timeline
 
@@ -62,18 +62,18 @@ def draw_tag(painter: QPainter, box: QRectF, lines: tuple[str, ...], font: QFont
     painter.drawText(box, Qt.AlignmentFlag.AlignCenter, "\n".join(lines))
 
 
-def turn_wheel(timeline: Timeline, seconds: float, event: QWheelEvent) -> WheelMeans:
+def turn_wheel(timeline: Timeline, seconds: float, event: QWheelEvent) -> WheelAction:
     """Zoom or pan the time axis for a wheel event over `seconds`; returns which it was."""
     modifiers = event.modifiers()
     across, notches = event.angleDelta().x() / 120.0, event.angleDelta().y() / 120.0
     shift = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
     ctrl = bool(modifiers & Qt.KeyboardModifier.ControlModifier)
-    means = wheel_means(dragging=False, shift=shift or abs(across) > abs(notches), ctrl=ctrl)
-    if means is WheelMeans.PAN:
+    means = wheel_action(dragging=False, shift=shift or abs(across) > abs(notches), ctrl=ctrl)
+    if means is WheelAction.PAN:
         # macOS and some mice turn the wheel sideways with Shift; both directions pan.
         turn = notches if abs(notches) > abs(across) else across
         first, last = timeline.view
         timeline.pan(-turn * PAN_STEP * (last - first))
-    elif means is WheelMeans.ZOOM_TIME:
+    elif means is WheelAction.ZOOM_TIME:
         timeline.zoom(zoom_factor(notches), seconds)
     return means

@@ -224,10 +224,10 @@ class CurvesPanel(QWidget):
         """Fit the value axis of one curve, or of all, to what is in view."""
         self._axes.release(self.plots if index is None else (self.plots[index],))
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """The mouse is lost to another window: end drags and keep their result."""
         for part in (self._mouse, self.range_bar, self.ruler):
-            part.let_go()
+            part.mouse_lost()
 
     # --- keeping in step -------------------------------------------------------------------
 

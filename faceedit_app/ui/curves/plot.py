@@ -48,7 +48,7 @@ class CurveMouse(Protocol):
     def release(self, plot: CurvePlot, pointer: Pointer) -> None:
         """The left button went up."""
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """The release was lost."""
 
     def hover(self, plot: CurvePlot, pointer: Pointer) -> None:
@@ -247,9 +247,9 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         """The left button went up."""
         self._mouse.release(self, pointer)
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """The release of the left button was lost."""
-        self._mouse.let_go()
+        self._mouse.mouse_lost()
 
     def hovered(self, pointer: Pointer) -> None:
         """The pointer moved without a button."""

@@ -168,9 +168,9 @@ class RangeBar(pg.GraphicsView, Mouse):
 
     def released(self, _pointer: Pointer) -> None:
         """End the gesture."""
-        self.let_go()
+        self.mouse_lost()
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """End the gesture and keep its result; a click outside clears the selection."""
         if self._selecting is not None:
             selection = self._timeline.selection

@@ -135,13 +135,13 @@ class Ruler(pg.GraphicsView, Mouse):
     def released(self, pointer: Pointer) -> None:
         """End the gesture."""
         self.dragged(pointer)
-        self.let_go()
+        self.mouse_lost()
 
     def double_clicked(self, _pointer: Pointer) -> None:
         """Clear the selection."""
         self._timeline.select(None)
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """End the gesture and keep its result."""
         drag, self._drag = self._drag, None
         if drag is not None and drag.selecting:

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.ui.curves.gestures import PAN_STEP, ZOOM_STEP, Pointer, WheelMeans, wheel_means
+from faceedit_app.ui.curves.gestures import PAN_STEP, ZOOM_STEP, Pointer, WheelAction, wheel_action
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.curves.value_range import LARGEST, SMALLEST
 from faceedit_app.ui.state.timeline import Timeline
@@ -50,7 +50,7 @@ class Mouse:
     def released(self, pointer: Pointer) -> None:
         """The left button went up."""
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """The release was lost."""
 
     def hovered(self, pointer: Pointer) -> None:
@@ -104,7 +104,7 @@ class TimeView(pg.ViewBox):
     def paint(
         self, _painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Nothing: the border is an item of its own."""
+        """Paint nothing: the border is a separate item."""
 
     def _follow(self) -> None:
         self.setXRange(*self._timeline.view, padding=0)
@@ -151,7 +151,7 @@ class TimeView(pg.ViewBox):
         """Qt noticed that the button is up, although no release arrived."""
         if self._is_held:
             self._is_held = False
-            self._mouse.let_go()
+            self._mouse.mouse_lost()
         super().ungrabMouseEvent(event)
 
     def hoverMoveEvent(self, event: QGraphicsSceneHoverEvent) -> None:
@@ -171,12 +171,12 @@ class TimeView(pg.ViewBox):
         notches = event.delta() / _NOTCH
         sideways = event.orientation() == Qt.Orientation.Horizontal
         pointer = _pointer(event)
-        means = wheel_means(self._mouse.takes_wheel, pointer.fine or sideways, pointer.snap)
-        if means is WheelMeans.FALLOFF:
+        means = wheel_action(self._mouse.takes_wheel, pointer.fine or sideways, pointer.snap)
+        if means is WheelAction.FALLOFF:
             self._mouse.turned(pointer, notches)
-        elif axis == _VALUES or (means is WheelMeans.ZOOM_VALUES and self._has_values):
+        elif axis == _VALUES or (means is WheelAction.ZOOM_VALUES and self._has_values):
             super().wheelEvent(event, _VALUES)
-        elif means is WheelMeans.PAN:
+        elif means is WheelAction.PAN:
             (first, last), _ = self.viewRange()
             self.translateBy(x=-notches * PAN_STEP * (last - first))
             self.sigRangeChangedManually.emit([True, False])

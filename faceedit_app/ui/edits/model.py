@@ -118,11 +118,11 @@ class EditsModel(QAbstractListModel):
             return False
         source = int(bytes(data.data(_MIME).data()).decode())
         to = row if row >= 0 else len(self.edits)
-        self.bring(source, to - 1 if to > source else to)
+        self.move_edit(source, to - 1 if to > source else to)
         # Qt would remove the source row, but the session has moved it already.
         return False
 
-    def bring(self, row: int, to: int) -> None:
+    def move_edit(self, row: int, to: int) -> None:
         """Move an edit to another row."""
         to = min(max(to, 0), len(self.edits) - 1)
         if row != to:

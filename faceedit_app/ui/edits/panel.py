@@ -66,7 +66,7 @@ class EditsPanel(QWidget):
         selection.selectionChanged.connect(self._sync)
         timeline.selection_changed.connect(self._other_range)
         timeline.falloff_changed.connect(self._other_falloff)
-        self.model.moving.connect(self._bring)
+        self.model.moving.connect(self._edit_moves)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
         self.refresh()
@@ -287,7 +287,7 @@ class EditsPanel(QWidget):
         if not self._is_dragged:
             return False
         self._is_dragged = False
-        self.strength.drop()
+        self.strength.cancel_drag()
         self._document.cancel()
         return True
 
@@ -340,13 +340,13 @@ class EditsPanel(QWidget):
             self.list.setFocus()
             self.list.edit(self.list.currentIndex())
 
-    def bring(self, by: int) -> None:
+    def move_edit(self, by: int) -> None:
         """Move the selected edit up or down the list."""
         row = self.current
         if row is not None and 0 <= row + by < len(self.model.edits):
-            self.model.bring(row, row + by)
+            self.model.move_edit(row, row + by)
 
-    def _bring(self, row: int) -> None:
+    def _edit_moves(self, row: int) -> None:
         self._moved_to = row
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:

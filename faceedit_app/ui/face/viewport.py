@@ -95,9 +95,9 @@ class Viewport(QWidget):
         self.legend.open(rig)
         try:
             self._picture.open(rig, self._pixels())
-            self._say("")
+            self._show_note("")
         except FaceEditError as error:
-            self._say(str(error))
+            self._show_note(str(error))
         self._explain()
         self.reset_camera()
         self.opened.emit()
@@ -107,7 +107,7 @@ class Viewport(QWidget):
         """The message shown instead of a face."""
         return self._note.text()
 
-    def _say(self, message: str) -> None:
+    def _show_note(self, message: str) -> None:
         self._note.setText(message)
         self._note.setVisible(bool(message))
 
@@ -227,7 +227,7 @@ class Viewport(QWidget):
             logging.getLogger("faceedit").warning("drawing failed", exc_info=True)
             self.close_renderer()
             known = isinstance(error, FaceEditError)
-            self._say(str(error) if known else f"The face cannot be drawn: {error}")
+            self._show_note(str(error) if known else f"The face cannot be drawn: {error}")
             return
         self._stale = False
         self.draws += 1
@@ -307,7 +307,7 @@ class Viewport(QWidget):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Orbit with the left button, pan with the middle or right one."""
         if not event.buttons():
-            self.let_go()
+            self.mouse_lost()
         if self._grabbed is None:
             return
         if self._is_click(event.position()) and event.buttons() & Qt.MouseButton.RightButton:
@@ -325,7 +325,7 @@ class Viewport(QWidget):
         """Stop moving the camera; a right click asks for the menu."""
         clicked = self._is_click(event.position())
         if not event.buttons():
-            self.let_go()
+            self.mouse_lost()
         if clicked and event.button() == Qt.MouseButton.RightButton:
             self.menu_asked.emit(event.globalPosition().toPoint())
 
@@ -334,7 +334,7 @@ class Viewport(QWidget):
         near = QApplication.startDragDistance()
         return self._pressed is not None and (at - self._pressed).manhattanLength() < near
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """Stop moving the camera: the release was lost."""
         self._grabbed = self._pressed = None
         self.unsetCursor()

@@ -35,7 +35,7 @@ class GestureSlider(QSlider):
     def _moved(self, value: int) -> None:
         (self.dragged if self.isSliderDown() else self.stepped).emit(value)
 
-    def drop(self) -> None:
+    def cancel_drag(self) -> None:
         """Cancel the drag in progress: ignore the mouse until the button is released."""
         self._is_dropped = self.isSliderDown()
         self.setSliderDown(False)

@@ -76,16 +76,16 @@ class Screen(QWidget):
         # Allow half a picture beyond the ends: rates differ, and clocks are rounded.
         slack = 0.5 / film.rate
         if seconds < -slack:
-            self._say(f"The film begins at {format_time(placed.offset)}")
+            self._show_note(f"The film begins at {format_time(placed.offset)}")
         elif seconds > film.duration + slack:
-            self._say(f"The film ended at {format_time(placed.offset + film.duration)}")
+            self._show_note(f"The film ended at {format_time(placed.offset + film.duration)}")
         else:
             self._note = ""
             self.wanted = film.index_at(seconds)
             self._show(self.wanted)
             self._projector.want(self.wanted)
 
-    def _say(self, note: str) -> None:
+    def _show_note(self, note: str) -> None:
         self._note, self._picture, self.index, self.wanted = note, None, -1, -1
         self.update()
 
@@ -99,7 +99,7 @@ class Screen(QWidget):
 
     def _stop(self, error: FaceEditError) -> None:
         self.close_film()
-        self._say(str(error))
+        self._show_note(str(error))
 
     def close_film(self) -> None:
         """Stop decoding."""

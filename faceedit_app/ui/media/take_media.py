@@ -192,7 +192,7 @@ class TakeMedia(QObject):
             if beside_take:
                 self._place(at, path)  # its sound may have been read first
                 self._rebase(path, at)
-            self._tell()
+            self._announce()
 
         def missed(error: object) -> None:
             if beside_take and self._kept.get(kind) == entry:
@@ -237,7 +237,7 @@ class TakeMedia(QObject):
         # If the clocks disagree, the offset would move it out of sight.
         return offset if -lasts < offset < _NEAR else 0.0
 
-    def _tell(self) -> None:
+    def _announce(self) -> None:
         """Emit the message once the last file is read."""
         if not self.pending and self._found:
             self.message.emit(self._found)

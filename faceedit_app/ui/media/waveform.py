@@ -151,7 +151,7 @@ class Waveform(QWidget):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Continue the gesture."""
         if not event.buttons() and event.type() == QEvent.Type.MouseMove:
-            self.let_go()
+            self.mouse_lost()
         x = event.position().x()
         if self._drag is not None:
             self._timeline.show_range(*self._drag.moved(x))
@@ -170,9 +170,9 @@ class Waveform(QWidget):
             self.mouseMoveEvent(event)
             self._end_move()
         if not event.buttons():
-            self.let_go()
+            self.mouse_lost()
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """The release was lost: end the drag and keep its result."""
         self._drag, self._scrubs = None, False
         if self._grabbed is not None:

@@ -1,4 +1,4 @@
-"""Context menus of the curves panel: what is possible on a curve, on its name and on the ruler."""
+"""Context menus of the curves panel: on a curve, on its name and on the ruler."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ RULER: Groups = (
 
 
 def connect_menus(curves: CurvesPanel, actions: Actions) -> None:
-    """Open the menu of each place that asks for one."""
+    """Show the context menus when the panel asks for them."""
     for asked, groups in (
         (curves.curve_menu_asked, CURVE),
         (curves.name_menu_asked, NAME),

@@ -147,7 +147,7 @@ class Editor(QWidget):
         self.edits.refresh()
         self.face.refresh()
 
-    def drop(self) -> bool:
+    def cancel_gesture(self) -> bool:
         """Esc: close hints, cancel a slider's drag, discard a proposal; False if there is none."""
         return (
             self.hints.finish()
@@ -156,10 +156,10 @@ class Editor(QWidget):
             or self.proposal.discard()
         )
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """The mouse is lost to another window: end drags and keep their result."""
         for part in (self.curves, self.sound.waveform, self.face.viewport):
-            part.let_go()
+            part.mouse_lost()
         for slider in self.findChildren(QAbstractSlider):
             slider.setSliderDown(False)
 

@@ -67,7 +67,7 @@ class ProblemsBar(QWidget):
         """Start over for another take."""
         self.problems, self.current = (), None
         self._timer.start()
-        self._tell()
+        self._announce()
 
     def _search_soon(self) -> None:
         """Search once the take has not changed for a moment."""
@@ -90,7 +90,7 @@ class ProblemsBar(QWidget):
             if number == self._newest and self._document.session is session:
                 self.problems = tuple(problems)
                 self._moved()
-                self._tell(True)
+                self._announce(True)
 
         def failed(_: Exception) -> None:
             """Show no marks."""
@@ -112,9 +112,9 @@ class ProblemsBar(QWidget):
         cost = 1000 * (time.perf_counter() - began)
         self._timer.setInterval(round(min(max(_WAIT_MS, 4 * cost), 3000)))
         self._moved()
-        self._tell(True)
+        self._announce(True)
 
-    def _tell(self, is_searched: bool = False) -> None:
+    def _announce(self, is_searched: bool = False) -> None:
         self.is_searched = is_searched
         count = len(self.problems)
         self.setAccessibleDescription(f"{count} found" if count else "No problems found")

@@ -75,7 +75,7 @@ class SettingSlider(QObject):
             return False
         self._live.stop()
         self._is_dragged = False
-        self.slider.drop()
+        self.slider.cancel_drag()
         self._document.cancel()
         self.sync()
         return True

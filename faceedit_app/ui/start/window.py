@@ -96,7 +96,7 @@ class MainWindow(WindowBase):
         self.document.changed.connect(self._mark_modified)
         self.document.changed.connect(self._warn_of_lacks)
         self.document.saved.connect(self._mark_modified)
-        opener.reading.connect(self._say_reading)
+        opener.reading.connect(self._show_reading)
         opener.character_loaded.connect(self._prepare_face)
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
@@ -152,7 +152,7 @@ class MainWindow(WindowBase):
             self.document.engine = loading.load_engine(rig)
             self.status.set_networks("ready")
         except FaceEditError as error:
-            self._do_without_engine(error)
+            self._continue_without_engine(error)
         self.document.adopt(loading.open_session(shipped(DEMO_TAKE), rig))
         self.build_editor().face.viewport.open(rig)
 
@@ -191,7 +191,7 @@ class MainWindow(WindowBase):
             self._can_draw = True
             self._open_face()
             self._background.run(
-                lambda: loading.load_engine(rig), self._use_engine, self._do_without_engine
+                lambda: loading.load_engine(rig), self._use_engine, self._continue_without_engine
             )
 
         self._background.run(loading.prepare_renderer, prepared, self._show_error)
@@ -208,7 +208,7 @@ class MainWindow(WindowBase):
         self.status.set_networks("ready")
         self.settled.emit()
 
-    def _do_without_engine(self, error: Exception) -> None:
+    def _continue_without_engine(self, error: Exception) -> None:
         self.status.set_networks("missing", str(error))
         self.banner.show_message(
             f"The face model could not be loaded, so edits look less natural. {error}",
@@ -259,7 +259,7 @@ class MainWindow(WindowBase):
             self.banner.remove(before)
         self.setWindowModified(not self.document.is_clean)
 
-    def _say_reading(self, text: str) -> None:
+    def _show_reading(self, text: str) -> None:
         if self.document.session is None:
             self.start_page.show_loading(text or None)
         if text:
@@ -269,10 +269,10 @@ class MainWindow(WindowBase):
 
     # --- window events -----------------------------------------------------------------------
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """Another window took the mouse: end the drag in progress and keep it."""
         if self.editor is not None:
-            self.editor.let_go()
+            self.editor.mouse_lost()
 
     def show_drop(self, active: bool) -> None:
         """Show whether a file hovers over the window."""
@@ -300,7 +300,7 @@ class MainWindow(WindowBase):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved edits, remember the layout, stop everything."""
-        self.workspace.finish()
+        self.workspace.end_gestures()
         if not self.commands.file.may_close():
             event.ignore()
             return

@@ -25,13 +25,13 @@ class WindowBase(QMainWindow):
     def event(self, event: QEvent) -> bool:
         """Detect the first paint, and the loss of the mouse to another window or a dialog."""
         if event.type() in (QEvent.Type.WindowDeactivate, QEvent.Type.WindowBlocked):
-            self.let_go()
+            self.mouse_lost()
         if event.type() == QEvent.Type.Paint and self._on_paint is not None:
             QTimer.singleShot(0, self._on_paint)
             self._on_paint = None
         return super().event(event)
 
-    def let_go(self) -> None:
+    def mouse_lost(self) -> None:
         """The release of a held button will not reach this window."""
         raise NotImplementedError
 
