@@ -20,19 +20,13 @@ from scipy.sparse.csgraph import dijkstra
 from faceedit_app.characters.assembly import Assembly
 from faceedit_app.characters.welding import Weld
 from faceedit_app.core.arrays import Bools, Doubles, Indices
+from faceedit_app.core.controls import CONTROLS
 
 Points = dict[str, int]
 
-# Each control and its two control points, in the order of `controls.CONTROLS`.
-PAIRS: tuple[tuple[str, str, str], ...] = (
-    ("mouth_opening", "inner_upper_lip", "inner_lower_lip"),
-    ("mouth_width", "left_mouth_corner", "right_mouth_corner"),
-    ("left_corner", "upper_lip", "left_mouth_corner"),
-    ("right_corner", "upper_lip", "right_mouth_corner"),
-    ("upper_lip", "nose_bridge", "upper_lip"),
-    ("lower_lip", "chin", "lower_lip"),
-    ("left_eyelid", "left_upper_lid", "left_lower_lid"),
-    ("right_eyelid", "right_upper_lid", "right_lower_lid"),
+# Each control that can be looked for, and its two control points, in the order of the table.
+PAIRS: tuple[tuple[str, str, str], ...] = tuple(
+    (control.id, *control.between) for control in CONTROLS if control.between is not None
 )
 POINTS: tuple[str, ...] = tuple(dict.fromkeys(name for pair in PAIRS for name in pair[1:]))
 _LIPS = (

@@ -37,6 +37,8 @@ class Control:
         expressive: whether it also follows one-click expressions of its region.
         closes: what touches when it is 0, if anything.
         shuts: whether the two vertices can pass each other; the distance is then 0.
+        between: names of its two control points, which are looked for on a character that does
+            not say where they are (`characters/points.py`); None = only its own file can say.
     """
 
     id: str
@@ -52,6 +54,7 @@ class Control:
     expressive: bool = False
     closes: Closes | None = None
     shuts: bool = False
+    between: tuple[str, str] | None = None
 
 
 # Okabe and Ito's colours: distinguishable with any kind of colour blindness.
@@ -63,6 +66,7 @@ CONTROLS: tuple[Control, ...] = (
         "mouth_opening",
         "Mouth opening",
         "Distance between the inner lips. Up opens the jaw, down closes the mouth.",
+        between=("inner_upper_lip", "inner_lower_lip"),
         region="lower",
         key="1",
         color=_SKY,
@@ -72,6 +76,7 @@ CONTROLS: tuple[Control, ...] = (
         _WIDTH,
         "Mouth width",
         "Distance between the mouth corners. Up widens the mouth, down puckers the lips.",
+        between=("left_mouth_corner", "right_mouth_corner"),
         region="lower",
         key="2",
         color=_SKY,
@@ -81,6 +86,7 @@ CONTROLS: tuple[Control, ...] = (
         "left_corner",
         "Left mouth corner",
         "Upper lip to the character's left mouth corner. Up smiles on that side.",
+        between=("upper_lip", "left_mouth_corner"),
         region="lower",
         key="3",
         color=_SKY,
@@ -92,6 +98,7 @@ CONTROLS: tuple[Control, ...] = (
         "right_corner",
         "Right mouth corner",
         "Upper lip to the character's right mouth corner. Up smiles on that side.",
+        between=("upper_lip", "right_mouth_corner"),
         region="lower",
         key="4",
         color=_SKY,
@@ -104,6 +111,7 @@ CONTROLS: tuple[Control, ...] = (
         "Upper lip drop",
         "Nose bridge to upper lip. Up lowers the lip and tucks it in, down lifts it and pushes it "
         "out.",
+        between=("nose_bridge", "upper_lip"),
         region="lower",
         key="5",
         color=_SKY,
@@ -114,6 +122,7 @@ CONTROLS: tuple[Control, ...] = (
         "lower_lip",
         "Lower lip rise",
         "Chin to lower lip. Up raises the lip or tucks it in, down lowers it and pushes it out.",
+        between=("chin", "lower_lip"),
         region="lower",
         key="6",
         color=_SKY,
@@ -124,6 +133,7 @@ CONTROLS: tuple[Control, ...] = (
         "left_eyelid",
         "Left eye opening",
         "Distance between the lids of the character's left eye. Up opens the eye, down closes it.",
+        between=("left_upper_lid", "left_lower_lid"),
         region="eyelids",
         heard_by=("upper",),
         key="7",
@@ -137,6 +147,7 @@ CONTROLS: tuple[Control, ...] = (
         "right_eyelid",
         "Right eye opening",
         "Distance between the lids of the character's right eye. Up opens the eye, down closes it.",
+        between=("right_upper_lid", "right_lower_lid"),
         region="eyelids",
         heard_by=("upper",),
         key="8",

@@ -23,8 +23,16 @@ from faceedit_app.core.controls import (
 from faceedit_app.core.regions import LOWER, REGIONS
 
 PACKAGE = ROOT / "faceedit_app"
-# Where a region's id is also another word: the command that lowers a curve.
-OTHER_WORDS = {"ui/commands/tools.py": {"lower"}}
+# Where an id is also another word: the command that lowers a curve, the upper and lower eyelid in
+# names of blendshapes, and the lips as control points.
+OTHER_WORDS = {
+    "ui/commands/tools.py": {"lower"},
+    "ui/page/curve_menus.py": {"lower"},
+    "characters/assembly.py": {"upper", "lower"},
+    "characters/checklist.py": {"upper_lip", "lower_lip"},
+    "characters/names.py": {"upper", "lower"},
+    "characters/points.py": {"upper_lip", "lower_lip"},
+}
 
 
 @pytest.mark.parametrize("control", CONTROLS, ids=CONTROL_IDS)
