@@ -16,19 +16,15 @@ Entry = tuple[str, str, str]  # PyInstaller's: name in the bundle, file or link'
 # Chosen by name at run time, where PyInstaller cannot see it.
 HIDDEN = ["OpenGL.platform.egl", "OpenGL.platform.osmesa", "OpenGL.platform.glx", "OpenGL.osmesa"]
 
-# All but sparse and spatial, which trimesh needs, and what these need themselves.
+# All but what trimesh and the registration of scans need, and what that needs itself.
 UNUSED_SCIPY = [
     "cluster",
     "datasets",
     "differentiate",
-    "fft",
     "fftpack",
     "integrate",
-    "interpolate",
     "io",
-    "ndimage",
     "odr",
-    "optimize",
     "signal",
     "stats",
 ]

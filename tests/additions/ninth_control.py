@@ -27,7 +27,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.networks.engine import Engine
-from faceedit_app.ui.state import background
+from faceedit_app.ui.state import loading
 
 __all__ = ["bench"]
 
@@ -144,7 +144,7 @@ def test_it_is_the_ninth_curve_and_says_why_it_cannot_be_edited(bench: Bench) ->
 def test_dragging_the_ninth_curve_moves_the_face(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(background, "load_character", rig_with_brow)
+    monkeypatch.setattr(loading, "load_character", rig_with_brow)
     window = bench.editing()
     session = window.document.session
     assert session is not None
