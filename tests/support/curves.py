@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
@@ -16,6 +17,9 @@ from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.state.timeline import Timeline
 from support.waiting import wait_for_timers
+
+# pyqtgraph drops moves that come faster than 100 a second, as those of tests do.
+pg.setConfigOption("mouseRateLimit", -1)
 
 Strip = CurvePlot | Ruler | RangeBar  # what lies along the time axis
 NONE, SHIFT, CTRL, ALT = (

@@ -569,6 +569,6 @@ def test_a_curve_that_the_character_lacks_is_disabled_and_says_why(qtbot: QtBot)
     able = {plot.control.id: plot.isEnabled() for plot in panel.plots}
     assert able.pop(MOUTH_WIDTH) is False
     assert all(able.values())
-    assert "no vertices" in panel.headers[CONTROL_INDEX[MOUTH_WIDTH]].toolTip()
+    assert "lacks the control points" in panel.headers[CONTROL_INDEX[MOUTH_WIDTH]].toolTip()
     panel.set_session(open_session(tiny_take(), rig))
     assert panel.plots[CONTROL_INDEX[MOUTH_WIDTH]].isEnabled()

@@ -36,7 +36,7 @@ def test_headless_writes_the_edited_take_and_pictures(qtbot: QtBot, tmp_path: Pa
 
 def test_headless_says_where_it_cannot_write(qtbot: QtBot, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(FileError, match="cannot be made"):
+    with pytest.raises(FileError, match="cannot be created"):
         run_headless(tmp_path / "file")
 
 
@@ -56,7 +56,7 @@ def test_an_unexpected_error_is_told_and_written_down(
     except ZeroDivisionError:
         sys.excepthook(*sys.exc_info())
     assert len(told) == 1
-    assert "edits are still there" in told[0]
+    assert "edits are still here" in told[0]
     assert "a test's own" in (tmp_path / "logs" / "faceedit.log").read_text()
     assert "a test's own" in capsys.readouterr().err
     for handler in list(crash._log.handlers):
