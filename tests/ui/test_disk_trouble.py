@@ -249,11 +249,11 @@ def test_settings_that_cannot_be_kept_are_told(
     window = bench.editing()
     assert window.banner.isVisible()
     (line,) = (n for n in window.banner.text.text().splitlines() if n.startswith(str(settings)))
-    assert "cannot be kept; check the folder's permissions" in line
+    assert "cannot be saved; check the folder's permissions" in line
     add_edit(window)
     assert window.document.session is not None
     assert len(window.document.session.edits) == 1
 
 
 def test_settings_that_are_kept_are_not_spoken_of(bench: Bench) -> None:
-    assert "cannot be kept" not in bench.editing().banner.text.text()
+    assert "cannot be saved" not in bench.editing().banner.text.text()

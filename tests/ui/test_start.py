@@ -119,7 +119,7 @@ def test_while_a_take_is_read_the_window_says_so(
     gate = threading.Event()
     real = loading.open_session
     monkeypatch.setattr(
-        loading, "open_session", lambda path, rig: (gate.wait(10), real(path, rig))[1]
+        loading, "open_session", lambda path, rig, fps: (gate.wait(10), real(path, rig, fps))[1]
     )
     window = bench.window(start=False)
     window.start(bench.take)
@@ -239,10 +239,10 @@ def test_the_take_that_was_asked_for_last_wins(
     real = loading.open_session
     slow = make_livelink_csv(bench.folder / "slow.csv")
 
-    def read(path: Path, rig: object) -> object:
+    def read(path: Path, rig: object, fps: float | None) -> object:
         if path == slow:
             gate.wait(10)
-        return real(path, rig)  # type: ignore[arg-type]
+        return real(path, rig, fps)  # type: ignore[arg-type]
 
     monkeypatch.setattr(loading, "open_session", read)
     window = bench.window()
