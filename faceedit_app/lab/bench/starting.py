@@ -85,7 +85,7 @@ def _instead_of_the_demo(loading: Any, frames: int) -> None:
     from faceedit_app.editing.session import EditSession
     from faceedit_app.lab.bench.desk import long_take
 
-    def open_session(_path: Path, rig: Rig) -> EditSession:
+    def open_session(_path: Path, rig: Rig, _fps: float | None = None) -> EditSession:
         return opening.open_session(long_take(frames), rig)
 
     loading.open_session = open_session
