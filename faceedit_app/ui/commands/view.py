@@ -18,9 +18,10 @@ from faceedit_app.ui.state.actions import Command, Menu
 from faceedit_app.ui.state.clock import Unit
 
 if TYPE_CHECKING:  # comes with the page, after the first paint
+    from faceedit_app.ui.curves import CurvesPanel
     from faceedit_app.ui.face.pane import FacePane
 
-CAMERA = "Ca&mera"  # the menu inside the menu
+CAMERA, CURVES = "Ca&mera", "C&urves"  # menus inside the menu
 ZOOM = 0.7  # of the time in view, per step
 MARGIN = 0.1  # of the selection, on either side of it
 
@@ -37,12 +38,50 @@ class ViewCommands:
         page = self._workspace.page
         return page.face if page is not None else None
 
-    # --- time --------------------------------------------------------------------------------
+    # --- the curves --------------------------------------------------------------------------
+
+    @property
+    def curves(self) -> CurvesPanel | None:
+        """The curves panel, once it is there."""
+        page = self._workspace.page
+        return page.curves if page is not None else None
 
     def fit_values(self) -> None:
         """Let each value axis fit its curve again, as far as that is in view."""
-        if self._workspace.page is not None:
-            self._workspace.page.curves.fit_values()
+        if self.curves is not None:
+            self.curves.fit_values()
+
+    def enlarge_curve(self) -> None:
+        """Show even small movements of the curve that has the focus large, or no longer."""
+        if self.curves is not None:
+            self.curves.enlarge_focused()
+
+    @property
+    def is_curve_enlarged(self) -> bool:
+        """Whether it is."""
+        return self.curves is not None and self.curves.is_focused_enlarged
+
+    def show_only_curve(self) -> None:
+        """Hide the other curves."""
+        if self.curves is not None:
+            self.curves.show_only_focused()
+
+    def hide_curve(self) -> None:
+        """Hide the curve that has the focus."""
+        if self.curves is not None:
+            self.curves.hide_focused()
+
+    def show_all_curves(self) -> None:
+        """Hide no curve."""
+        if self.curves is not None:
+            self.curves.show_all()
+
+    @property
+    def shown_curves(self) -> int:
+        """How many curves are shown."""
+        return len(self.curves.shown_controls) if self.curves is not None else len(CONTROLS)
+
+    # --- the time ----------------------------------------------------------------------------
 
     def fit(self) -> None:
         """Show the selection if there is one that is not yet all there is to see."""
@@ -55,6 +94,11 @@ class ViewCommands:
             if line.view != before:
                 return
         line.show_range(0.0, line.duration)
+
+    def view_all(self) -> None:
+        """Show the whole take and all its values."""
+        self._timeline.show_range(0.0, self._timeline.duration)
+        self.fit_values()
 
     def zoom(self, factor: float) -> None:
         """Scale the time in view around the playhead."""
@@ -181,6 +225,8 @@ MENU: Menu[ViewCommands] = Menu("View", (
             "Show the whole take, or the selection", "fit"),
     Command("fit_values", "Fit &values", lambda do: do.fit_values(), ("Shift+F",),
             "Let each value axis show what is in view"),
+    Command("view_all", "View &all", ViewCommands.view_all, ("Shift+A",),
+            "Show the whole take, with all of its values"),
     Command("zoom_in", "Zoom &in", lambda do: do.zoom(ZOOM), ("+", "="),
             "Show less time around the playhead", "zoom_in"),
     Command("zoom_out", "Zoom &out", lambda do: do.zoom(1 / ZOOM), ("-",),
@@ -212,6 +258,19 @@ MENU: Menu[ViewCommands] = Menu("View", (
                 f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")
         for index, control in enumerate(CONTROLS)
     ),
+    Command("enlarge_curve", "&Enlarge small movements", ViewCommands.enlarge_curve,
+            tip="Show even small movements of the curve that has the focus large; also: "
+            "double-click its name", checked=lambda do: do.is_curve_enlarged, submenu=CURVES,
+            ),
+    Command("show_only_curve", "Show &only this curve", ViewCommands.show_only_curve,
+            tip="Hide all curves but the one that has the focus, and those edited with it",
+            enabled=lambda do: do.shown_curves > 1, submenu=CURVES),
+    Command("hide_curve", "&Hide this curve", ViewCommands.hide_curve,
+            tip="Hide the curve that has the focus", enabled=lambda do: do.shown_curves > 1,
+            submenu=CURVES),
+    Command("show_all_curves", "Show &all curves", ViewCommands.show_all_curves,
+            tip="Show the curves that were hidden",
+            enabled=lambda do: do.shown_curves < len(CONTROLS), submenu=CURVES),
     Command("focus_face", "Look around by &keys", ViewCommands.focus_face, ("9",),
             "Give the keyboard to the face: arrows turn it, + and - zoom; Esc gives it back"),
     Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,
