@@ -118,7 +118,7 @@ class Film:
         assert editor is not None
         wait(0.6)  # problems are looked for
         window.timeline.show_range(4.2, 8.0)
-        window.timeline.set_falloff(0.25)
+        window.timeline.set_falloffs(0.25, 0.25)
         window.timeline.go_to_time(5.02)
         wait(0.5)  # the face is drawn finely
         plot = editor.curves.plots[0].viewport()

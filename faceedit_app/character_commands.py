@@ -1,4 +1,4 @@
-"""`faceedit character`: what a character can do, and whether its lips and lids close."""
+"""`faceedit character`: inspect a character, measure its closures, or make one of a scan."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from faceedit_app.formats.take import Take
     from faceedit_app.networks.engine import Engine
 
-app = typer.Typer(help="Look at a character of your own.", no_args_is_help=True)
+app = typer.Typer(help="Check or make a character of your own.", no_args_is_help=True)
 
 CharacterArgument = Annotated[
     Path, typer.Argument(help="A GLB, glTF, VRM, binary FBX or OBJ, or a folder of OBJ.")
@@ -36,7 +36,7 @@ def inspect(
     write_map: Annotated[
         bool,
         typer.Option(
-            "--write-map", help="Write its map beside it, to be edited by hand; none is replaced."
+            "--write-map", help="Write its map next to it for editing; an existing map is kept."
         ),
     ] = False,
 ) -> None:
@@ -64,12 +64,12 @@ def seal(
     ] = None,
     models: Annotated[
         Optional[Path],  # noqa: UP045
-        typer.Option("--models", help="Folder of models; those that ship with FaceEdit if absent."),
+        typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
     ] = None,
 ) -> None:
-    """Measure how often lips and lids stay open on it where they are shut on FaceEdit's own.
+    """Measure how often lips and lids stay open on it where FaceEdit's own character closes them.
 
-    Says it before and after closing them by the smallest believable change.
+    Prints the result before and after closing them by the smallest believable change.
     """
     import numpy as np
 
@@ -127,14 +127,14 @@ def make(
     output: Annotated[Path, typer.Option("-o", "--output", help="The new character (GLB).")],
     points: Annotated[
         Optional[Path],  # noqa: UP045
-        typer.Option(help="Where points are on the scan (JSON); see docs/characters.md."),
+        typer.Option(help="Control points on the scan (JSON); see docs/characters.md."),
     ] = None,
     landmarker: Annotated[
         Optional[Path],  # noqa: UP045
-        typer.Option(help="MediaPipe's face_landmarker.task, which finds them on a picture."),
+        typer.Option(help="MediaPipe's face_landmarker.task, which finds the points by itself."),
     ] = None,
 ) -> None:
-    """Give a head without blendshapes all 52, from FaceEdit's own character."""
+    """Make all 52 blendshapes for a head that has none, from FaceEdit's own character."""
     from faceedit_app.characters.glb import write_rig
     from faceedit_app.characters.making import Template
     from faceedit_app.characters.making import make as make_head
@@ -160,10 +160,10 @@ def make(
 
 
 def rig_of(path: Path) -> Rig:
-    """The rig of a user's character; what has to be said of it goes to standard error.
+    """The rig of a user's character; its warnings go to standard error.
 
     Raises:
-        FileError: it cannot be read, or is no face.
+        FileError: it cannot be read, or is not a face.
     """
     from faceedit_app.characters.fitted import open_character
 
@@ -174,7 +174,7 @@ def rig_of(path: Path) -> Rig:
 
 
 def export_closed(session: EditSession, path: Path, output: Path, engine: Engine) -> None:
-    """Export a take with lips and lids closed on a character where edits have changed it.
+    """Export a take with lips and lids closed on a character, on the frames that edits change.
 
     Raises:
         FileError: the character cannot be read, or the take cannot be written.
@@ -200,11 +200,11 @@ def _covariances(engine: Engine) -> dict[str, Doubles]:
 
 
 def _check_output(output: Path | None, takes: Iterable[Path]) -> None:
-    """See that writing into a folder replaces no take."""
+    """Check that writing into a folder replaces no take."""
     if output is None:
         return
     if not output.is_dir():
-        raise FaceEditError(f"--output {output}: is no folder; create it first")
+        raise FaceEditError(f"--output {output}: is not a folder; create it first")
     names: set[str] = set()
     for path in takes:
         if (output / path.name).exists() or path.name in names:
@@ -220,7 +220,7 @@ def _median(values: Any) -> float:
 
 
 def _facts(fitted: FittedCharacter) -> dict[str, Any]:
-    """What `inspect --json` prints."""
+    """The facts that `inspect --json` prints."""
     check, character = fitted.checklist, fitted.character
     millimetres = 1000.0 * fitted.rig.neutral
     return {
@@ -262,7 +262,7 @@ def _text(fitted: FittedCharacter) -> str:
         ("Dead (they move the skin by less than 0.3 mm)", check.dead),
         ("Made of several", [f"{c} = {' + '.join(n)}" for c, n in check.several.items()]),
         ("Not used", check.unknown),
-        ("Not quite what they stand for", check.lost),
+        ("Approximate", check.lost),
     ):
         if names:
             lines.append(f"{title}: {', '.join(names)}")
@@ -296,5 +296,5 @@ def _seal_text(facts: dict[str, Any]) -> str:
 
 
 def _plain(line: str) -> str:
-    """A line without what a terminal would take for a command: names come from files."""
+    """A line without terminal control characters: names come from files."""
     return "".join(c if c.isprintable() else "?" for c in line)

@@ -1,4 +1,4 @@
-"""`faceedit`: opens the window, or runs a command without one (`commands.py`)."""
+"""`faceedit`: opens the window, or runs a command (`commands.py`)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ DEMO_OUTPUT = Path("out") / "demo"
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run FaceEdit; returns the exit code: 0, or 2 after one line on stderr."""
+    """Run FaceEdit; returns the exit code: 0, or 2 after one line on standard error."""
     given = sys.argv[1:] if arguments is None else arguments
     try:
         if _is_command(given):
@@ -29,10 +29,10 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _is_command(given: list[str]) -> bool:
-    """Anything but `faceedit`, `faceedit TAKE.csv` and `faceedit --demo`.
+    """Whether this is anything but `faceedit`, `faceedit TAKE.csv` and `faceedit --demo`.
 
-    A take that exists wins over a command of the same name. Told without the command-line
-    library, which would cost a tenth of a second before each window.
+    A take that exists wins over a command of the same name. Decided without the command-line
+    library, which would delay the window by a tenth of a second.
     """
     if not given or given == ["--demo"]:
         return False
@@ -48,7 +48,7 @@ def _open_window(given: list[str]) -> int:
         return run(take, demo)
     if not demo:
         raise FaceEditError(
-            "there is no display to open a window on; use faceedit apply, render or info, "
+            "there is no display for a window; use faceedit apply, render or info, "
             "or faceedit --demo"
         )
     from faceedit_app.ui.start.headless import run_headless

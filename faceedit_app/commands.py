@@ -1,6 +1,6 @@
-"""The commands of `faceedit`, on the same code as the window.
+"""The commands of `faceedit`, which use the same code as the window.
 
-What needs numpy is imported by the command that needs it: `--help` and `--version` answer at once.
+Commands import what needs numpy themselves, so that `--help` and `--version` answer at once.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from faceedit_app.networks.engine import Engine
 
 USAGE_ERROR = 2
-# The laboratory's commands. They are named here because the installed application leaves it out.
+# The laboratory's commands, named here because the installed application leaves it out.
 LABORATORY = (
     *("bench", "train", "evaluate", "evaluate-character"),
     *("experiment", "synthesize", "statistics"),
@@ -45,16 +45,16 @@ CharacterOption = Annotated[
 ]
 FpsOption = Annotated[
     Optional[float],  # noqa: UP045  (typer reads the annotation at run time)
-    typer.Option("--fps", help="Frames per second, if the take does not tell them."),
+    typer.Option("--fps", help="Frames per second, if the take does not give them."),
 ]
 ModelsOption = Annotated[
     Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
-    typer.Option("--models", help="Folder of models; those that ship with FaceEdit if absent."),
+    typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
 ]
 
 
 def run_command(given: list[str]) -> int:
-    """Run one command; returns its exit code, 2 after a one-line complaint about its usage."""
+    """Run one command; returns its exit code: 2 after one line about wrong usage."""
     _add_laboratory()
     try:
         return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
@@ -95,11 +95,11 @@ def apply(
     edits: Annotated[Path, typer.Argument(help="Edits (JSON) as the window saves them.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="The edited take.")],
     mode: Annotated[
-        str, typer.Option(help="preserve: change the take; resynthesize: make it anew.")
+        str, typer.Option(help="preserve: change the take; resynthesize: generate it again.")
     ] = "preserve",
-    naturalness: Annotated[float, typer.Option(help="0 obeys, 1 is believable.")] = 1.0,
+    naturalness: Annotated[float, typer.Option(help="0: most exact, 1: most believable.")] = 1.0,
     reach: Annotated[
-        float, typer.Option(help="0 as the networks answer, 1 all the way to what was asked.")
+        float, typer.Option(help="0: as the networks answer, 1: all the way to what was asked for.")
     ] = 1.0,
     character: CharacterOption = None,
     fps: FpsOption = None,
@@ -139,15 +139,15 @@ def convert(
     output: Annotated[Path, typer.Argument(help="The file to write.")],
     form: Annotated[
         Optional[str],  # noqa: UP045
-        typer.Option("--format", help="livelink, csv or audio2face; by the ending if absent."),
+        typer.Option("--format", help="livelink, csv or audio2face; default: by the ending."),
     ] = None,
     fps: Annotated[
         Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second to write; as in the take if absent."),
+        typer.Option("--fps", help="Frames per second to write; default: the take's."),
     ] = None,
     take_fps: Annotated[
         Optional[float],  # noqa: UP045
-        typer.Option("--take-fps", help="Frames per second of the take, if it does not tell them."),
+        typer.Option("--take-fps", help="Frames per second of the take, if it does not give them."),
     ] = None,
 ) -> None:
     """Write a take in another format, or at another frame rate."""
@@ -163,11 +163,11 @@ def convert(
     except RateNeeded:
         if fps is None or take_fps is not None:
             raise
-        opened = open_take(take, fps)  # each of its frames becomes one
+        opened = open_take(take, fps)  # frame by frame
     clip = converting.convert(output, opened, chosen, fps)
     print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     if opened.carried and chosen.name != opened.kind:
-        print(f"left out, being no channels: {', '.join(opened.carried)}")
+        print(f"left out because they are not channels: {', '.join(opened.carried)}")
 
 
 @app.command()
@@ -204,7 +204,7 @@ def render(
 
 
 def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
-    """Say which edits the take's channels cannot answer; they change nothing."""
+    """Warn of edits that the take's channels cannot answer, which change nothing."""
     from faceedit_app.editing.solving.answerable import unanswerable
 
     for number, edit in enumerate(session.edits, start=1):

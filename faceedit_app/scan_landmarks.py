@@ -1,4 +1,4 @@
-"""Landmarks that our template and a scan share, found on pictures of both."""
+"""Find landmarks that our template and a scan share, on pictures of both."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ from faceedit_app.render.snapshot import snapshot
 _TASK = "face_landmarker.task"
 _FEWEST = 6
 _SIZE = 512  # pixels of the pictures
-_HEAD = 0.26  # metres that a scan is taken to be high
+_HEAD = 0.26  # metres; the assumed height of a scan
 _CLAY = np.array([0.5, 0.38, 0.33, 1.0], np.float32)
-_JITTER = 1.5  # pixels around a landmark; the hit in front of all counts, not one in a hole
+_JITTER = 1.5  # pixels around a landmark; the frontmost hit counts, not one in a hole
 
 
 def read_points(path: Path) -> dict[str, Doubles]:
-    """Where points are on a scan: `{"chin": [x, y, z], ...}` in the scan's own unit.
+    """Read control points on a scan: `{"chin": [x, y, z], ...}` in the scan's own unit.
 
     Raises:
-        FileError: it is something else, or names too few.
+        FileError: it is something else, or has too few points.
     """
     remedy = f"name at least {_FEWEST} of {', '.join(POINTS)}"
     try:
@@ -56,28 +56,28 @@ def read_points(path: Path) -> dict[str, Doubles]:
 def find_landmarks(
     template: Template, scan: Scan, path: Path, landmarker: Path | None
 ) -> Landmarks:
-    """Landmarks of a scan from a picture of it.
+    """Find landmarks of a scan on a picture of it.
 
     Args:
-        path: the scan's, for messages.
-        landmarker: the networks that find them; None looks where FaceEdit keeps its data.
+        template: the template.
+        scan: the scan.
+        path: the scan's file, for messages.
+        landmarker: MediaPipe's networks; None = the file in FaceEdit's data folder.
 
     Raises:
-        FileError: there are no networks, or they see no face.
+        FileError: the networks are missing, or find no face.
     """
     task = landmarker or user_data_path("FaceEdit") / _TASK
     if not task.exists():
-        raise FileError(
-            task, "is not there", f"download MediaPipe's {_TASK} to it, or give --points"
-        )
+        raise FileError(task, "is missing", f"download MediaPipe's {_TASK} to it, or give --points")
     landmarks = scan_landmarks(template, scan, FaceLandmarker(task))
     if landmarks is None or len(landmarks.positions) < _FEWEST:
-        raise FileError(path, "shows no face", "say with --points where its points are")
+        raise FileError(path, "shows no face", "give its control points with --points")
     return landmarks
 
 
 def scan_landmarks(template: Template, scan: Scan, finder: FaceLandmarker) -> Landmarks | None:
-    """Find landmarks on both heads; None where no face is seen, however the scan is turned."""
+    """Find landmarks on both heads; None if no face is found in any orientation."""
     own = _seen(template.rig, finder)
     if own is None:
         return None
@@ -90,7 +90,7 @@ def scan_landmarks(template: Template, scan: Scan, finder: FaceLandmarker) -> La
 
 
 def _axes() -> Iterator[Doubles]:
-    """The 24 ways in which a head can lie along the axes of its file, the likeliest first."""
+    """The 24 orientations along the axes of a file, the most likely first."""
     for up, forward in ((1, 2), (2, 1), (1, 0), (2, 0), (0, 1), (0, 2)):
         for up_sign, forward_sign in product((1.0, -1.0), repeat=2):
             y, z = np.zeros(3), np.zeros(3)
@@ -100,7 +100,7 @@ def _axes() -> Iterator[Doubles]:
 
 
 def _posed(scan: Scan, axes: Doubles) -> tuple[Rig, Doubles]:
-    """A scan as something to be drawn, and (4, 4) from there back to the scan."""
+    """A scan as a rig to draw, and the transform (4, 4) back to the scan."""
     turned = scan.vertices @ axes.T
     low, high = turned.min(axis=0), turned.max(axis=0)
     scale = _HEAD / max(float(high[1] - low[1]), 1e-9)
@@ -119,14 +119,14 @@ def _drawable(vertices: Floats, scan: Scan) -> Rig:
         channels=("jawOpen",),
         deltas=np.zeros((1, *vertices.shape), np.float32),
         colors=colors,
-        # Not skin: a scan's triangles may look either way.
+        # Not skin: a scan's triangles may face either way.
         materials=(Material("scan", 0, len(scan.faces)),),
         control_pairs=np.full((len(CONTROL_IDS), 2), -1, np.int32),
     )
 
 
 def _seen(rig: Rig, finder: FaceLandmarker) -> tuple[Indices, NDArray[np.intp], Doubles] | None:
-    """Landmarks that lie on a head: their numbers, triangles and places (metres)."""
+    """The landmarks on a head: their numbers, triangles and places (metres), or None."""
     weights = np.zeros(len(rig.channels), np.float32)
     camera = default_camera(rig)
     pixels = finder.find(snapshot(rig, weights, _SIZE, _SIZE, camera))
@@ -159,7 +159,7 @@ def _pairs(
     found: tuple[Indices, NDArray[np.intp], Doubles],
     to_scan: Doubles,
 ) -> Landmarks:
-    """Landmarks that both heads show, on the template's skin."""
+    """The landmarks on both heads, on the template's skin."""
     _, ours, theirs = np.intersect1d(own[0], found[0], return_indices=True)
     corners = template.vertex_of[template.rig.faces[own[1][ours]]]
     on_skin = (corners >= 0).all(axis=1)

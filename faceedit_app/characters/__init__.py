@@ -1,1 +1,1 @@
-"""Characters: their files, and the one that ships."""
+"""Characters: their files, their rigs, and blendshapes for heads without any."""

@@ -1,4 +1,4 @@
-"""All parts of a character as one mesh in the face's coordinates, with a channel for each shape."""
+"""Assemble the parts of a character into one mesh, with a channel for each shape."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from faceedit_app.core.arrays import Doubles, Floats, Indices
 
 MOST_TRIANGLES = 250_000  # more are decimated
 DECIMATED_TO = 120_000
-_NECK = 0.09  # metres below the chin that are kept of a body
+_NECK = 0.09  # metres of a body below the chin that are kept
 _BODY = 0.25  # metres below the neck that make it a body
-_ARMS = 0.25  # metres to either side, beyond which lie arms
-_SEAM = 0.006  # metres over which a shape that is cut in two fades
+_ARMS = 0.25  # metres to either side; arms are farther out
+_SEAM = 0.006  # metres over which the halves of a shape fade
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """One mesh of all parts.
+    """All parts as one mesh.
 
     Attributes:
         neutral: (V, 3) float32, metres, in the face's coordinates.
@@ -34,9 +34,9 @@ class Assembly:
         channels: the K ARKit channels that have shapes.
         deltas: (K, V, 3) float32, metres.
         part_of: (V,) int32, the part of each vertex.
-        vertex_of: (V,) int32, and which one of that part it is.
-        parts: as they are here: cut and decimated.
-        runs: for each part its first triangle and the one after its last.
+        vertex_of: (V,) int32, the number of each vertex in its part.
+        parts: the parts, cut and decimated.
+        runs: per part its first triangle and the one after its last.
     """
 
     neutral: Floats
@@ -49,7 +49,7 @@ class Assembly:
     runs: tuple[tuple[int, int], ...]
 
     def moves(self, channel: str) -> Floats | None:
-        """(V, 3) metres of a channel."""
+        """(V, 3) metres: the displacements of a channel, or None if it has none."""
         if channel not in self.channels:
             return None
         moves: Floats = self.deltas[self.channels.index(channel)]
@@ -57,15 +57,15 @@ class Assembly:
 
 
 class Assembler:
-    """Makes one mesh of a character.
+    """Assembles the parts of a character.
 
     Args:
-        character: as read.
-        shares: what each channel is made of.
+        character: as read from its file.
+        shares: the shapes that make each channel.
         alike: other spellings of a target's name.
 
     Attributes:
-        remarks: sentences on what was cut away or decimated.
+        remarks: sentences about what was cut away or decimated.
     """
 
     def __init__(
@@ -78,11 +78,11 @@ class Assembler:
         self.remarks: list[str] = []
 
     def target(self, part: int, name: str) -> Floats | None:
-        """The displacements of a part under a name, or under another spelling of it."""
+        """The displacements of a part's target, under its name or another spelling."""
         return _target(self._character.parts[part], name, self._alike)
 
     def assemble(self, frame: FaceFrame) -> Assembly:
-        """One mesh of the head, small enough to be animated."""
+        """The head as one mesh, small enough to animate."""
         kept = self._head(frame)
         total = sum(len(faces) for _, _, faces in kept)
         if total > MOST_TRIANGLES:
@@ -137,7 +137,7 @@ class Assembler:
         )
 
     def _head(self, frame: FaceFrame) -> list[tuple[int, Indices, NDArray[np.int32]]]:
-        """What to keep of each part: its number, rows of its vertices, and its triangles."""
+        """What to keep of each part: its number, its vertices, and its triangles."""
         places = [frame.places(part.neutral) for part in self._character.parts]
         floor = self._chin(frame, places) - _NECK
         lowest = min(float(place[:, 1].min()) for place in places)
@@ -155,7 +155,7 @@ class Assembler:
         return kept
 
     def _chin(self, frame: FaceFrame, places: list[Doubles]) -> float:
-        """The height of the lowest vertex that the mouth's shapes move clearly, metres."""
+        """The height of the lowest vertex that the mouth's shapes clearly move, metres."""
         lowest = 0.0
         for channel in ("jawOpen", "mouthPucker", "mouthFunnel", "mouthSmileLeft"):
             for number, place in enumerate(places):
@@ -167,7 +167,7 @@ class Assembler:
         return max(lowest, -0.16)
 
     def _mouth_height(self, frame: FaceFrame) -> float:
-        """The mean height of what opens the mouth, metres; the eyes are at 0."""
+        """The mean height of the vertices that open the mouth, metres; the eyes are at 0."""
         total = weight = 0.0
         for number, part in enumerate(self._character.parts):
             for channel in ("mouthPucker", "mouthFunnel", "jawOpen"):
@@ -181,7 +181,7 @@ class Assembler:
 
 
 def _named(channel: str, swapped: bool) -> str:
-    """What the file calls a channel."""
+    """The file's name for a channel."""
     if not swapped:
         return channel
     if channel.endswith("Left"):
@@ -197,7 +197,7 @@ def _target(part: Part, name: str, alike: Mapping[str, Sequence[str]]) -> Floats
 
 
 def _mask(half: Half, places: Doubles, mouth: float, swapped: bool) -> Doubles:
-    """(V, 1) in 0..1: how much of a shape counts at each vertex."""
+    """(V, 1) in 0..1, how much of a shape applies at each vertex."""
     mask = np.ones(len(places))
     words = half.split()
     for word, side in (("left", 1.0), ("right", -1.0)):
@@ -216,10 +216,10 @@ def _ramp(distance: Doubles) -> Doubles:
 
 
 def _decimated(part: Part, share: float) -> tuple[Part, Indices]:
-    """A part with a share of its triangles, and which of its vertices are left.
+    """A part reduced to a share of its triangles, and the vertices that are kept.
 
-    Quadric edge collapse (Garland and Heckbert 1997), which leaves the rims of lips and lids. Each
-    new vertex takes shapes and texture from the nearest of the vertices that it stands for.
+    Quadric edge collapse (Garland and Heckbert 1997), which keeps the rims of lips and lids. Each
+    new vertex takes shapes and texture from the nearest vertex that it replaces.
     """
     if share >= 1 or len(part.faces) < 200:
         return part, np.arange(len(part.neutral))

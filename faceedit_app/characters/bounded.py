@@ -1,4 +1,4 @@
-"""Sizes are checked before anything is allocated: a small file cannot ask for much memory."""
+"""Check sizes before memory is allocated, so that a small file cannot ask for much of it."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from numpy.typing import NDArray
 from faceedit_app.core.errors import FileError
 
 LARGEST_FILE = 1 << 30  # bytes
-_FARTHEST = 1e9  # units of a file; nobody's head is larger
+_FARTHEST = 1e9  # units of a file; no head is larger
 MOST_VERTICES = 6_000_000
 MOST_TRIANGLES = 6_000_000
 MOST_PARTS = 2_000
 MOST_TARGETS = 4_000
-# Of all displacements together: 52 targets of a scan with 2 million triangles take 0.6e9.
+# All displacements together: 52 targets of a scan with 2 million triangles take 0.6e9.
 MOST_TARGET_BYTES = 1_500_000_000
 
 
 class Damaged(ValueError):
-    """A file says something that cannot be; the text goes into a `FileError`."""
+    """A file contradicts itself; the text, a phrase, goes into a `FileError`."""
 
 
 def read_file(path: Path, largest: int = LARGEST_FILE) -> bytes:
     """The content of a regular file.
 
     Raises:
-        FileError: it is missing, no regular file (a pipe would never end), or too large.
+        FileError: it is missing, not a regular file (a pipe may never end), or too large.
     """
     try:
         status = path.stat()
@@ -44,14 +44,14 @@ def read_file(path: Path, largest: int = LARGEST_FILE) -> bytes:
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     except ValueError as error:  # a path with a zero character
-        raise FileError(path, "is no path", "check the path") from error
+        raise FileError(path, "is not a path", "check the path") from error
 
 
 def whole(value: Any, what: str, most: int, least: int = 0) -> int:
     """A whole number from a file, within bounds.
 
     Raises:
-        Damaged: it is none, or too small or large.
+        Damaged: it is not a whole number, or out of bounds.
     """
     if isinstance(value, bool) or not isinstance(value, int):
         raise Damaged(f"{what} is not a whole number")
@@ -61,12 +61,12 @@ def whole(value: Any, what: str, most: int, least: int = 0) -> int:
 
 
 def finite(array: NDArray[Any], what: str) -> NDArray[Any]:
-    """The array, if all of it are numbers that a character can have.
+    """Check that an array holds only plausible numbers, and return it.
 
     Raises:
-        Damaged: something is NaN, infinite or absurdly large.
+        Damaged: a number is NaN, infinite or far too large.
     """
-    # NaN and infinity show in the smallest and the largest.
+    # NaN and infinity show in the minimum and the maximum.
     if array.size and not (array.min() > -_FARTHEST and array.max() < _FARTHEST):
         raise Damaged(f"{what} are not numbers")
     return array
@@ -76,18 +76,18 @@ def indices_within(faces: NDArray[Any], count: int) -> NDArray[np.int32]:
     """(F, 3) int32 triangles of a mesh with `count` vertices.
 
     Raises:
-        Damaged: one names a vertex which is not there.
+        Damaged: a triangle names a vertex that does not exist.
     """
     if faces.size and not (faces.min() >= 0 and faces.max() < count):
-        raise Damaged("a triangle names a vertex which is not there")
+        raise Damaged("a triangle names a vertex that does not exist")
     return np.ascontiguousarray(faces, np.int32)
 
 
 def check_targets(vertices: Sequence[int], targets: Sequence[int]) -> None:
-    """See that the displacements of all parts fit into memory.
+    """Check that the displacements of all parts fit into memory.
 
     Args:
-        vertices, targets: how many each part has.
+        vertices, targets: the numbers of each part.
 
     Raises:
         Damaged: they do not.

@@ -1,4 +1,4 @@
-"""A character as its file has it: parts with morph targets, before anything is fitted to a face."""
+"""A character as read from its file: parts with morph targets, not yet fitted to a face."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Faces = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture in the file, not decoded yet.
+    """An encoded picture in the file.
 
     Attributes:
         name: for messages.
@@ -34,9 +34,9 @@ class Surface:
     Attributes:
         name: of the material.
         color: linear RGBA, 0..1, that multiplies colours and texture.
-        texture: its base colour (sRGB), which the part's `uv` places.
+        texture: the base colour (sRGB), placed by the part's `uv`.
         roughness, metallic: 0..1.
-        cutoff: a pixel with less alpha is not drawn; 0 for opaque surfaces.
+        cutoff: pixels with less alpha are not drawn; 0 for opaque surfaces.
     """
 
     name: str = ""
@@ -49,7 +49,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Part:
-    """One mesh with one material, where it is in the scene at rest.
+    """One mesh with one material, at its place in the scene at rest.
 
     Attributes:
         name: unique in the character.
@@ -70,7 +70,7 @@ class Part:
     surface: Surface = field(default_factory=Surface)
 
     def only(self, kept: Indices) -> Part:
-        """The part with some of its vertices (in order), which its faces must not go beyond."""
+        """The part with only some vertices, in order; its faces must use no others."""
         if len(kept) == len(self.neutral):
             return self
         place = np.zeros(len(self.neutral), np.int32)
@@ -87,7 +87,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Place:
-    """A vertex of a character's file: which one of which part."""
+    """A vertex of a character's file: the part's name and the vertex number."""
 
     part: str
     vertex: int
@@ -95,15 +95,15 @@ class Place:
 
 @dataclass(frozen=True)
 class Character:
-    """What a character file holds.
+    """The content of a character file.
 
     Attributes:
         path: the file or folder.
-        format: as the user knows it, such as `VRM 0`.
-        parts: at least one; those that share a morph target move together.
-        remarks: sentences on what could not be read or was changed while reading.
-        attribution: author and licence, where the file says so.
-        points: where the file says that control points are; FaceEdit's own files do.
+        format: its name for the user, such as `VRM 0`.
+        parts: at least one; parts with a morph target of the same name move together.
+        remarks: sentences about what could not be read or was changed while reading.
+        attribution: author and licence, if the file has them.
+        points: the control points, if the file has them, as FaceEdit's own files do.
     """
 
     path: Path
@@ -120,22 +120,22 @@ class Character:
 
     @property
     def targets(self) -> tuple[str, ...]:
-        """The names of all morph targets, each once, in the file's order."""
+        """The names of all morph targets, without repeats, in the file's order."""
         return tuple(dict.fromkeys(name for part in self.parts for name in part.targets))
 
     @property
     def vertex_count(self) -> int:
-        """Vertices of all parts."""
+        """The number of vertices of all parts."""
         return sum(len(part.neutral) for part in self.parts)
 
     @property
     def triangle_count(self) -> int:
-        """Triangles of all parts."""
+        """The number of triangles of all parts."""
         return sum(len(part.faces) for part in self.parts)
 
 
 def unique_names(names: list[str]) -> list[str]:
-    """The names, of which a second `Head` becomes `Head (2)`."""
+    """The names made unique: a second `Head` becomes `Head (2)`."""
     seen: dict[str, int] = {}
     out = []
     for name in names:

@@ -1,4 +1,4 @@
-"""What a character can and cannot do, before it is used: its shapes, its points, its faults."""
+"""What a character can and cannot do: its shapes, its control points, its faults."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from faceedit_app.characters.names import Match, is_without_channel
 from faceedit_app.characters.points import Face, Points
 
-DEAD = 0.3  # mm; a shape that moves nothing farther is not seen
-# These move eyeballs, tongue or brows, which are often meshes of their own.
+DEAD = 0.3  # mm; a shape that moves no vertex farther is not visible
+# These move eyeballs, tongue or brows, which are often separate meshes.
 _OWN_MESH = ("eyeLook", "tongue", "brow")
-# Of what adult faces and drawn ones have, with room on both sides, mm.
+# Distances of adult and stylised faces, with a margin, mm.
 _PLAUSIBLE = {
     ("inner_upper_lip", "inner_lower_lip"): (0.0, 8.0, "the inner lips"),
     ("left_mouth_corner", "right_mouth_corner"): (15.0, 80.0, "the mouth corners"),
@@ -27,17 +27,17 @@ _OPENS, _SHUT, _WIDENS = 5.0, 2.5, 0.5  # mm
 
 @dataclass(frozen=True)
 class Checklist:
-    """What opening a character tells the user.
+    """What the user learns about a character when it is opened.
 
     Attributes:
-        matched: the names that make each channel.
-        missing: channels that nothing makes.
+        matched: the names of the shapes that make each channel.
+        missing: channels without a shape.
         dead: channels whose shapes move the skin by less than 0.3 mm.
-        several: channels that more than one shape makes.
+        several: channels made of more than one shape.
         unknown: shapes that no channel uses.
-        lost: sentences on shapes that stand for channels which they do not quite fit.
-        doubts: sentences on points that were not found, or may be wrong.
-        remarks: sentences on what was changed or could not be read.
+        lost: sentences about shapes that do not quite fit their channels.
+        doubts: sentences about points that were not found or may be wrong.
+        remarks: sentences about what was changed or could not be read.
     """
 
     matched: Mapping[str, Sequence[str]]
@@ -53,11 +53,11 @@ class Checklist:
 def make_checklist(
     match: Match, face: Face, points: Points, problems: Sequence[str], remarks: Sequence[str]
 ) -> Checklist:
-    """Look at a character.
+    """Check a character.
 
     Args:
-        problems: sentences on points that were not found.
-        remarks: sentences from reading and putting it together.
+        problems: sentences about points that were not found.
+        remarks: sentences from reading and assembling it.
     """
     return Checklist(
         matched=match.matched,
@@ -72,7 +72,7 @@ def make_checklist(
 
 
 def dead_channels(face: Face) -> tuple[str, ...]:
-    """Channels that have shapes which nobody would see."""
+    """Channels whose shapes have no visible effect."""
     dead = []
     for channel in face.moves:
         amount = face.amount(channel)
@@ -84,7 +84,7 @@ def dead_channels(face: Face) -> tuple[str, ...]:
 
 
 def doubts(face: Face, points: Points) -> list[str]:
-    """Sentences on points that do not behave as on a face."""
+    """Sentences about points that do not behave like those of a face."""
     found = []
 
     def apart(a: str, b: str, *channels: str) -> float:
@@ -93,7 +93,7 @@ def doubts(face: Face, points: Points) -> list[str]:
 
     for (a, b), (low, high, what) in _PLAUSIBLE.items():
         if a in points and b in points and not low <= apart(a, b) <= high:
-            found.append(f"{what} are {apart(a, b):.1f} mm apart, which is not likely")
+            found.append(f"{what} are {apart(a, b):.1f} mm apart, which is unlikely")
     lips = ("inner_upper_lip", "inner_lower_lip")
     if all(name in points for name in lips):
         rest = apart(*lips)

@@ -1,7 +1,7 @@
-"""Whether lips and lids close on a character where they close on FaceEdit's own.
+"""Measure whether lips and lids close on a character where they close on FaceEdit's own.
 
-The same weights mean other distances on another head: blendshapes that close one mouth leave
-another one open.
+The same weights give other distances on another head: blendshapes that close one mouth may leave
+another open.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, Closes
 from faceedit_app.core.rig import Distances, Rig
 
-# The controls at whose 0 something touches: lips, then lids.
+# The controls that touch at 0: lips, then lids.
 CLOSING: tuple[str, ...] = tuple(c.id for c in CONTROLS if c.closes is not None)
 ARE_LIPS = np.array([c.closes is Closes.LIPS for c in CONTROLS if c.closes is not None])
-# Millimetres up to which something is shut, and beyond which it is seen to be open.
+# mm up to which something is closed, and beyond which it is visibly open.
 SHUT = np.where(ARE_LIPS, 2.0, 1.5)
 CLOSE_ENOUGH = 0.5  # mm
-_PARTED_AT_REST = 1.5  # mm; a mouth that rests more open than this can be shut farther
-_FLAT = 0.05  # mm of height that say which way round two vertices are that lie together
+_PARTED_AT_REST = 1.5  # mm; a mouth that rests more open than this can be closed farther
+_FLAT = 0.05  # mm; the least difference in height that shows which of two vertices is above
 
 
 @dataclass(frozen=True)
 class Gaps:
-    """How far lips and lids are apart on a character.
+    """How far apart lips and lids are on a character.
 
     Attributes:
-        distances: of the controls of `CLOSING`, by weights in ARKit's order.
-        touching: (3,) mm between their vertices where they touch: they lie beside each other.
-        has: (3,) which of them the character has.
+        distances: the controls of `CLOSING`, as a function of weights in ARKit's order.
+        touching: (3,) mm between their vertices when they touch, which are side by side.
+        has: (3,) whether the character has each of them.
     """
 
     distances: Distances
@@ -41,12 +41,12 @@ class Gaps:
 
     @classmethod
     def of(cls, rig: Rig) -> Gaps:
-        """The gaps of a character."""
+        """Make the gaps of a character."""
         rows = [CONTROL_INDEX[name] for name in CLOSING]
         distances = rig.arkit_distances.select(rows)
         rest = np.linalg.norm(distances.offsets, axis=1).astype(np.float64)
-        # Lips and lids both can pass each other. Where vertices lie together at rest, the upper
-        # one is taken to be above by a little.
+        # Lips and lids can pass each other. If two vertices coincide at rest, the upper one counts
+        # as slightly higher.
         offsets = distances.offsets.copy()
         offsets[np.abs(offsets[:, 1]) < _FLAT, 1] = -_FLAT
         distances = replace(distances, offsets=offsets, shuts=np.ones(len(rows), np.bool_))
@@ -62,14 +62,14 @@ class Gaps:
 
 @dataclass(frozen=True)
 class Closure:
-    """How often a character's lips and lids stay open where ours are shut.
+    """How often a character's lips and lids stay open where ours are closed.
 
     Attributes:
-        lips_frames, lids_frames: on how many frames (and eyes) they are shut on ours.
-        lips_open_share, lids_open_share: of these, the share on which they are open on theirs:
-            by more than 2 mm (lips), 1.5 mm (lids).
-        lips_within_share, lids_within_share: the share on which they are within 0.5 mm.
-        lips_gap, lids_gap: 95th percentile of the gap there, mm.
+        lips_frames, lids_frames: the number of frames (and eyes) closed on ours.
+        lips_open_share, lids_open_share: the share of these that are open on theirs, by more
+            than 2 mm (lips) or 1.5 mm (lids).
+        lips_within_share, lids_within_share: the share that are within 0.5 mm.
+        lips_gap, lids_gap: the 95th percentile of the gap on these frames, mm.
     """
 
     lips_frames: int

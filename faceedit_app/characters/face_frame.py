@@ -1,8 +1,8 @@
-"""Where the face of a character is, how large and which way up, found from its own shapes.
+"""Find the place, size and orientation of a character's face from its shapes.
 
-Files are in metres, centimetres or anything else, with any axis upwards. The two shapes that close
-the eyes say where the eyes are, and those of the mouth where the mouth is: the eyes lie 63 mm
-apart, up is from the mouth to the eyes, and forward is where the mouth is seen from inside.
+Files may be in any unit, with any axis up. The shapes that close the eyes show where the eyes are,
+and those of the mouth show the mouth: the eyes are 63 mm apart, up is from the mouth to the eyes,
+and forward is from inside the head to the mouth.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ _MOUTH = (
     *("mouthRollLower", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthLowerDownLeft"),
     *("mouthLowerDownRight", "mouthStretchLeft", "mouthStretchRight"),
 )
-_HEAD = 2.5  # eye distances around the eyes that belong to the head
-_UPRIGHT = 0.85  # cosine to one of the file's axes from which on that axis is up
+_HEAD = 2.5  # eye distances around the eyes; the size of the head
+_UPRIGHT = 0.85  # cosine to an axis of the file above which that axis is up
 _LEVEL = 0.9976  # cosine of 4 degrees, for the axis through the eyes
 
 
 @dataclass(frozen=True)
 class FaceFrame:
-    """From the file's coordinates to the face's: metres, X the character's left, Y up, Z forward.
+    """Transforms the file's coordinates to the face's: metres, X left, Y up, Z forward.
 
     Attributes:
         axes: (3, 3), rows X, Y and Z in the file's coordinates.
         origin: (3,) in the file's coordinates: midway between the eyes.
         scale: metres per unit of the file.
-        swapped: the shapes that are called left move the character's right side.
+        swapped: whether the shapes named left move the character's right side.
     """
 
     axes: Doubles
@@ -65,8 +65,8 @@ def find_frame(
     """Find the face of a character.
 
     Args:
-        shares: what each channel is made of.
-        target: the displacements (V, 3) of a part under a name or its other spellings.
+        shares: the shapes that make each channel.
+        target: returns the displacements (V, 3) of a part's target by its name.
 
     Raises:
         FileError: no shape closes one of the eyes, or none moves the mouth.
@@ -75,7 +75,7 @@ def find_frame(
     points = np.concatenate([part.neutral for part in character.parts]).astype(np.float64)
 
     def amount(channels: Sequence[str]) -> Doubles:
-        """(V,) how far vertices are moved by channels, each of which counts alike."""
+        """(V,) how far channels move each vertex; all channels count the same."""
         total = np.zeros(len(points))
         for channel in channels:
             moves = [_moves(character, i, shares.get(channel, ()), target) for i in parts]
@@ -92,7 +92,7 @@ def find_frame(
     for name, moved in (("left eye", left), ("right eye", right), ("mouth", mouth)):
         if not moved.any():
             raise FileError(path, f"its shapes for the {name} move nothing", "export them again")
-    # A vertex counts once, however often seams of texture and normals repeat it.
+    # Each vertex counts once, even if seams repeat it.
     kept = _each_once(points, left + right + mouth > 0)
     points, left, right, mouth = points[kept], left[kept], right[kept], mouth[kept]
     is_one = any(share.half != Half.WHOLE for c in _EYES for share in shares[c])
@@ -101,7 +101,7 @@ def find_frame(
 
 
 def _each_once(points: Doubles, moved: Bools) -> Indices:
-    """Which vertices to count: one of those that are moved and lie in one place, and all others."""
+    """The vertices to count: all, but of moved vertices in the same place only one."""
     rows = np.flatnonzero(moved)
     first = trimesh.grouping.unique_rows(points[rows] / np.ptp(points[rows], axis=0).max(), 6)[0]
     kept: Indices = np.concatenate((rows[first], np.flatnonzero(~moved)))
@@ -131,7 +131,7 @@ def _need_eyes(path: object, shares: Shares) -> None:
         problem = f"has no shape that closes the {side} eye ({missing[0]})"
     else:
         problem = "has no shapes that close the eyes (eyeBlinkLeft, eyeBlinkRight)"
-    raise FileError(str(path), problem, "name or add them, or say in its map which they are")
+    raise FileError(str(path), problem, "name or add them, or name them in its map")
 
 
 def _centre(points: Doubles, amount: Doubles) -> Doubles:
@@ -140,7 +140,7 @@ def _centre(points: Doubles, amount: Doubles) -> Doubles:
 
 
 def _two_eyes(points: Doubles, amount: Doubles) -> tuple[Doubles, Doubles]:
-    """The two eyes that one shape closes: what it moves lies in two heaps."""
+    """The centres of the two eyes that one shape closes, as two clusters of moved vertices."""
     centre = _centre(points, amount)
     spread = (points - centre) * np.sqrt(amount)[:, None]
     across = np.linalg.svd(spread, full_matrices=False)[2][0]
@@ -167,13 +167,13 @@ def _frame(
     z = np.cross(x, y)
     head = points[np.linalg.norm(points - middle, axis=1) < _HEAD * apart]
     backwards = bool((mouth - head.mean(axis=0)) @ z < 0)
-    if backwards:  # left and right are the other way about
+    if backwards:  # left and right are swapped
         x, z = -x, -z
     return FaceFrame(np.stack((x, y, z)), middle, EYES_APART / 1000.0 / apart, backwards and named)
 
 
 def _snapped(axis: Doubles, nearness: float) -> Doubles:
-    """An axis of the file where the given one is near it: heads stand upright in their files."""
+    """The axis of the file near a given one, else that one: most heads are upright."""
     largest = int(np.abs(axis).argmax())
     if abs(axis[largest]) < nearness:
         return axis.copy()

@@ -42,7 +42,7 @@ def read_fbx(path: Path) -> Character:
 
 
 class _Scene:
-    """The objects of a file, and what is connected to what."""
+    """The objects of a file and their connections."""
 
     def __init__(self, path: Path, tree: Record) -> None:
         self._path = path
@@ -87,7 +87,7 @@ class _Scene:
         if not len(triangles):
             return
         uv = _uv(geometry, len(corners))
-        # A vertex is one point of the texture: where corners disagree, it becomes several.
+        # A vertex has one texture coordinate: if corners disagree, it becomes several vertices.
         keys = corners[:, None] if uv is None else np.column_stack((corners, _ranks(uv)))
         _, first, vertex_of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
         points, vertex_of = corners[first], vertex_of.ravel()
@@ -124,11 +124,11 @@ class _Scene:
         return finite(vertices.astype(np.float64).reshape(-1, 3), "vertices")
 
     def _channels(self, geometry: int) -> Iterator[tuple[str, Record]]:
-        """Name and full shape of each blendshape channel of a mesh."""
+        """The name and the full shape of each blendshape channel of a mesh."""
         for deformer in self._under(geometry, "Deformer", "BlendShape"):
             for channel in self._under(deformer, "Deformer", "BlendShapeChannel"):
                 shapes = list(self._under(channel, "Geometry", "Shape"))
-                if shapes:  # the last is the full one, those before it are in between
+                if shapes:  # the last is the full shape, those before it are in-betweens
                     yield _label(self._objects[channel]), self._objects[shapes[-1]]
 
     def _targets(self, geometry: int, count: int) -> Iterator[tuple[str, Doubles]]:
@@ -141,12 +141,12 @@ class _Scene:
             rows, values = shape.array("Indexes"), shape.array("Vertices")
             if rows is not None and values is not None and len(rows):
                 if rows.min() < 0 or rows.max() >= count or len(values) != 3 * len(rows):
-                    raise Damaged("a morph target names a vertex which is not there")
+                    raise Damaged("a morph target names a vertex that does not exist")
                 moves[rows] = finite(values.reshape(-1, 3), "a morph target's vertices")
             yield name, moves
 
     def _under(self, number: int, name: str, kind: str) -> Iterator[int]:
-        """What is connected to an object, of one kind."""
+        """The objects of one kind that are connected to an object."""
         for child, _ in self._children[number]:
             record = self._objects.get(child)
             if record is not None and record.name == name and _kind(record) == kind:
@@ -156,7 +156,7 @@ class _Scene:
         return number in self._objects and self._objects[number].name == name
 
     def _place(self, model: int | None) -> Doubles:
-        """Local to world of a model at rest, with what moves its geometry alone, (4, 4)."""
+        """(4, 4) local to world of a model at rest, with its geometric transform."""
         if model is None:
             return np.eye(4)
         properties = _properties(self._objects[model])
@@ -201,7 +201,7 @@ class _Scene:
         return Surface(_label(record), color, texture)
 
     def _texture(self, number: int) -> Texture:
-        """A texture that is inside the file, or beside it."""
+        """A texture in the file or next to it."""
         if number in self._textures:
             return self._textures[number] or Texture("picture", b"")
         record = self._objects[number]
@@ -236,7 +236,7 @@ def _kind(record: Record) -> str:
 
 
 def _label(record: Record) -> str:
-    """The name of an object, which the file follows by what kind it is of."""
+    """The name of an object, without the kind that follows it in the file."""
     name = str(record.values[1]) if len(record.values) > 1 else ""
     return name.split("\x00")[0][:200] or "mesh"
 
@@ -305,7 +305,7 @@ def _shift(by: Doubles) -> Doubles:
 
 
 def _rotation(degrees: Doubles, order: str) -> Doubles:
-    """(4, 4) of Euler angles about the fixed axes, in the order in which they are applied."""
+    """(4, 4) rotation by Euler angles about the fixed axes, in the order of application."""
     place = np.eye(4)
     for axis in order:
         number = "XYZ".index(axis)
@@ -321,7 +321,7 @@ def _rotation(degrees: Doubles, order: str) -> Doubles:
 def _triangles(
     geometry: Record, count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The corners of a mesh's polygons, cut into triangles.
+    """Triangulate the polygons of a mesh.
 
     Returns:
         corners: (C,) vertex of each polygon corner.
@@ -336,7 +336,7 @@ def _triangles(
     ends = np.flatnonzero(stored < 0)
     corners = np.where(stored < 0, -1 - stored, stored)
     if not len(ends) or ends[-1] != len(stored) - 1 or corners.max() >= count:
-        raise Damaged("a polygon names a vertex which is not there")
+        raise Damaged("a polygon names a vertex that does not exist")
     starts = np.r_[0, ends[:-1] + 1]
     sizes = np.maximum(ends - starts - 1, 0)  # triangles of each polygon
     owners = np.repeat(np.arange(len(sizes)), sizes)
@@ -364,13 +364,13 @@ def _uv(geometry: Record, corners: int) -> Floats | None:
 
 
 def _ranks(uv: Floats) -> NDArray[np.int64]:
-    """The same number for the same coordinates."""
+    """A number for each row, equal for equal coordinates."""
     rounded = np.round(uv * 65536).astype(np.int64)
     return np.unique(rounded, axis=0, return_inverse=True)[1].ravel()
 
 
 def _materials(geometry: Record, polygons: int) -> NDArray[np.int64]:
-    """(P,) which material of its model each polygon has."""
+    """(P,) the number of each polygon's material in its model."""
     layer = geometry.first("LayerElementMaterial")
     values = layer.array("Materials") if layer else None
     if layer is None or values is None or len(values) != polygons:

@@ -1,7 +1,7 @@
-"""The tree of records that a binary FBX file is (versions 7.0 to 7.7).
+"""Read the record tree of a binary FBX file (versions 7.0 to 7.7).
 
-Our own hundred lines: the Python bindings of ufbx are all young, and three of them claim one name.
-The layout is that of Blender's and ufbx's readers.
+This is our own code because the Python bindings of ufbx are immature. The layout is the one that
+Blender's and ufbx's readers expect.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _ARRAYS = {"f": "<f4", "d": "<f8", "l": "<i8", "i": "<i4", "b": "i1", "c": "u1"}
 
 @dataclass(frozen=True)
 class Record:
-    """One record: a name, values and records within.
+    """A record: a name, values and child records.
 
     Attributes:
         values: numbers, texts, bytes or one-dimensional arrays.
@@ -40,50 +40,50 @@ class Record:
     children: tuple[Record, ...] = ()
 
     def all(self, name: str) -> Iterator[Record]:
-        """The records within that have a name."""
+        """The child records with a name."""
         return (child for child in self.children if child.name == name)
 
     def first(self, name: str) -> Record | None:
-        """The first record within that has a name."""
+        """The first child record with a name, or None."""
         return next(self.all(name), None)
 
     def array(self, name: str) -> NDArray[Any] | None:
-        """The array that a record within holds."""
+        """The array in the first child record with a name, or None."""
         child = self.first(name)
         value = child.values[0] if child and child.values else None
         return value if isinstance(value, np.ndarray) else None
 
     def text(self, name: str) -> str:
-        """The text that a record within holds; "" where it holds none."""
+        """The text in the first child record with a name; "" if there is none."""
         child = self.first(name)
         value = child.values[0] if child and child.values else None
         return value if isinstance(value, str) else ""
 
 
 def read_tree(path: Path) -> Record:
-    """All records of a file, in one without a name.
+    """The records of a file, as children of a record without a name.
 
     Raises:
-        FileError: it cannot be read, is text, or of a version that FaceEdit does not know.
+        FileError: it cannot be read, is a text FBX, or its version is not supported.
         Damaged: it contradicts itself.
     """
     content = read_file(path)
     if not content.startswith(MAGIC[:18]):
         if content[:1] == b";" or b"FBXHeaderExtension" in content[:2000]:
             raise FileError(path, "is a text FBX", "export it as binary FBX, or as GLB")
-        raise FileError(path, "is no FBX file", "export it as binary FBX, or as GLB")
+        raise FileError(path, "is not an FBX file", "export it as binary FBX, or as GLB")
     if len(content) < 27:
         raise Damaged("it is cut short")
     version = struct.unpack_from("<I", content, 23)[0]
     if not _OLDEST <= version <= _NEWEST:
         age = "older" if version < _OLDEST else "newer"
-        problem = f"is FBX {version / 1000:.1f}, {age} than FaceEdit knows"
+        problem = f"is FBX {version / 1000:.1f}, {age} than FaceEdit supports"
         raise FileError(path, problem, "export it as FBX 2014 to 2020, or as GLB")
     return Record("", (), tuple(_Reader(content, version >= _WIDE).records(27)))
 
 
 class _Reader:
-    """Reads records out of a file's bytes.
+    """Reads records from a file's bytes.
 
     Args:
         content: the whole file.
@@ -95,7 +95,7 @@ class _Reader:
         self._head = struct.Struct("<QQQB" if is_wide else "<IIIB")
 
     def records(self, place: int, end: int | None = None, depth: int = 0) -> Iterator[Record]:
-        """The records from a place up to an empty one, or to `end`."""
+        """The records from a place up to an empty record, or to `end`."""
         if depth > _DEEPEST:
             raise Damaged("its records are nested too deep")
         stop = len(self._content) if end is None else end

@@ -1,4 +1,4 @@
-"""A character fitted to FaceEdit: its rig, and what is known of it."""
+"""A character fitted to FaceEdit: its rig, its control points, and its checklist."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from faceedit_app.characters.pictures import Unreadable, decode
 from faceedit_app.characters.points import PAIRS, POINTS, Face, Points, find_points
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.welding import Weld, weld
-from faceedit_app.core.arrays import Bools, Floats, Pixels
+from faceedit_app.core.arrays import Bools, Pixels
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Material, Rig
 
-# What a surface is, by a word in the name of its part or material; the first that fits.
+# The kind of a surface, by a word in the name of its part or material; the first match counts.
 _SURFACES = {
     "lash": "lashes",
     "brow": "brows",
@@ -38,9 +38,9 @@ _SURFACES = {
     "cornea": "sclera",
     "iris": "iris",
 }
-_CLAY = (0.52, 0.44, 0.4, 1.0)  # where a file says nothing of colour
-_SKIN_SHARE = 0.5  # of a part's vertices that makes it skin
-_FEWEST = 3  # matched channels with which a face can be edited at all
+_CLAY = (0.52, 0.44, 0.4, 1.0)  # the colour if the file has none
+_SKIN_SHARE = 0.5  # share of skin vertices that makes a part skin
+_FEWEST = 3  # matched channels that are needed to edit a face
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,14 @@ class FittedCharacter:
     """A character that can be shown and measured.
 
     Attributes:
-        character: as its file has it.
-        rig: for the view and the solver; its controls are measured between `points`.
-        frame: how the file's coordinates become the rig's.
-        match: what each channel is made of, the user's map included.
-        points: the twelve points as vertices of the rig, those that were found.
-        places: the same as vertices of the file.
+        character: the character as read from its file.
+        rig: for the viewport and the solver; its controls are measured between `points`.
+        frame: transforms the file's coordinates to the rig's.
+        match: the shapes that make each channel, the user's map included.
+        points: the control points that were found, as vertices of the rig.
+        places: the same points as vertices of the file.
         checklist: what it can and cannot do.
-        mapping: what the user has said of it.
+        mapping: the user's map.
     """
 
     character: Character
@@ -69,15 +69,15 @@ class FittedCharacter:
 
     @property
     def whole_map(self) -> CharacterMap:
-        """Everything that a map can say, as it is now: to be edited by hand."""
+        """A map with every entry filled in, to be edited by hand."""
         return CharacterMap(dict(self.match.shares), dict(self.places))
 
 
 def open_character(path: Path | str) -> FittedCharacter:
-    """Open a character with the map that lies beside it, if there is one.
+    """Open a character, with the map next to it if there is one.
 
     Raises:
-        FileError: either cannot be read, or it is no face.
+        FileError: either cannot be read, or the character is not a face.
     """
     path = Path(path)
     character = read_character(path)
@@ -85,13 +85,14 @@ def open_character(path: Path | str) -> FittedCharacter:
 
 
 def fit(character: Character, mapping: CharacterMap | None = None) -> FittedCharacter:
-    """Fit a character.
+    """Fit a character to FaceEdit.
 
     Args:
-        mapping: what the user has said of it.
+        character: the character as read.
+        mapping: the user's map, if any.
 
     Raises:
-        FileError: it has no shapes, or FaceEdit can make no face of them.
+        FileError: it has no shapes, or they do not make a face.
     """
     mapping = mapping or CharacterMap()
     _need_shapes(character)
@@ -109,7 +110,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     found = {name: found[name] for name in POINTS if name in found}
     remarks = [*character.remarks, *assembler.remarks]
     if frame.swapped:
-        remarks.append("left and right of its shapes were the wrong way about, and are swapped")
+        remarks.append("left and right of its shapes were reversed and have been swapped")
     rig, faults = _rig(character, assembly, welded, face, found)
     checklist = make_checklist(match, face, found, problems, [*remarks, *faults])
     points = {name: int(welded.first[number]) for name, number in found.items()}
@@ -137,7 +138,7 @@ def _need_match(character: Character, match: Match) -> None:
     raise FileError(
         character.path,
         f"none of its {len(names)} shapes has a name that FaceEdit knows ({shown})",
-        f"rename them as in ARKit, or say what they are in {map_path(character.path).name}",
+        f"rename them as in ARKit, or map them in {map_path(character.path).name}",
     )
 
 
@@ -148,10 +149,10 @@ def _placed(
     welded: Weld,
     strict: bool = True,
 ) -> Points:
-    """Points that the user or the file has put somewhere, as welded vertices.
+    """Control points set by the user or the file, as welded vertices.
 
     Args:
-        strict: complain of a place which is not there.
+        strict: whether to raise for a vertex that does not exist.
     """
     numbers = {part.name: number for number, part in enumerate(character.parts)}
     points = {}
@@ -163,8 +164,8 @@ def _placed(
         elif strict:
             raise FileError(
                 map_path(character.path),
-                f"puts {name} on vertex {place.vertex} of {place.part[:40]}, which is not there",
-                "choose another vertex, or take the line out",
+                f"puts {name} on vertex {place.vertex} of {place.part[:40]}, which does not exist",
+                "choose another vertex, or remove the line",
             )
     return points
 
@@ -172,7 +173,7 @@ def _placed(
 def _rig(
     character: Character, assembly: Assembly, welded: Weld, face: Face, points: Points
 ) -> tuple[Rig, list[str]]:
-    """The rig, and sentences on what could not be drawn as the file has it."""
+    """The rig, and sentences about what cannot be drawn as in the file."""
     skin = face.skin[welded.number]
     textures, numbers, faults = _textures(assembly.parts)
     materials, runs, stop = [], [], 0
@@ -188,7 +189,7 @@ def _rig(
         colors.append(own * tint)
         uv.append(np.zeros((len(part.neutral), 2), np.float32) if part.uv is None else part.uv)
         if numbers[number] is None and part.surface.cutoff > float(colors[-1][:, 3].max()):
-            continue  # it cannot be seen, such as a cornea
+            continue  # invisible, such as a cornea
         mine = faces[run[0] : run[1]]
         runs.append(mine)
         materials.append(
@@ -226,7 +227,7 @@ def _rig(
 
 
 def _textures(parts: Sequence[Part]) -> tuple[list[Pixels], list[int | None], list[str]]:
-    """The pictures, which one each part has, and sentences on those that cannot be read."""
+    """The pictures, the number of each part's, and sentences about unreadable ones."""
     pictures: list[Pixels] = []
     known: dict[bytes, int | None] = {}
     numbers: list[int | None] = []
@@ -256,7 +257,7 @@ def _surface(part: Part, skin: Bools) -> str:
 
 
 def _outwards(assembly: Assembly, welded: Weld, face: Face) -> NDArray[np.int32]:
-    """The triangles, turned over where the face shows its back: some files are mirrored."""
+    """The triangles, flipped if the face shows its back: some files are mirrored."""
     corners = assembly.neutral[assembly.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lips = np.where(face.skin, face.lips, 0.0)[welded.number][assembly.faces].mean(axis=1)
@@ -264,8 +265,3 @@ def _outwards(assembly: Assembly, welded: Weld, face: Face) -> NDArray[np.int32]
         return assembly.faces
     turned: NDArray[np.int32] = np.ascontiguousarray(assembly.faces[:, ::-1])
     return turned
-
-
-def points_in_millimetres(fitted: FittedCharacter) -> dict[str, Floats]:
-    """Where each point is at rest, (3,) mm, from between the eyes."""
-    return {name: 1000.0 * fitted.rig.neutral[v] for name, v in fitted.points.items()}

@@ -1,7 +1,7 @@
-"""The character as a standard binary glTF 2.0 with morph targets (opens in Blender as it is).
+"""FaceEdit's own character file: a standard GLB with morph targets, which Blender can open.
 
-All primitives share one set of vertex accessors and differ in their indices only, so that the
-rig stays one vertex array. The control definitions stand in the mesh's `extras`.
+All primitives share one set of vertex accessors and differ only in their indices, so that the rig
+stays one vertex array. The control points are in the mesh's `extras`.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class _Writer:
         return len(self.document.bufferViews) - 1
 
     def add(self, array: NDArray[Any], kind: str, component: int, target: int | None) -> int:
-        """One dense accessor; returns its index."""
+        """Add a dense accessor; returns its index."""
         accessor = gltf.Accessor(
             bufferView=self._view(array.tobytes(), target),
             componentType=component,
@@ -61,7 +61,7 @@ class _Writer:
         return len(self.document.accessors) - 1
 
     def add_sparse(self, array: NDArray[np.float32]) -> int:
-        """One accessor of (V, 3) displacements, most of which are zero."""
+        """Add an accessor of (V, 3) displacements, most of which are zero; returns its index."""
         moved = np.flatnonzero(array.any(1)).astype(np.uint32)
         if not len(moved):  # a sparse accessor must name at least one vertex
             moved = np.zeros(1, np.uint32)
@@ -88,10 +88,13 @@ class _Writer:
 
 
 def write_rig(path: Path | str, rig: Rig) -> None:
-    """Write `rig` as GLB; the same rig always gives the same bytes.
+    """Write a rig as GLB; the same rig always gives the same bytes.
 
-    What glTF has no room for is left out: materials without faces, and colours beyond 0..1, which
-    are clipped.
+    glTF cannot hold everything: materials without faces are left out, and colours are clipped to
+    0..1.
+
+    Raises:
+        FileError: the file cannot be written.
     """
     out = _Writer()
     attributes = gltf.Attributes(
@@ -170,7 +173,7 @@ def read_rig(path: Path | str) -> Rig:
     """Read a character written by `write_rig`.
 
     Raises:
-        FileError: not a GLB, or one without morph targets or control definitions.
+        FileError: it is not a GLB, or has no morph targets or control definitions.
     """
     path = Path(path)
     try:
@@ -181,7 +184,7 @@ def read_rig(path: Path | str) -> Rig:
         raise FileError(path, "is not a binary glTF file", _REMEDY)
     try:
         document = gltf.GLTF2.load_from_bytes(content)
-    except Exception as error:  # the library has no error of its own for a damaged file
+    except Exception as error:  # the library raises all kinds for a damaged file
         raise FileError(path, "is damaged", _REMEDY) from error
     if document is None or not document.meshes:
         raise FileError(path, "holds no mesh", _REMEDY)
@@ -224,7 +227,7 @@ def _rig(document: gltf.GLTF2, fallback_name: str) -> Rig:
 
 
 def _problem(rig: Rig) -> str | None:
-    """What does not fit together in a rig from a file."""
+    """What is inconsistent in a rig from a file, as a phrase; None if nothing."""
     count = len(rig.neutral)
     shapes = (rig.neutral.shape, rig.deltas.shape, rig.colors.shape, rig.control_pairs.shape)
     if shapes != ((count, 3), (len(rig.channels), count, 3), (count, 4), (len(CONTROL_IDS), 2)):
@@ -236,7 +239,7 @@ def _problem(rig: Rig) -> str | None:
     pairs = rig.control_pairs[(rig.control_pairs != _MISSING).any(axis=1)]
     for indices, what in ((rig.faces, "triangle"), (pairs, "control")):
         if indices.min() < 0 or indices.max() >= count:
-            return f"has a {what} that names a vertex which is not there"
+            return f"has a {what} that names a vertex that does not exist"
     if not (np.isfinite(rig.neutral).all() and np.isfinite(rig.deltas).all()):
         return "has vertices that are not numbers"
     return None

@@ -1,4 +1,4 @@
-"""Characters from GLB and glTF files: every mesh where it is in the scene at rest."""
+"""Characters from GLB and glTF files: every mesh at its place in the scene at rest."""
 
 from __future__ import annotations
 
@@ -63,15 +63,15 @@ def read_gltf(path: Path) -> Character:
 
 
 def read_parts(document: Document) -> list[tuple[Placed, Part, Indices]]:
-    """All meshes of the scene, with where they stand in the file and which vertices they keep.
+    """All meshes of the scene, with their place in the file and the vertices they keep.
 
     Raises:
-        FileError: there is none.
+        FileError: there is no mesh.
         Damaged: the file contradicts itself.
     """
     scene = Scene(document)
     placed = scene.primitives()
-    # Primitives may share one set of vertices, of which each keeps what it uses.
+    # Primitives may share one set of vertices; each keeps only those that it uses.
     shared = {p.primitive["attributes"]["POSITION"]: p for p in placed}
     counts = [document.count(position) for position in shared]
     check_targets(counts, [len(p.names) for p in shared.values()])
@@ -82,7 +82,7 @@ def read_parts(document: Document) -> list[tuple[Placed, Part, Indices]]:
 
 
 class Scene:
-    """The nodes of a document, with their places worked out."""
+    """The nodes of a document, with their transforms."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -91,7 +91,7 @@ class Scene:
         self._surfaces: dict[int, Surface] = {}
 
     def primitives(self) -> list[Placed]:
-        """What is drawn, in the order of the nodes."""
+        """The primitives that are drawn, in the order of the nodes."""
         found: list[Placed] = []
         for number in self._drawn():
             node = self.nodes[number]
@@ -109,7 +109,7 @@ class Scene:
         return [replace(p, name=name) for p, name in zip(found, labels, strict=True)]
 
     def _drawn(self) -> list[int]:
-        """The nodes of the scene that is shown; all where the file does not say."""
+        """The nodes of the default scene; all nodes if there is none."""
         scenes = self.document.all("scenes")
         if not scenes:
             return list(range(len(self.nodes)))
@@ -124,7 +124,7 @@ class Scene:
         return sorted(seen)
 
     def part(self, placed: Placed) -> tuple[Part, Indices] | None:
-        """Read a primitive, and which of its vertices are used; None if it has no triangles."""
+        """Read a primitive and the vertices that it uses; None if it has no triangles."""
         document, primitive = self.document, placed.primitive
         attributes = primitive["attributes"]
         if not document.is_backed(attributes["POSITION"]) and not _is_draco(primitive):
@@ -152,7 +152,7 @@ class Scene:
         return replace(part.only(kept), targets=targets), kept
 
     def _arrays(self, primitive: Json) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64] | None]:
-        """Attributes by name and (F, 3) triangles; None where vertices are simply in order."""
+        """Attributes by name, and triangles (F, 3) or None if vertices are simply in order."""
         document, attributes = self.document, primitive["attributes"]
         if _is_draco(primitive):
             return _draco(document, primitive)
@@ -169,16 +169,16 @@ class Scene:
             return arrays, None
         indices = document.array(primitive["indices"], normalize=False)
         if indices.dtype.kind != "u":
-            raise Damaged("a triangle names a vertex which is not there")
+            raise Damaged("a triangle names a vertex that does not exist")
         return arrays, _triangles(indices[:, 0], primitive.get("mode", _TRIANGLES))
 
     def _skinned(
         self, placed: Placed, arrays: Mapping[str, NDArray[Any]], count: int
     ) -> tuple[Doubles, Doubles]:
-        """How vertices get to where they are: (3, 3) or (V, 3, 3) and (3,) or (V, 3).
+        """The transform of the vertices: (3, 3) or (V, 3, 3), and (3,) or (V, 3).
 
-        A quantised mesh has its scale in the inverse bind matrices, so that this cannot be left
-        out even where nothing is posed.
+        Needed even for an unposed mesh: quantised meshes keep their scale in the inverse bind
+        matrices.
         """
         skin_index = self.nodes[placed.node].get("skin")
         if skin_index is None or "JOINTS_0" not in arrays or "WEIGHTS_0" not in arrays:
@@ -194,7 +194,7 @@ class Scene:
         moves = np.stack([self.places[j] for j in joints]) @ inverse
         which = arrays["JOINTS_0"].astype(np.intp)
         if which.size and which.max() >= len(joints):
-            raise Damaged("a vertex names a joint which is not there")
+            raise Damaged("a vertex names a joint that does not exist")
         weights = arrays["WEIGHTS_0"].astype(np.float64)
         weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-9)
         place = np.zeros((count, 3, 4))
@@ -205,7 +205,7 @@ class Scene:
     def _targets(
         self, placed: Placed, linear: Doubles, count: int, kept: Indices
     ) -> dict[str, Floats]:
-        """The displacements of the kept vertices; `count` is how many there are."""
+        """The displacements of the kept vertices, of `count` in all."""
         linear = linear if linear.ndim == 2 else linear[kept]
         targets: dict[str, Floats] = {}
         for name, target in zip(placed.names, placed.primitive.get("targets") or [], strict=True):
@@ -232,7 +232,7 @@ class Scene:
 def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, ...]:
     """The names of a primitive's morph targets.
 
-    They stand in the extras of the mesh or the primitive, or are the accessors' own.
+    They are in the extras of the mesh or the primitive, or are the accessors' own.
     """
     targets = primitive.get("targets") or []
     if len(targets) > MOST_TARGETS:
@@ -251,7 +251,7 @@ def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, 
 
 
 def _places(nodes: list[Any]) -> list[Doubles]:
-    """Local to world of every node, (4, 4) each."""
+    """(4, 4) local to world of every node."""
     parents: dict[int, int] = {}
     for number, node in enumerate(nodes):
         for child in node.get("children") or []:
@@ -264,7 +264,7 @@ def _places(nodes: list[Any]) -> list[Doubles]:
         while at is not None and places[at] is None:
             chain.append(at)
             if len(chain) > len(nodes):
-                raise Damaged("its nodes go round in a circle")
+                raise Damaged("its nodes form a cycle")
             at = parents.get(at)
         for at in reversed(chain):
             above = places[parents[at]] if at in parents else None
@@ -273,7 +273,7 @@ def _places(nodes: list[Any]) -> list[Doubles]:
 
 
 def _own_place(node: Json) -> Doubles:
-    """A node's transform; matrices and quaternions are as the specification has them."""
+    """(4, 4) a node's own transform."""
     if node.get("matrix") is not None:
         return finite(np.array(node["matrix"], np.float64).reshape(4, 4).T, "a node's matrix")
     x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), np.float64)
@@ -291,9 +291,9 @@ def _own_place(node: Json) -> Doubles:
 
 
 def _turned(linear: Doubles, vectors: Doubles) -> Doubles:
-    """(V, 3) vectors by one matrix, or by one each."""
+    """Transform vectors (V, 3) by one matrix, or by one matrix each."""
     if linear.ndim == 2:
-        # Most meshes stand where they are drawn, and products with a small matrix are slow.
+        # Most meshes need no transform, and products with small matrices are slow.
         return vectors if np.array_equal(linear, np.eye(3)) else vectors @ linear.T
     turned: Doubles = np.einsum("vij,vj->vi", linear, vectors)
     return turned
@@ -318,7 +318,7 @@ def _is_draco(primitive: Json) -> bool:
 def _draco(
     document: Document, primitive: Json
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
-    """A primitive that Draco has compressed."""
+    """Decode a primitive compressed by Draco."""
     packed = primitive["extensions"]["KHR_draco_mesh_compression"]
     data = document.bytes_of(packed["bufferView"])
     try:
@@ -329,7 +329,7 @@ def _draco(
         ) from error
     try:
         mesh = DracoPy.decode(data)
-    except Exception as error:  # it raises several kinds of its own
+    except Exception as error:  # the library raises several kinds
         raise Damaged("a mesh that Draco compressed cannot be decoded") from error
     count = document.count(primitive["attributes"]["POSITION"])
     if len(mesh.points) != count:
@@ -355,7 +355,7 @@ def _colors(stored: NDArray[Any] | None) -> Floats | None:
 def _own_points(
     document: Document, placed: Sequence[tuple[Placed, Part, Indices]]
 ) -> dict[str, Place]:
-    """The control points of a file that FaceEdit wrote; they stand in the extras of its mesh."""
+    """The control points of a file that FaceEdit wrote, from the extras of its mesh."""
     found: dict[str, Place] = {}
     for one, part, kept in placed:
         extras = document.entry("meshes", one.mesh).get("extras")

@@ -1,7 +1,7 @@
-"""The container of glTF 2.0: its JSON, its buffers, and arrays read out of them.
+"""The glTF 2.0 container: its JSON, its buffers, and the arrays in them.
 
-The JSON is read as it is and not through pygltflib's classes, which know neither compressed
-buffer views nor files that lie; whatever it says of sizes is checked against the bytes there are.
+The JSON is read directly, not by pygltflib's classes, which support neither compressed buffer views
+nor malformed files. All sizes are checked against the bytes that exist.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _DTYPES: dict[int, Any] = {
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
-# What meshoptimizer can at best make of bytes: one control byte for 256 rows.
+# The best compression of meshoptimizer: one control byte for 256 rows.
 _MOST_EXPANSION = 2048
 _READ = frozenset(
     (
@@ -46,7 +46,7 @@ _READ = frozenset(
         "VRM",
     )
 )
-# What does not change where a vertex is.
+# Extensions that do not change the place of a vertex.
 _HARMLESS = (
     "KHR_materials_",
     "KHR_lights_",
@@ -69,7 +69,7 @@ class Document:
         json: its JSON part.
 
     Raises:
-        FileError: it cannot be read, or is newer than FaceEdit.
+        FileError: it cannot be read, or is newer than FaceEdit supports.
         Damaged: it contradicts itself.
     """
 
@@ -86,10 +86,10 @@ class Document:
         self._check_version()
 
     def all(self, kind: str) -> list[Any]:
-        """All entries of a kind, such as `meshes`; none where the file has none."""
+        """All entries of a kind, such as `meshes`; empty if the file has none."""
         entries = self.json.get(kind, [])
         if not isinstance(entries, list):
-            raise Damaged(f"{kind} is no list")
+            raise Damaged(f"{kind} is not a list")
         return entries
 
     def entry(self, kind: str, index: Any) -> Json:
@@ -101,10 +101,11 @@ class Document:
         return found
 
     def array(self, index: Any, normalize: bool = True) -> NDArray[Any]:
-        """What an accessor holds.
+        """Read an accessor.
 
         Args:
-            normalize: bring normalised integers to 0..1 or -1..1, as float32.
+            index: the number of the accessor.
+            normalize: convert normalised integers to 0..1 or -1..1, as float32.
 
         Returns:
             (n, width) of the accessor's own type, or float32.
@@ -131,20 +132,20 @@ class Document:
         return values
 
     def count(self, index: Any) -> int:
-        """How many elements an accessor has, unread."""
+        """The number of elements of an accessor, without reading it."""
         accessor = self.entry("accessors", index)
         return whole(accessor.get("count"), "the count of an accessor", 3 * MOST_VERTICES)
 
     def is_backed(self, index: Any) -> bool:
-        """Whether an accessor's numbers are in the file, and not all zero by default."""
+        """Whether an accessor has numbers in the file; else they are all zero."""
         return self.entry("accessors", index).get("bufferView") is not None
 
     def bytes_of(self, view: Any) -> bytes:
-        """The bytes of a buffer view that holds a picture or a compressed mesh."""
+        """The bytes of a buffer view, such as a picture or a compressed mesh."""
         return self._view(view)[0]
 
     def file(self, uri: str) -> bytes:
-        """What a URI in the file names: data in itself, or a file beside this one."""
+        """The content of a URI: embedded data, or a file next to this one."""
         if uri.startswith("data:"):
             head, _, text = uri.partition(",")
             if not head.endswith(";base64"):
@@ -154,7 +155,7 @@ class Document:
             except (binascii.Error, ValueError) as error:
                 raise Damaged("it holds data that is not base64") from error
         if ":" in uri.split("/")[0]:
-            raise Damaged(f"it needs {uri[:60]}, which is no file beside it")
+            raise Damaged(f"it needs {uri[:60]}, which is not a file next to it")
         return read_file(self.path.parent / unquote(uri))
 
     def _sparse(self, sparse: Json, values: NDArray[Any]) -> NDArray[Any]:
@@ -163,7 +164,7 @@ class Document:
         kind = _dtype(where.get("componentType"))
         rows = self._rows(where["bufferView"], where.get("byteOffset") or 0, count, kind, 1)[:, 0]
         if kind.kind != "u" or (count and rows.max() >= len(values)):
-            raise Damaged("a sparse accessor names a vertex which is not there")
+            raise Damaged("a sparse accessor names a vertex that does not exist")
         values = values.copy()
         values[rows] = self._rows(
             what["bufferView"], what.get("byteOffset") or 0, count, values.dtype, values.shape[1]
@@ -173,7 +174,7 @@ class Document:
     def _rows(
         self, view: Any, offset: Any, count: int, dtype: np.dtype[Any], width: int
     ) -> NDArray[Any]:
-        """(count, width) read from a buffer view, which has to hold all of it."""
+        """(count, width) read from a buffer view, which must contain all of it."""
         data, stride = self._view(view)
         row = dtype.itemsize * width
         stride = row if stride is None else stride
@@ -184,7 +185,7 @@ class Document:
         return np.ndarray(shape, dtype, data, offset, (stride, dtype.itemsize)).copy()
 
     def _view(self, index: Any) -> tuple[bytes, int | None]:
-        """The bytes of a buffer view and their stride, decompressed; kept for the next accessor."""
+        """The decompressed bytes of a buffer view, and their stride; cached."""
         view = self.entry("bufferViews", index)
         if index not in self._views:
             self._views[index] = self._decoded(view)
@@ -284,7 +285,7 @@ def _parse(text: bytes) -> Json:
     except (UnicodeDecodeError, ValueError) as error:
         raise Damaged("its JSON cannot be read") from error
     if not isinstance(document, dict):
-        raise Damaged("its JSON is no object")
+        raise Damaged("its JSON is not an object")
     return document
 
 

@@ -1,4 +1,4 @@
-"""How the surfaces of a glTF file look: base colour, its texture and where that lies."""
+"""The surfaces of a glTF file: base colour, texture and texture coordinates."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
 
 _MASK = 0.5
-_BLEND = 0.3  # blended surfaces are drawn where they are more than this opaque
+_BLEND = 0.3  # blended surfaces are drawn where their alpha is above this
 
 
 def _base_color(material: Json) -> Json:
-    """The JSON that places the base colour's texture; empty where there is none."""
+    """The JSON of the base colour's texture; empty if there is none."""
     metal = material.get("pbrMetallicRoughness") or {}
     old = (material.get("extensions") or {}).get("KHR_materials_pbrSpecularGlossiness") or {}
     use = metal.get("baseColorTexture") or old.get("diffuseTexture") or {}
@@ -27,7 +27,7 @@ def _base_color(material: Json) -> Json:
 
 
 def placed_uv(material: Json, arrays: Mapping[str, NDArray[Any]]) -> Floats | None:
-    """(V, 2) where the base colour's texture lies, with its transform applied.
+    """(V, 2) texture coordinates of the base colour, transformed; None if there are none.
 
     Args:
         material: its JSON.
@@ -58,7 +58,7 @@ def surface_of(document: Document, material: Json) -> Surface:
         name=str(material.get("name") or "")[:60],
         color=(red, green, blue, alpha),
         texture=_texture(document, _base_color(material)),
-        # glTF's default of 1 for metal means a texture that FaceEdit does not read.
+        # glTF's default of 1 for metal assumes a texture that FaceEdit does not read.
         roughness=min(max(float(metal.get("roughnessFactor", 0.6)), 0.0), 1.0),
         metallic=min(max(float(metal.get("metallicFactor", 0.0)), 0.0), 1.0),
         cutoff=min(cutoff, 1.0),
@@ -66,9 +66,9 @@ def surface_of(document: Document, material: Json) -> Surface:
 
 
 def _texture(document: Document, use: Json) -> Texture | None:
-    """The base colour's picture; without bytes where the file does not have it.
+    """The base colour's picture; without bytes if it is missing.
 
-    A character opens without its pictures.
+    A character opens even if its pictures are missing.
     """
     if use.get("index") is None:
         return None
@@ -76,7 +76,7 @@ def _texture(document: Document, use: Json) -> Texture | None:
     try:
         texture = document.entry("textures", use["index"])
         extensions = texture.get("extensions") or {}
-        sources = [texture.get("source")]  # PNG or JPEG, which every reader has
+        sources = [texture.get("source")]  # PNG or JPEG, which every reader supports
         for extension in ("EXT_texture_webp", "KHR_texture_basisu"):
             sources.append(extensions.get(extension, {}).get("source"))
         image = document.entry("images", next(s for s in sources if s is not None))

@@ -1,8 +1,8 @@
-"""Blendshapes for a head that has none (paper, section 2).
+"""Make blendshapes for a head that has none (paper, section 2).
 
-Our character is the template: its skin is fitted to the scan, its mouth, teeth, eyes and hair are
-carried along, its shapes are transferred, and lids and lips are trimmed until they meet where they
-meet on the template.
+Our character is the template: its skin is fitted to the scan, its mouth, teeth, eyes and hair
+follow, its shapes are transferred, and lids and lips are trimmed until they meet where they meet on
+the template.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.rig import Rig
 
-_SKIN = ("skin", "lips")  # materials of the template that a scan shows
+_SKIN = ("skin", "lips")  # materials of the template that scans show
 _EYES = ("sclera", "iris", "pupil")
 _MM = 1000.0
-_STILL = 1e-4  # mm that no shape moves a vertex
+_STILL = 1e-4  # mm; a vertex that shapes move less is still
 _ANCHORS = 1200
-_COLOR_FROM = 6.0  # mm from the scan within which colours are taken from it
-_FRONT, _UNDER_CHIN = -20.0, 15.0  # mm; what lies farther back, or lower, is no face
-_SHUT = 0.5  # of what the template's own blink leaves open
-_MOST_TRIM = 6.0  # mm; more is no trimming
+_COLOR_FROM = 6.0  # mm; skin nearer than this takes the scan's colours
+_FRONT, _UNDER_CHIN = -20.0, 15.0  # mm; anything farther back or lower is not the face
+_SHUT = 0.5  # share of what the template's own blink leaves open
+_MOST_TRIM = 6.0  # mm; the largest trim
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,9 @@ class Template:
         rig: the character.
         vertices: (W, 3).
         faces: (F, 3).
-        moves: (K, W, 3) of each channel.
-        vertex_of: (V,) for each vertex of the rig its welded one, -1 for what is not skin.
-        points: welded vertices of the twelve points.
+        moves: (K, W, 3) the displacements of each channel.
+        vertex_of: (V,) the welded vertex of each vertex of the rig, -1 if it is not skin.
+        points: the welded vertices of the control points.
     """
 
     rig: Rig
@@ -57,7 +57,7 @@ class Template:
 
     @classmethod
     def of(cls, rig: Rig) -> Template:
-        """The template that a character is."""
+        """Make a template of a character."""
         faces = np.concatenate(
             [rig.faces[m.start : m.stop] for m in rig.materials if m.name in _SKIN]
         )
@@ -81,7 +81,7 @@ class Template:
         )
 
     def landmarks(self, points: Mapping[str, Doubles]) -> Landmarks:
-        """Landmarks from where some of the twelve points are on a scan, (3,) each."""
+        """Landmarks from the places (3,) of some control points on a scan."""
         names = [name for name in self.points if name in points]
         vertices = [self.points[name] for name in names]
         positions = np.array([points[name] for name in names], np.float64)
@@ -90,14 +90,14 @@ class Template:
 
 @dataclass(frozen=True)
 class Made:
-    """A head with shapes.
+    """A head with new shapes.
 
     Attributes:
-        rig: it, in the template's place, size and mesh.
+        rig: its rig, with the template's place, size and mesh.
         skin: (W, 3) mm, its welded skin.
-        moves: (K, W, 3) mm of each channel there.
-        to_scan: (4, 4) from the rig's millimetres to the scan.
-        face: (W,) what of the skin is face: not neck, ears or the back of the head.
+        moves: (K, W, 3) mm, the displacements of each channel.
+        to_scan: (4, 4) from the rig's millimetres to the scan's coordinates.
+        face: (W,) which skin vertices are the face, without neck, ears and the back of the head.
     """
 
     rig: Rig
@@ -107,7 +107,7 @@ class Made:
     face: Bools
 
     def distance_to(self, scan: Scan) -> tuple[float, float]:
-        """Median and 95th percentile, mm, of how far the skin of the face is from the scan."""
+        """Median and 95th percentile of the distance from the face's skin to the scan, mm."""
         front = self.skin[self.face]
         scale = float(np.cbrt(np.linalg.det(self.to_scan[:3, :3])))
         mesh = trimesh.Trimesh(scan.vertices, scan.faces, process=False)
@@ -116,18 +116,20 @@ class Made:
 
 
 def make(template: Template, scan: Scan, landmarks: Landmarks, name: str) -> Made:
-    """Give a scan shapes.
+    """Make blendshapes for a scan.
 
     Args:
-        landmarks: places that the template's skin and the scan share.
-        name: of the new character.
+        template: the character whose shapes are transferred.
+        scan: the head.
+        landmarks: places on both.
+        name: the name of the new character.
     """
     landmarks = landmarks.plausible(template.vertices, template.faces)
     surface = _surface(scan, landmarks.positions)
     fitted = register(template.vertices, template.faces, landmarks, surface)
     back = np.linalg.inv(fitted.similarity)
     skin = trimesh.transform_points(fitted.vertices, back)
-    here = Fitted(skin, np.eye(4))  # the fit, seen from the template
+    here = Fitted(skin, np.eye(4))  # the fit, in the template's coordinates
     still = np.abs(template.moves).max(axis=(0, 2)) < _STILL
     transfer = Transfer(template.vertices, skin, template.faces, still)
     moves = np.stack([transfer(one) for one in template.moves])
@@ -139,10 +141,9 @@ def make(template: Template, scan: Scan, landmarks: Landmarks, name: str) -> Mad
 
 
 def trim(moves: Doubles, skin: Doubles, template: Template) -> None:
-    """Have lids and lips meet as they do on the template, in place.
+    """Make lids and lips meet as they do on the template, in place.
 
-    The shape that closes them is made stronger or weaker where it closes: in proportion to how it
-    moves each vertex, so that its form stays.
+    The shape that closes them is scaled in proportion to its displacements, which keeps its form.
     """
     index = template.rig.channel_index
     for lower, upper, channels in (
@@ -156,7 +157,7 @@ def trim(moves: Doubles, skin: Doubles, template: Template) -> None:
         held, moved = template.points[lower], template.points[upper]
         wanted = _SHUT * _gap(template.vertices, template.moves[rows], held, moved)
         have = _gap(skin, moves[rows], held, moved)
-        if len(channels) == 2:  # closed lips are as far apart as they are at rest
+        if len(channels) == 2:  # closed lips are as far apart as at rest
             wanted = skin[moved] - skin[held]
         lack = wanted - have
         closing = np.linalg.norm(template.moves[rows[-1]], axis=1)
@@ -165,20 +166,20 @@ def trim(moves: Doubles, skin: Doubles, template: Template) -> None:
 
 
 def _gap(vertices: Doubles, moves: Doubles, held: int, moved: int) -> Doubles:
-    """(3,) from one vertex to another, with shapes at 1."""
+    """(3,) vector from one vertex to another, with shapes at 1."""
     posed = vertices + moves.sum(axis=0)
     gap: Doubles = posed[moved] - posed[held]
     return gap
 
 
 def _surface(scan: Scan, positions: Doubles) -> trimesh.Trimesh:
-    """The connected pieces of a scan that have the points: no eyeballs, hair or table."""
+    """The connected parts of a scan that have landmarks, without eyeballs, hair and so on."""
     mesh = trimesh.Trimesh(scan.vertices, scan.faces, process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, len(mesh.faces))
     _, _, triangles = mesh.nearest.on_surface(positions)
     kept = np.isin(labels, np.unique(labels[triangles]))
-    # What is but a splinter that happens to be nearest to one point is no skin.
+    # A splinter that happens to be nearest to one landmark is not skin.
     sizes = np.bincount(labels)
     kept &= sizes[labels] > 0.02 * len(mesh.faces)
     if kept.any():
@@ -190,7 +191,7 @@ def _surface(scan: Scan, positions: Doubles) -> trimesh.Trimesh:
 def _rig(
     template: Template, here: Fitted, moves: Doubles, scan: Scan, fitted: Fitted, name: str
 ) -> Rig:
-    """The template with another skin, and with what it carries along."""
+    """The template's rig with another skin, and with the parts that follow it."""
     rig = template.rig
     neutral = _MM * rig.neutral.astype(np.float64)
     deltas = _MM * rig.deltas.astype(np.float64)
@@ -201,7 +202,7 @@ def _rig(
     for eye in _eyeballs(rig):
         before = _MM * rig.neutral[eye].astype(np.float64)
         placed = procrustes(before, neutral[eye], reflection=False)[1]
-        neutral[eye] = placed  # round as it was
+        neutral[eye] = placed  # keep it round
     deltas[:, others] += _carried(template, moves, _MM * rig.neutral[others].astype(np.float64))
     neutral[is_skin] = here.vertices[template.vertex_of[is_skin]]
     deltas[:, is_skin] = moves[:, template.vertex_of[is_skin]]
@@ -225,7 +226,7 @@ def _eyeballs(rig: Rig) -> Sequence[Indices]:
 
 
 def _carried(template: Template, moves: Doubles, others: Doubles) -> Doubles:
-    """(K, N, 3) mm by which shapes of the new skin differ from the template's, beside it."""
+    """(K, N, 3) mm by which the new shapes differ from the template's, at other vertices."""
     live = np.abs(template.moves).max(axis=(0, 2)) > _STILL
     chosen = np.flatnonzero(live)
     chosen = chosen[:: max(len(chosen) // _ANCHORS, 1)]
@@ -240,7 +241,7 @@ def _carried(template: Template, moves: Doubles, others: Doubles) -> Doubles:
 
 
 def _colors(template: Template, scan: Scan, fitted: Fitted) -> Floats:
-    """The template's colours, with those of the scan on its skin."""
+    """The template's colours, with the scan's on the skin."""
     colors = template.rig.colors.copy()
     if scan.colors is None:
         return colors

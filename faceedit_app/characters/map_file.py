@@ -1,4 +1,4 @@
-"""A character's map: what the user has said of its shapes and points, in a file beside it."""
+"""A character's map: the user's choice of shapes and control points, in a file next to it."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ _REMEDY = "correct it, or delete it to have the shapes matched by their names"
 
 @dataclass(frozen=True)
 class CharacterMap:
-    """What the user has said; everything else is found.
+    """What the user has set; everything else is found automatically.
 
     Attributes:
-        channels: what a channel is made of, in place of what its name would say; () is nothing.
-        points: where a point is.
+        channels: the shapes of a channel, instead of those found by name; () is no shape.
+        points: the places of control points.
     """
 
     channels: Mapping[str, tuple[Share, ...]] = field(default_factory=dict)
     points: Mapping[str, Place] = field(default_factory=dict)
 
     def applied(self, match: Match) -> Match:
-        """A match with what the user has said of channels."""
+        """A match with the user's channels applied."""
         shares = {c: s for c, s in {**match.shares, **self.channels}.items() if s}
         used = {share.name for parts in shares.values() for share in parts}
         gone = {n for c in self.channels for n in match.matched.get(c, ()) if n not in used}
@@ -45,30 +45,30 @@ class CharacterMap:
 
 
 def map_path(character: Path) -> Path:
-    """Where the map of a character file or folder is: `Head.glb.map.json`."""
+    """The path of the map of a character file or folder: `Head.glb.map.json`."""
     return character.with_name(character.name + ENDING)
 
 
 def read_map(path: Path) -> CharacterMap | None:
-    """The map in a file; None where there is no such file.
+    """Read a map; None if there is no such file.
 
     Raises:
-        FileError: it cannot be read, or says what cannot be.
+        FileError: it cannot be read, or an entry is wrong.
     """
     if not path.exists():
         return None
     try:
         stored = json.loads(read_file(path, _LARGEST))
     except (ValueError, RecursionError) as error:
-        raise FileError(path, "is no JSON", _REMEDY) from error
+        raise FileError(path, "is not JSON", _REMEDY) from error
     try:
         return _parsed(path, stored)
     except (KeyError, TypeError, AttributeError, ValueError) as error:
-        raise FileError(path, "is no character map", _REMEDY) from error
+        raise FileError(path, "is not a character map", _REMEDY) from error
 
 
 def write_map(path: Path, mapping: CharacterMap) -> None:
-    """Write a map, whole or not at all.
+    """Write a map, completely or not at all.
 
     Raises:
         FileError: it cannot be written.
@@ -81,7 +81,7 @@ def write_map(path: Path, mapping: CharacterMap) -> None:
 
 
 def _stored(share: Share) -> str | dict[str, Any]:
-    """A share as a person would write it: its name alone where there is no more to say."""
+    """A share in its shortest form: its name alone if the rest is default."""
     if share.weight == 1.0 and share.half is Half.WHOLE:
         return share.name
     stored: dict[str, Any] = {"shape": share.name}
@@ -95,7 +95,7 @@ def _stored(share: Share) -> str | dict[str, Any]:
 def _parsed(path: Path, stored: Any) -> CharacterMap:
     version = stored["faceedit_character_map"]
     if version != _VERSION:
-        raise FileError(path, f"is of version {str(version)[:20]}", "update FaceEdit")
+        raise FileError(path, f"has version {str(version)[:20]}", "update FaceEdit")
     channels = {}
     for channel, shares in stored.get("channels", {}).items():
         if channel not in ARKIT_INDEX:
@@ -105,7 +105,7 @@ def _parsed(path: Path, stored: Any) -> CharacterMap:
     points = {}
     for name, place in stored.get("points", {}).items():
         if name not in POINTS:
-            problem = f"names the point {name[:60]}, which is none of {', '.join(POINTS)}"
+            problem = f"names the point {name[:60]}, which is not one of {', '.join(POINTS)}"
             raise FileError(path, problem, _REMEDY)
         vertex = place["vertex"]
         if isinstance(vertex, bool) or not isinstance(vertex, int):

@@ -1,13 +1,13 @@
-"""Which of a character's shapes make which ARKit channels, by rules.
+"""Match a character's shapes to the ARKit channels, by rules.
 
-`core.names` knows the names that takes and characters share. Characters have more: one shape has
-many spellings: `eyeBlinkLeft`, `EyeBlink_L`, `blendShape1.eyeBlink.L`,
-`A14_Eye_Blink_Left`, `head_ARKit_eyeBlinkLeft`. A name is split into words; what is said of the
-file rather than of the face is left out; the side goes to the end; and the rest is looked up.
+`core.names` has the rules that takes and characters share. Characters have more spellings:
+`eyeBlinkLeft`, `EyeBlink_L`, `blendShape1.eyeBlink.L`, `A14_Eye_Blink_Left`,
+`head_ARKit_eyeBlinkLeft`. A name is split into words; words about the file rather than the face are
+dropped; the side goes to the end; and the rest is looked up.
 
 Some characters have fewer shapes than ARKit, and some have more. `browInnerUp_L` and
-`browInnerUp_R` together make one channel; one `Blink` is cut into two. What fits the channel less
-well (the visemes of a VRM) is used only where nothing better does, and `Match.lost` says so.
+`browInnerUp_R` together make one channel; one `Blink` is split in two. Shapes that fit a channel
+less well (the visemes of a VRM) are used only if there is nothing better, and `Match.lost` says so.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class Half(StrEnum):
 
 @dataclass(frozen=True)
 class Share:
-    """What one shape adds to a channel.
+    """The contribution of one shape to a channel.
 
     Attributes:
         name: the shape, as its file spells it.
-        weight: by how much its movement is multiplied.
-        half: which part of it counts.
+        weight: the factor of its displacements.
+        half: the part of it that is used.
     """
 
     name: str
@@ -56,10 +56,10 @@ class Match:
     """Which shapes make which channels.
 
     Attributes:
-        shares: for each channel that can be made, what it is made of.
+        shares: by channel, the shapes that make it.
         unknown: names that no channel uses.
-        alike: other spellings of a name that is used, as several meshes of a character have them.
-        lost: sentences on what does not fit the channel it is used for.
+        alike: other spellings of used names, which a character's meshes may have.
+        lost: sentences about shapes that do not quite fit their channel.
     """
 
     shares: Mapping[str, tuple[Share, ...]]
@@ -69,19 +69,19 @@ class Match:
 
     @property
     def matched(self) -> dict[str, tuple[str, ...]]:
-        """The names that make each channel, in ARKit's order."""
+        """The names of the shapes that make each channel, in ARKit's order."""
         return {
             c: tuple(s.name for s in self.shares[c]) for c in ARKIT_CHANNELS if self.shares.get(c)
         }
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Channels that nothing makes."""
+        """Channels without a shape."""
         return tuple(c for c in ARKIT_CHANNELS if not self.shares.get(c))
 
     @property
     def several(self) -> dict[str, tuple[str, ...]]:
-        """Channels that more than one shape makes."""
+        """Channels made of more than one shape."""
         return {channel: names for channel, names in self.matched.items() if len(names) > 1}
 
 
@@ -93,7 +93,7 @@ _COPY = re.compile(r"\.\d{3}$")  # Blender's second jawOpen is jawOpen.001
 _SIDES = dict.fromkeys(("l", "lt", "lf", "lft", "left"), "left") | dict.fromkeys(
     ("r", "rt", "rg", "rgt", "right"), "right"
 )
-# Words that are about the file, not about the face.
+# Words about the file, not the face.
 _NOISE = re.compile(
     r"blendshapes?|blend|shapes?|bsh?|key|morph(er)?|targets?|face|facial|facs?|jnt|head|arkit|ark?|"
     r"kit|apple|ctrls?|controls?|exp(ressions?)?|mesh|geo|body|avatar|skin|char(acter)?|genesis|"
@@ -103,7 +103,7 @@ _FACE = re.compile(r"brows?|cheeks?|eyes?|eyelids?|jaw|mouth|lips?|nose|tongue")
 
 
 def words_of(name: str) -> list[str]:
-    """The words of a name in lower case, without namespace and what is about the file."""
+    """The words of a name in lower case, without the namespace and words about the file."""
     text = _COPY.sub("", name.strip())
     text = re.split(r"[:|/\\]", text)[-1]
     pieces = [piece for piece in text.split(".") if piece.strip()]
@@ -121,7 +121,7 @@ def words_of(name: str) -> list[str]:
 
 
 def _keys(words: Sequence[str]) -> tuple[str, ...]:
-    """What to look up: the words with `l` and `r` spelt out, as they are and with the side last."""
+    """The keys to look up: words with `l` and `r` spelt out, as they are and with the side last."""
     spelt = [_SIDES.get(word, word) for word in words]
     sides = [i for i, word in enumerate(spelt) if word in ("left", "right")]
     keys = ["".join(spelt)]
@@ -134,12 +134,12 @@ def _keys(words: Sequence[str]) -> tuple[str, ...]:
 # --- what the words mean ----------------------------------------------------------------------
 
 _CHANNELS = {channel.lower(): channel for channel in ARKIT_CHANNELS}
-_HALVES = ("browInnerUp", "cheekPuff")  # ARKit has one where others have one a side
+_HALVES = ("browInnerUp", "cheekPuff")  # ARKit has one, others one for each side
 _TWO_SIDED = sorted(
     {c.removesuffix("Left") for c in ARKIT_CHANNELS if c.endswith("Left")} - {"jaw", "mouth"}
 )
 
-# Other names of the very same shape; `#` stands for the side.
+# Other names of the same shape; `#` stands for the side.
 _SYNONYMS = {
     "browraiseinner#": "browInnerUp",
     "browinnerraise#": "browInnerUp",
@@ -203,8 +203,8 @@ def _synonyms() -> dict[str, tuple[str, bool]]:
 
 _OTHER_NAMES = _synonyms()
 
-# What is used where a channel has nothing of its own, and what that loses. The presets of VRM 0
-# and 1, the visemes of Oculus, VRoid's and MikuMikuDance's names: keys as `_keys` makes them.
+# Substitutes for channels without a shape of their own: the presets of VRM 0 and 1, the visemes of
+# Oculus, VRoid's and MikuMikuDance's names. Keys are as `_keys` makes them.
 _Rough = tuple[tuple[str, Half], ...]
 
 
@@ -244,7 +244,7 @@ _ROUGH: tuple[tuple[tuple[str, ...], _Rough], ...] = (
     (("lookleft",), (("eyeLookOutLeft", Half.LEFT), ("eyeLookInRight", Half.RIGHT))),
     (("lookright",), (("eyeLookInLeft", Half.LEFT), ("eyeLookOutRight", Half.RIGHT))),
 )
-# Presets that have no channel: that they are not used is no loss of a match.
+# Presets without a channel, which are not reported as unused.
 _WITHOUT_CHANNEL = frozenset(("neutral", "basis", "default", "visemesil", "vrcvsil"))
 
 
@@ -252,17 +252,17 @@ def match_channels(names: Iterable[str]) -> Match:
     """Match names to the ARKit channels.
 
     Args:
-        names: of shapes or columns; said again, they count once.
+        names: the names of shapes; repeats count once.
 
     Returns:
-        Every name is in exactly one of `matched`, `alike` and `unknown`.
+        The match; every name is in exactly one of `matched`, `alike` and `unknown`.
     """
     given = list(dict.fromkeys(names))
     common = _common_words([words_of(name) for name in given])
     keys = {name: _keys(_without(words_of(name), common)) for name in given}
     shares: dict[str, list[Share]] = {}
     alike: dict[str, list[str]] = {}
-    first: dict[tuple[str, str], str] = {}  # by channel and key, the name that was used
+    first: dict[tuple[str, str], str] = {}  # the name used for a channel and key
     rest: list[str] = []
     for name in sorted(
         given, key=lambda n: n.lower() not in _CHANNELS
@@ -275,7 +275,7 @@ def match_channels(names: Iterable[str]) -> Match:
         channel, side = found
         if found in first:
             alike.setdefault(first[found], []).append(name)
-        elif side and (channel, "") in first:  # a half, where the whole is there
+        elif side and (channel, "") in first:  # a half although there is a whole
             rest.append(name)
         else:
             shares.setdefault(channel, []).append(Share(name))
@@ -296,7 +296,7 @@ def match_channels(names: Iterable[str]) -> Match:
 
 
 def _exact(keys: Sequence[str]) -> tuple[str, str] | None:
-    """The channel that a key names, and which side of it, if it is but one side."""
+    """The channel that a key names, and its side if it is one side only."""
     for key in keys:
         if key in _CHANNELS:
             return _CHANNELS[key], ""
@@ -309,7 +309,7 @@ def _exact(keys: Sequence[str]) -> tuple[str, str] | None:
 def _two_sided(
     names: Sequence[str], keys: Mapping[str, Sequence[str]], shares: dict[str, list[Share]]
 ) -> list[str]:
-    """Cut shapes such as `eyeBlink`, which move both sides, in two; returns the other names."""
+    """Split shapes that move both sides, such as `eyeBlink`; returns the remaining names."""
     rest = []
     for name in names:
         stem = next((s for s in _TWO_SIDED if s.lower() in keys[name]), None)
@@ -325,7 +325,7 @@ def _two_sided(
 def _rough(
     names: Sequence[str], keys: Mapping[str, Sequence[str]], shares: dict[str, list[Share]]
 ) -> tuple[list[str], list[str]]:
-    """Use what fits less well where nothing better does; returns the other names, and sentences."""
+    """Use substitutes for missing channels; returns the remaining names, and sentences."""
     by_key: dict[str, str] = {}
     for name in names:
         for key in keys[name]:
@@ -342,7 +342,7 @@ def _rough(
 
 
 def is_without_channel(name: str) -> bool:
-    """Whether a name is of a pose that nobody misses, such as VRM's `Neutral`."""
+    """Whether a name is of a pose that needs no channel, such as VRM's `Neutral`."""
     return "".join(words_of(name)) in _WITHOUT_CHANNEL
 
 
@@ -366,7 +366,7 @@ def _common_words(all_words: Sequence[Sequence[str]]) -> tuple[str, ...]:
 
 
 def _without(words: Sequence[str], common: Sequence[str]) -> Sequence[str]:
-    """Words without what is common to all, and noise again after it."""
+    """Words without those common to all names, and without noise after these."""
     for word in common:
         if len(words) > 1 and words[0] == word:
             words = words[1:]

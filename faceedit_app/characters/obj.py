@@ -1,7 +1,7 @@
-"""Characters from OBJ files: one file is a neutral head, and each other one the head with a shape.
+"""Characters from OBJ files: one file is the neutral head, each other the head with a shape.
 
-trimesh's reader is not used: it puts the vertices into an order of its own, and morph targets
-are the differences between files of one order.
+trimesh's reader is not used because it reorders vertices, and morph targets are the differences
+between files with vertices in the same order.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _REMEDY = "put the neutral head as neutral.obj and one OBJ per shape into a fold
 
 @dataclass(frozen=True)
 class _Mesh:
-    """What an OBJ file holds: (V, 3) places, and per triangle corners, texture and material."""
+    """The content of an OBJ file: (V, 3) places, and corners, texture and material per triangle."""
 
     places: Floats
     corners: NDArray[np.int64]
@@ -37,12 +37,12 @@ class _Mesh:
 
 
 def read_obj(path: Path) -> Character:
-    """Read an OBJ file and those beside it that have the same vertices, or a folder of them.
+    """Read an OBJ file and the files next to it with the same vertices, or a folder of them.
 
-    The neutral head is the one that is opened, or in a folder the one whose name says so.
+    The neutral head is the file itself, or in a folder the one whose name says so.
 
     Raises:
-        FileError: there is no OBJ file, or none is neutral.
+        FileError: there is no OBJ file, or no neutral one.
         Damaged: a file contradicts itself.
     """
     folder = path if path.is_dir() else path.parent
@@ -81,7 +81,7 @@ def _neutral(folder: Path, files: list[Path]) -> Path:
         found = [p for p in files if word in p.stem.lower()]
         if found:
             return min(found, key=lambda p: len(p.stem))
-    raise FileError(folder, "has no OBJ file that is called neutral", _REMEDY)
+    raise FileError(folder, "has no OBJ file named neutral", _REMEDY)
 
 
 def _places(content: bytes) -> Floats:
@@ -120,11 +120,11 @@ def _read_mesh(path: Path) -> _Mesh:
             library = line[7:].strip().decode("utf-8", "replace")
     triangles = np.array(corners, np.int64).reshape(-1, 3)
     if triangles.size and not (triangles.min() >= 0 and triangles.max() < len(places)):
-        raise Damaged(f"a triangle of {path.name} names a vertex which is not there")
+        raise Damaged(f"a triangle of {path.name} names a vertex that does not exist")
     uv, uv_triangles = None, np.array(uv_corners, np.int64).reshape(-1, 3)
     if uv_rows and uv_triangles.size and uv_triangles.min() >= 0:
         if uv_triangles.max() >= len(uv_rows):
-            raise Damaged("a triangle names a texture coordinate which is not there")
+            raise Damaged("a triangle names a texture coordinate that does not exist")
         uv = finite(np.array(uv_rows, np.float64), "texture coordinates").astype(np.float32)
         uv[:, 1] = 1 - uv[:, 1]
     return _Mesh(
@@ -142,7 +142,7 @@ _Three = tuple[int, int, int]
 
 
 def _fan(corners: list[bytes], vertices: int, coordinates: int) -> Iterator[tuple[_Three, _Three]]:
-    """The triangles of a polygon: vertices and texture coordinates, from 0; -1 is none."""
+    """The triangles of a polygon: vertices and texture coordinates from 0; -1 means none."""
     points, places = [], []
     for corner in corners:
         numbers = corner.split(b"/")
@@ -159,7 +159,7 @@ def _index(text: bytes, count: int) -> int:
     except ValueError as error:
         raise Damaged("a polygon names no vertex") from error
     if not -count <= number <= 1 << 30 or number == 0:
-        raise Damaged("a polygon names a vertex which is not there")
+        raise Damaged("a polygon names a vertex that does not exist")
     return number - 1 if number > 0 else count + number
 
 
@@ -192,7 +192,7 @@ def _parts(path: Path, mesh: _Mesh, targets: dict[str, Floats]) -> list[Part]:
 
 
 def _surfaces(path: Path, library: str) -> dict[str, Surface]:
-    """The materials of an MTL file beside an OBJ file; none where it is missing."""
+    """The materials of an MTL file next to an OBJ file; empty if it is missing."""
     if not library:
         return {}
     try:

@@ -1,4 +1,4 @@
-"""The textures of characters, decoded: PNG, JPEG, WebP and whatever else Pillow reads, and KTX2."""
+"""Decode the textures of characters: all that Pillow reads (PNG, JPEG, WebP, ...), and KTX2."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from PIL import Image
 from faceedit_app.characters.character import Texture
 from faceedit_app.core.arrays import Pixels
 
-LARGEST = 2048  # pixels a side; larger ones are made smaller
+LARGEST = 2048  # pixels per side; larger pictures are scaled down
 _MOST_PIXELS = 16384 * 16384
 _KTX2 = b"\xabKTX 20\xbb"
 
@@ -24,7 +24,7 @@ def decode(texture: Texture) -> Pixels:
     """(H, W, 4) uint8, sRGB and alpha, top row first; no side is longer than `LARGEST`.
 
     Raises:
-        Unreadable: it is missing, damaged, too large or of a kind that cannot be read.
+        Unreadable: it is missing, damaged, too large or of an unsupported kind.
     """
     if not texture.content:
         raise Unreadable(f"the texture {texture.name} is missing")
@@ -32,7 +32,7 @@ def decode(texture: Texture) -> Pixels:
         return _ktx2(texture)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of its own opinion on large pictures
+            warnings.simplefilter("ignore")  # Pillow warns of large pictures
             file = Image.open(io.BytesIO(texture.content))
             if file.width * file.height > _MOST_PIXELS:
                 raise Unreadable(f"the texture {texture.name} is too large")
@@ -47,7 +47,7 @@ def decode(texture: Texture) -> Pixels:
 
 
 def _ktx2(texture: Texture) -> Pixels:
-    """A Basis Universal picture, from the largest of its levels that is small enough."""
+    """A Basis Universal picture, at the largest level that is small enough."""
     try:
         import opengl_basisu
     except ImportError as error:
@@ -64,6 +64,6 @@ def _ktx2(texture: Texture) -> Pixels:
         pixels = picture.transcode("rgba8", level=level).data
     except Unreadable:
         raise
-    except Exception as error:  # of the library's own kinds, and ValueError
+    except Exception as error:  # the library's own kinds, and ValueError
         raise Unreadable(f"the texture {texture.name} cannot be read") from error
     return np.ascontiguousarray(pixels, np.uint8)

@@ -1,9 +1,9 @@
-"""The twelve points between which the eight controls are measured, found from shapes alone.
+"""Find the twelve control points from the shapes alone.
 
-No landmarks and no knowledge of the mesh: a vertex is recognised by how the shapes move it. The
-inner lips are the two points on the midline that jawOpen parts although they lie together; a mouth
-corner is where the shortest way around the mouth, from one inner lip to the other, is farthest
-out; an upper lid is what eyeBlink lowers most, and the lower lid is where it arrives.
+Without landmarks or knowledge of the mesh, a vertex is recognised by how the shapes move it. The
+inner lips are the two points on the midline that are together until jawOpen parts them; a mouth
+corner is where the shortest way around the mouth, from one inner lip to the other, is farthest out;
+the upper lid is what eyeBlink lowers most, and the lower lid is where it arrives.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 
 Points = dict[str, int]
 
-# Control and the two points that it lies between, in the order of `regions.CONTROLS`.
+# Each control and its two control points, in the order of `controls.CONTROLS`.
 PAIRS: tuple[tuple[str, str, str], ...] = (
     ("mouth_opening", "inner_upper_lip", "inner_lower_lip"),
     ("mouth_width", "left_mouth_corner", "right_mouth_corner"),
@@ -39,13 +39,13 @@ _LIPS = (
     *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
     *("mouthRollLower", "mouthUpperUpLeft", "mouthLowerDownLeft"),
 )
-# What can part the lips, the first that does.
+# Channels that part the lips; the first that does is used.
 _OPENERS = ("jawOpen", "mouthFunnel", "mouthUpperUpLeft")
 _PARTED = 3.0  # mm
 
 
 class NotFound(Exception):
-    """A point cannot be found; the text says which and why."""
+    """A control point cannot be found; the text says which one and why."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Face:
 
     @cached_property
     def lips(self) -> Doubles:
-        """(N,) how much the shapes of the lips move each vertex; they move no teeth."""
+        """(N,) how much the shapes of the lips, which do not move teeth, move each vertex."""
         total = np.zeros(len(self.places))
         for channel in _LIPS:
             amount = self.amount(channel)
@@ -98,7 +98,7 @@ class Face:
 
     @cached_property
     def middle(self) -> float:
-        """Where the midline of the mouth is, mm: shapes are never quite the same on both sides."""
+        """The x of the mouth's midline, mm; shapes are never quite symmetric."""
         amount = sum(
             (self.amount(channel) for channel in ("mouthPucker", "mouthFunnel", "jawOpen")),
             np.zeros(len(self.places)),
@@ -108,9 +108,9 @@ class Face:
 
     @cached_property
     def skin(self) -> Bools:
-        """(N,) the connected surface that has the lips.
+        """(N,) which vertices are on the connected surface with the lips.
 
-        Lashes and eyeballs that only hang on to it along an edge, or in a vertex, are not of it.
+        Lashes and eyeballs that touch it only in an edge or a vertex do not belong to it.
         """
         adjacency = trimesh.graph.face_adjacency(self.faces)
         labels = trimesh.graph.connected_component_labels(adjacency, len(self.faces))
@@ -121,10 +121,10 @@ class Face:
 
 
 def find_points(face: Face) -> tuple[Points, list[str]]:
-    """The twelve points, as vertices of `face`.
+    """Find the twelve control points, as vertices of `face`.
 
     Returns:
-        The points that were found, and a sentence on each that was not.
+        The points that were found, and a sentence about each that was not.
     """
     points: Points = {}
     problems: list[str] = []
@@ -179,7 +179,7 @@ def _lips(face: Face, opened: Doubles) -> Points:
     score = (parted - at_rest) - 3 * at_rest + 0.5 * forward - 0.25 * aside
     i, k = np.unravel_index(score.argmax(), score.shape)
     points = {"inner_upper_lip": int(upper[i]), "inner_lower_lip": int(lower[k])}
-    # The border of the red is in no shape: the most forward vertex of each lip stands for it.
+    # No shape shows the border of the red: use the most forward vertex of each lip.
     for name, inner, sign in (
         ("upper_lip", points["inner_upper_lip"], 1.0),
         ("lower_lip", points["inner_lower_lip"], -1.0),
@@ -191,7 +191,7 @@ def _lips(face: Face, opened: Doubles) -> Points:
 
 
 def _corner(face: Face, opened: Doubles, points: Points, sign: float) -> int:
-    """Where the way around the mouth on one side is farthest out."""
+    """The vertex where the way around the mouth is farthest out on one side."""
     places = face.places
     start, end = points["inner_upper_lip"], points["inner_lower_lip"]
     near = (
@@ -203,7 +203,7 @@ def _corner(face: Face, opened: Doubles, points: Points, sign: float) -> int:
     edges = face.edges[near[face.edges].all(axis=1)]
     a, b = edges.T
     moved = places + opened
-    # The rim of the lips is what the jaw parts: short at rest, and not much longer when open.
+    # The rim of the lips is short at rest, and not much longer when the jaw is open.
     cost = np.linalg.norm(places[a] - places[b], axis=1)
     cost = cost + 0.25 * np.linalg.norm(moved[a] - moved[b], axis=1)
     graph = coo_matrix((cost + 1e-9, (a, b)), (len(places), len(places))).tocsr()
@@ -217,7 +217,7 @@ def _corner(face: Face, opened: Doubles, points: Points, sign: float) -> int:
 
 
 def _lids(face: Face, side: str) -> Points:
-    """The middle of the upper lid, and where on the lower lid it arrives in a blink."""
+    """The middle of the upper lid, and the point of the lower lid where it arrives in a blink."""
     blink, places = face.move(f"eyeBlink{side.capitalize()}"), face.places
     drop = np.where(face.skin, -blink[:, 1], -np.inf)
     if drop.max() < 0.5:
@@ -225,7 +225,7 @@ def _lids(face: Face, side: str) -> Points:
     lid = places[drop > 0.5 * drop.max(), 0]
     middle = (lid.min() + lid.max()) / 2
     shut = places + blink
-    # The rim is what comes lowest; of it the middle, with the corners of the eye left out.
+    # The rim is what comes lowest; take its middle, without the corners of the eye.
     aside = np.abs(places[:, 0] - middle)
     upper = int(np.where(drop > 0.7 * drop.max(), shut[:, 1] + 0.4 * aside, np.inf).argmin())
     near = np.flatnonzero(
@@ -252,7 +252,7 @@ def _midline(face: Face) -> Indices:
 
 
 def _bridge(face: Face) -> int:
-    """The nose bridge: on the midline, in front, at the height of the eyes."""
+    """The nose bridge: on the midline at the height of the eyes, in front."""
     middle = _midline(face)
     x, y, z = face.places[middle].T
     level = np.abs(y) < 9
@@ -266,7 +266,7 @@ def _bridge(face: Face) -> int:
 
 
 def _chin(face: Face, lower_lip: int) -> int:
-    """The chin: the most forward place of the midline's profile below the fold under the lip."""
+    """The chin: the most forward point of the midline below the fold under the lip."""
     places, middle = face.places, _midline(face)
     lip = places[lower_lip, 1]
     below = middle[(places[middle, 1] < lip - 1) & (places[middle, 1] > lip - 48)]
@@ -285,7 +285,7 @@ def _chin(face: Face, lower_lip: int) -> int:
 
 
 def _profile(places: Doubles, heights: Doubles) -> Doubles:
-    """How far forward the midline is at each height, smoothed, mm."""
+    """How far forward the midline is at each height, mm, smoothed."""
     near = np.abs(places[:, 1][:, None] - heights) < 2.5
     forward = np.where(near, places[:, 2][:, None], -np.inf).max(axis=0)
     known = np.flatnonzero(np.isfinite(forward))

@@ -1,8 +1,8 @@
-"""Fitting our template to another head: non-rigid registration (paper, section 2).
+"""Fit our template to another head by non-rigid registration (paper, section 2).
 
-trimesh does the registration itself (Amberg et al. 2007, "Optimal Step Nonrigid ICP"). Here is what
-it needs around it: a start from points that both heads have, landmarks, and what is only carried
-along: mouth bag, teeth, eyes and hair are no part of a scan.
+trimesh does the registration itself (Amberg et al. 2007, "Optimal Step Nonrigid ICP"). This module
+adds the initial alignment, the landmarks, and the parts that a scan lacks: mouth bag, teeth, eyes
+and hair follow the fitted skin.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from trimesh.registration import nricp_amberg, procrustes
 from faceedit_app.core.arrays import Doubles, Indices
 
 # Stiffness, weight of the landmarks, weight of the normals and rounds of each step; the landmarks
-# lead at first and let go in the end.
+# dominate at first and have no weight at the end.
 _STEPS = ((0.02, 10.0, 0.5, 10), (0.02, 5.0, 0.5, 8), (0.015, 2.5, 0.5, 6), (0.008, 1.0, 0.0, 5))
-_ENOUGH_TO_JUDGE = 40  # landmarks
-_TOO_FAR = 0.05  # of the head's size; a vertex that is farther away finds no match
-_ANCHORS = 1500  # vertices of the skin that carry along what is not fitted
+_ENOUGH_TO_JUDGE = 40  # landmarks needed to reject outliers
+_TOO_FAR = 0.05  # share of the head's size; a vertex farther away has no match
+_ANCHORS = 1500  # skin vertices that the unfitted parts follow
 
 
 @dataclass(frozen=True)
 class Landmarks:
-    """Places that a template and a head share.
+    """Corresponding places on a template and a head.
 
     Attributes:
-        triangles: (L,) of the template.
-        weights: (L, 3) where on them, barycentric.
-        positions: (L, 3) on the head.
+        triangles: (L,) triangles of the template.
+        weights: (L, 3) barycentric coordinates in these.
+        positions: (L, 3) places on the head.
     """
 
     triangles: Indices
@@ -44,21 +44,21 @@ class Landmarks:
     def at_vertices(
         cls, faces: NDArray[np.integer], vertices: Sequence[int], positions: Doubles
     ) -> Landmarks:
-        """Landmarks that are vertices of the template."""
+        """Landmarks at vertices of the template."""
         triangles = np.array([int((faces == v).any(axis=1).argmax()) for v in vertices], np.intp)
         weights = (faces[triangles] == np.asarray(vertices)[:, None]).astype(np.float64)
         return cls(triangles, weights, positions)
 
     def on(self, vertices: Doubles, faces: NDArray[np.integer]) -> Doubles:
-        """(L, 3) where they are on the template."""
+        """(L, 3) their places on the template."""
         places: Doubles = np.einsum("lk,lkx->lx", self.weights, vertices[faces[self.triangles]])
         return places
 
     def plausible(self, vertices: Doubles, faces: NDArray[np.integer]) -> Landmarks:
-        """Those that a smooth map from the template to the head puts about where they are.
+        """The landmarks without outliers, which are far from a smooth map of the template.
 
-        Landmarks that fell through an eye hole or into the mouth ruin a fit. The map is of the
-        second order, fitted again without those that lie far off.
+        Landmarks that fell through an eye hole or into the mouth would ruin a fit. The map is of
+        second order and is fitted again without the outliers.
         """
         source = self.on(vertices, faces)
         if len(source) < _ENOUGH_TO_JUDGE:
@@ -78,11 +78,11 @@ class Landmarks:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A template on another head.
+    """A template fitted to another head.
 
     Attributes:
-        vertices: (V, 3) of the template, where the head is.
-        similarity: (4, 4) that brought the template near it.
+        vertices: (V, 3) the template's vertices, in the head's coordinates.
+        similarity: (4, 4) the initial alignment.
     """
 
     vertices: Doubles
@@ -98,7 +98,8 @@ def register(
     """Fit a template to a head.
 
     Args:
-        vertices, faces: (V, 3) and (F, 3) of what is to be fitted.
+        vertices, faces: (V, 3) and (F, 3) of the template.
+        landmarks: places on both.
         target: the head, in any unit and place.
     """
     here = landmarks.on(vertices, faces)
@@ -118,12 +119,13 @@ def register(
 
 
 def carry(fitted: Fitted, before: Doubles, anchors: Indices, others: Doubles) -> Doubles:
-    """Where vertices that were not fitted go: (N, 3).
+    """Move vertices that were not fitted along with the fitted ones: (N, 3).
 
     Args:
-        before: (V, 3) the template's fitted vertices as they were.
-        anchors: which of these carry the others along.
-        others: (N, 3) of the template.
+        fitted: the fitted template.
+        before: (V, 3) its vertices before the fit.
+        anchors: the vertices that the others follow.
+        others: (N, 3) the other vertices of the template.
     """
     start = trimesh.transform_points(before, fitted.similarity)
     moved = fitted.vertices - start
@@ -135,6 +137,6 @@ def carry(fitted: Fitted, before: Doubles, anchors: Indices, others: Doubles) ->
 
 
 def distances(fitted: Doubles, target: trimesh.Trimesh) -> Doubles:
-    """(V,) how far vertices are from the head's surface."""
+    """(V,) distances of vertices from the head's surface."""
     far: Doubles = np.asarray(target.nearest.on_surface(fitted)[1], np.float64)
     return far

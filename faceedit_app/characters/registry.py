@@ -1,4 +1,4 @@
-"""The kinds of character files that FaceEdit opens; one line for each."""
+"""The table of character formats."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from faceedit_app.characters.obj import read_obj
 from faceedit_app.characters.vrm import read_vrm
 from faceedit_app.core.errors import FileError
 
-_HEAD = 1 << 16  # bytes of a file that tell its kind
+_HEAD = 1 << 16  # bytes that show the kind of a file
 _LONGEST_JSON = 1 << 26
 _REMEDY = "choose a GLB, glTF, VRM, binary FBX or OBJ with blendshapes"
-# What people try, and how it becomes a file that opens.
+# Files that people try, and how to convert them.
 _KNOWN = {
     ".blend": "a Blender file; in Blender, File > Export > glTF 2.0",
     ".ma": "a Maya scene; export it as FBX",
@@ -41,10 +41,10 @@ class CharacterFormat:
     """A kind of character file.
 
     Attributes:
-        name: as the user knows it.
+        name: shown to the user.
         endings: of file names, with the dot, in lower case.
-        sniff: whether a path, with its first bytes, is of this kind (b"" for a folder).
-        read: reads it; raises FileError and Damaged.
+        sniff: whether a path with these first bytes (b"" for a folder) is of this kind.
+        read: reads the file; raises FileError and Damaged.
     """
 
     name: str
@@ -85,10 +85,10 @@ FORMATS: tuple[CharacterFormat, ...] = (
 
 
 def read_character(path: Path | str) -> Character:
-    """Open any character; its kind is told by its content, then by its name.
+    """Open any character; its kind is recognised by its content, then by its name.
 
     Raises:
-        FileError: it is no character, is damaged, or of a kind or version FaceEdit does not know.
+        FileError: it is not a character, is damaged, or its kind or version is not supported.
     """
     path = Path(path)
     head = _head(path)
@@ -99,7 +99,7 @@ def read_character(path: Path | str) -> Character:
     if known is not None:
         problem, _, remedy = known.partition("; ")
         raise FileError(path, f"is {problem}", remedy)
-    raise FileError(path, "is no character file that FaceEdit knows", _REMEDY)
+    raise FileError(path, "is not a character file that FaceEdit can read", _REMEDY)
 
 
 def _read(kind: CharacterFormat, path: Path) -> Character:
@@ -115,14 +115,14 @@ def _read(kind: CharacterFormat, path: Path) -> Character:
         AttributeError,
         OverflowError,
         RecursionError,
-    ) as error:  # what is not where the format has it
-        raise FileError(path, f"is no sound {kind.name} file", "export it again") from error
+    ) as error:  # something is not where the format requires it
+        raise FileError(path, f"is not a valid {kind.name} file", "export it again") from error
     except MemoryError as error:
         raise FileError(path, "needs more memory than there is", "export a smaller one") from error
 
 
 def _head(path: Path) -> bytes:
-    """The first bytes of a regular file; b"" of a folder."""
+    """The first bytes of a file; b"" for a folder."""
     try:
         if path.is_dir():
             return b""
@@ -134,10 +134,10 @@ def _head(path: Path) -> bytes:
             head = file.read(20)
             if head[:4] != b"glTF":
                 return head + file.read(_HEAD)
-            # The whole JSON: only there does a VRM say that it is one.
+            # The whole JSON: only there is a VRM marked as one.
             return head + file.read(min(int.from_bytes(head[12:16], "little"), _LONGEST_JSON))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     except ValueError as error:  # a path with a zero character
-        raise FileError(Path("?"), "is no path", "check the path") from error
+        raise FileError(Path("?"), "is not a path", "check the path") from error

@@ -1,4 +1,4 @@
-"""A head without shapes: a scan or a sculpture, as one mesh."""
+"""Read a head without shapes, such as a scan or a sculpture, as one mesh."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 
 _PLAIN = (".ply", ".stl")
-_ENOUGH = 120_000  # triangles; more only make the fit slower
+_ENOUGH = 120_000  # triangles; more would only slow the fit
 _FEWEST = 200
 _REMEDY = "use an OBJ, PLY, STL or GLB of a neutral face"
 
@@ -31,7 +31,7 @@ class Scan:
         vertices: (V, 3), in the file's unit and axes.
         faces: (F, 3).
         colors: (V, 4) float32, linear RGBA, if the file has colours or a texture.
-        remarks: sentences on what was left out or made smaller.
+        remarks: sentences about what was left out or decimated.
     """
 
     vertices: Doubles
@@ -41,15 +41,15 @@ class Scan:
 
 
 def read_scan(path: Path | str) -> Scan:
-    """Read a head without shapes; what shapes it has are not looked at.
+    """Read a head without shapes; any shapes it has are ignored.
 
     Raises:
-        FileError: it cannot be read, or is no head.
+        FileError: it cannot be read, or is not a head.
     """
     path = Path(path)
     scan = _plain(path) if path.suffix.lower() in _PLAIN else _joined(read_character(path))
     if len(scan.faces) < _FEWEST:
-        raise FileError(path, f"has but {len(scan.faces)} triangles", _REMEDY)
+        raise FileError(path, f"has only {len(scan.faces)} triangles", _REMEDY)
     return _smaller(scan)
 
 
@@ -67,7 +67,7 @@ def _plain(path: Path) -> Scan:
     if len(vertices) > MOST_VERTICES or len(faces) > MOST_TRIANGLES:
         raise FileError(path, f"has {len(faces)} triangles", "export a smaller one")
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
-        raise FileError(path, "has a triangle that names no vertex", "export it again")
+        raise FileError(path, "has a triangle without its vertices", "export it again")
     colors = None
     if isinstance(mesh.visual, trimesh.visual.ColorVisuals) and mesh.visual.kind == "vertex":
         colors = np.asarray(mesh.visual.vertex_colors, np.float32) / 255.0
@@ -95,7 +95,7 @@ def _joined(character: Character) -> Scan:
 
 
 def _colors(part: Part, remarks: list[str]) -> Floats | None:
-    """(V, 4) of a part, from its texture where its vertices lie in it."""
+    """(V, 4) the colours of a part, from its texture if it has one."""
     tint = np.array(part.surface.color, np.float32)
     if part.surface.texture is not None and part.uv is not None:
         try:

@@ -1,10 +1,9 @@
-"""Deformation transfer: the shapes of one head on another one of the same mesh (paper, section 2).
+"""Deformation transfer between heads with the same mesh (paper, section 2).
 
-Sumner and Popovic 2004, in the gradient form of Botsch et al. 2006: each triangle of the other head
-is to turn and stretch as its twin does; the vertices that come nearest to that solve one sparse
-system, which is factored once for all shapes. Gradients do not say where a part of the face is:
-what is far from the vertices that stay would drift, so that each vertex is also drawn, softly, to
-where the source's own displacement puts it.
+Sumner and Popovic 2004, in the gradient form of Botsch et al. 2006: each triangle of the target
+should rotate and stretch like its twin. The best vertices solve one sparse system, which is
+factored once for all shapes. Gradients do not determine position, and parts far from still vertices
+would drift, so each vertex is also drawn softly to where the source's own displacement puts it.
 """
 
 from __future__ import annotations
@@ -17,16 +16,16 @@ from scipy.sparse.linalg import splu
 from faceedit_app.core.arrays import Bools, Doubles
 
 _FLAT = 1e-12
-_DRIFT = 30.0  # mm over which gradients decide; beyond, displacements do
+_DRIFT = 30.0  # mm up to which gradients dominate; beyond, displacements do
 
 
 class Transfer:
     """Transfers shapes from one head to another.
 
     Args:
-        source, target: (V, 3) neutral vertices of both, in millimetres.
+        source, target: (V, 3) neutral vertices of both, mm.
         faces: (F, 3) of both.
-        still: (V,) vertices that no shape moves; they stay, and hold the others.
+        still: (V,) vertices that no shape moves; they stay in place and hold the others.
     """
 
     def __init__(
@@ -38,7 +37,7 @@ class Transfer:
         corners = target[faces]
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         area = np.linalg.norm(across, axis=1) / 2
-        # The gradient of a function on a triangle, from its values at the three corners.
+        # The gradient of a function on each triangle, from its values at the three corners.
         gradient = np.stack((-(frames[:, 0] + frames[:, 1]), frames[:, 0], frames[:, 1]), axis=1)
         rows = np.repeat(np.arange(3 * len(faces)).reshape(-1, 1, 3), 3, axis=1)
         columns = np.repeat(faces[:, :, None], 3, axis=2)
@@ -68,10 +67,10 @@ class Transfer:
 
 
 def _frames(vertices: Doubles, faces: NDArray[np.integer]) -> Doubles:
-    """(F, 3, 3) of each triangle: two edges and the normal, as columns."""
+    """(F, 3, 3) per triangle two edges and the normal, as columns."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
     length = np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), _FLAT)
-    # Its length is that of an edge, so that a shape which stretches stretches it, too.
+    # The normal is as long as an edge, so that it stretches with the triangle.
     frames: Doubles = np.stack((b - a, c - a, normal / np.sqrt(length)), axis=2)
     return frames

@@ -15,12 +15,12 @@ from faceedit_app.characters.gltf import Placed, read_parts
 from faceedit_app.characters.gltf_buffers import Document, Json
 from faceedit_app.core.arrays import Floats
 
-# Of one expression: the node or mesh that it moves, the number of a target there, and how far.
+# A bind of an expression: the node or mesh, the number of its target, and the weight.
 _Bind = tuple[int, int, float]
 
 
 def read_vrm(path: Path) -> Character:
-    """Read a VRM file; its expressions become morph targets beside those of its meshes.
+    """Read a VRM file; its expressions are added to the morph targets of its meshes.
 
     Raises:
         FileError: it cannot be read, or holds no mesh.
@@ -42,7 +42,7 @@ def read_vrm(path: Path) -> Character:
 
 
 def _groups(vrm: Json) -> dict[str, Sequence[_Bind]]:
-    """The blendshape groups of VRM 0, whose weights are per cent."""
+    """The blendshape groups of VRM 0, whose weights are in percent."""
     found = {}
     for group in (vrm.get("blendShapeMaster") or {}).get("blendShapeGroups") or []:
         preset = str(group.get("presetName") or "unknown").lower()
@@ -71,7 +71,7 @@ def _expressions(vrm: Json) -> dict[str, Sequence[_Bind]]:
 def _number(bind: Json, key: str) -> int:
     value: Any = bind.get(key)
     if not isinstance(value, int):
-        raise Damaged("an expression moves a morph target which is not there")
+        raise Damaged("an expression moves a morph target that does not exist")
     return value
 
 

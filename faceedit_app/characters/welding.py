@@ -1,4 +1,4 @@
-"""Vertices that lie together and move together are one: seams of texture and normals are undone."""
+"""Weld vertices that coincide and move together, which removes texture and normal seams."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from faceedit_app.characters.assembly import Assembly
 from faceedit_app.core.arrays import Floats, Indices
 
 _TOGETHER = 2e-5  # metres
-_ALIKE = 1e-4  # metres of movement, in any of three mixtures of all shapes
+_ALIKE = 1e-4  # metres of movement, in each of three mixtures of all shapes
 
 
 @dataclass(frozen=True)
@@ -19,9 +19,9 @@ class Weld:
     """The welded mesh of an assembly.
 
     Attributes:
-        first: (N,) for each welded vertex the first of those that it stands for.
-        number: (V,) for each vertex its welded one.
-        faces: (F', 3) of welded vertices, without triangles that have collapsed.
+        first: (N,) the first original vertex of each welded vertex.
+        number: (V,) the welded vertex of each vertex.
+        faces: (F', 3) of welded vertices, without collapsed triangles.
     """
 
     first: Indices
@@ -32,7 +32,7 @@ class Weld:
 def weld(assembly: Assembly) -> Weld:
     """Weld an assembly.
 
-    Closed lips lie together and do not move together: they stay apart.
+    Closed lips coincide but do not move together: they stay separate.
     """
     mixture = np.random.default_rng(0).uniform(0.5, 1.5, (3, len(assembly.channels)))
     moved: Floats = np.einsum("mk,kvx->vmx", mixture.astype(np.float32), assembly.deltas)

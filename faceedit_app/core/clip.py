@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -50,10 +50,6 @@ class Clip:
     def duration(self) -> float:
         """Seconds from the first frame to the end of the last."""
         return float(self.times[-1]) + 1.0 / self.rate
-
-    def with_weights(self, weights: Floats) -> Clip:
-        """This clip with other weights (T, K)."""
-        return replace(self, weights=weights)
 
     def frame_at(self, seconds: float) -> int:
         """Index of the frame nearest to a time, which is the one on screen."""

@@ -229,10 +229,6 @@ class EditSession:
         edit = replace(self.edits[index], enabled=enabled)
         self.replace_edit(index, edit, "Switch edit on" if enabled else "Switch edit off")
 
-    def set_strength(self, index: int, strength: float) -> None:
-        """Set the strength of an edit, 0..1.5."""
-        self.replace_edit(index, replace(self.edits[index], strength=strength), "Strength")
-
     def rename(self, index: int, name: str) -> None:
         """Rename an edit; "" returns it to its description."""
         edit = replace(self.edits[index], name=clean_text(name.strip()))

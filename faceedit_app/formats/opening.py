@@ -1,4 +1,4 @@
-"""Open any take, whatever its format, and export it."""
+"""Open a take of any format, and export it."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The sound and the film of a take: read, indexed, and sent to the loudspeakers. No Qt.
+"""The sound and the film of a take: read, indexed and played, without Qt.
 
 PyAV (FFmpeg) reads the files and sounddevice (PortAudio) plays; both are imported only when a
-file is opened, so that the start of the application does not wait for them.
+file is opened, so that they do not delay the start.
 """
 
 from __future__ import annotations
@@ -11,24 +11,24 @@ from pathlib import Path
 SOUND_ENDINGS = (".wav", ".m4a", ".mp3", ".flac", ".aif", ".aiff", ".ogg", ".opus", ".aac")
 FILM_ENDINGS = (".mov", ".mp4", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".mpeg")
 ENDINGS = FILM_ENDINGS + SOUND_ENDINGS
-# What programs add to the name of a take: our own export, and Live Link Face's variants.
+# Suffixes that programs add to the name of a take: our export's, and Live Link Face's.
 _ADDED = ("_edited", "_cal", "_raw", "_neutral")
 
 
 def is_media(path: Path) -> bool:
-    """Whether a file's name says that it is a sound or a film."""
+    """Whether a file is a sound or a film by its ending."""
     return path.suffix.lower() in ENDINGS
 
 
 def beside(take: Path) -> tuple[Path | None, Path | None]:
-    """The sound and the film that lie beside a take under its name.
+    """The sound and the film next to a take, by its name.
 
     Live Link Face writes `take_iPhone.csv` and `take_iPhone.mov`; an exported `take_edited.csv`
     finds what belongs to `take.csv`.
 
     Returns:
-        (sound, film), None for what is not there. A film's own sound counts only where no
-        sound file lies beside it; that is for the caller to try.
+        (sound, film), each None if there is none. A film's own sound is left to the caller: it
+        counts only if there is no sound file.
     """
     stems = [take.stem, *(take.stem.removesuffix(a) for a in _ADDED if take.stem.endswith(a))]
 

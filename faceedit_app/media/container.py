@@ -1,4 +1,4 @@
-"""Opening media files with PyAV; whatever FFmpeg says becomes one line."""
+"""Open media files with PyAV, and turn FFmpeg's errors into one line."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _REMEDY = "convert it to WAV or MP4 (H.264) and add that"
 
 
 class Abandoned(Exception):
-    """Nobody waits for the file any more."""
+    """Reading was stopped because the file is no longer needed."""
 
 
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[InputContainer]:
-    """A media file to read from.
+    """Open a media file for reading.
 
     Raises:
-        FileError: it cannot be read or is no media file, now or while it is being read.
+        FileError: it cannot be read or is not a media file; also raised while reading.
         Unavailable: PyAV is not installed.
     """
-    with told(path):
+    with file_errors(path):
         container = open_container(path)
         try:
             yield container
@@ -39,14 +39,14 @@ def opened(path: Path) -> Iterator[InputContainer]:
 
 
 def open_container(path: Path) -> InputContainer:
-    """A media file; to be used inside `told` and closed by the caller."""
+    """Open a media file; use it inside `file_errors`, and close it."""
     try:
         import av
     except ImportError as error:
         raise Unavailable(
             f"Sound and film need PyAV, which cannot be loaded ({error}); run: pip install av"
         ) from error
-    # FFmpeg would take a name with a colon for an address, and follow addresses in play lists.
+    # FFmpeg would treat a name with a colon as an address, and follow addresses in playlists.
     return av.open(
         f"file:{path}",
         metadata_errors="ignore",
@@ -55,14 +55,14 @@ def open_container(path: Path) -> InputContainer:
 
 
 @contextlib.contextmanager
-def told(path: Path) -> Iterator[None]:
-    """Turn what FFmpeg raises into a FileError."""
+def file_errors(path: Path) -> Iterator[None]:
+    """Turn FFmpeg's errors into a FileError."""
     try:
         yield
     except (FileError, Unavailable, Abandoned):
         raise
     except (OSError, ValueError, ArithmeticError, LookupError, MemoryError, EOFError) as error:
-        # FFmpeg's errors are kinds of OSError, ValueError or LookupError too.
+        # FFmpeg's errors are also OSError, ValueError or LookupError.
         raise _explained(path, error) from error
     except Exception as error:
         if not type(error).__module__.startswith("av"):
@@ -72,22 +72,22 @@ def told(path: Path) -> Iterator[None]:
 
 def _explained(path: Path, error: Exception) -> FileError:
     if isinstance(error, FileNotFoundError):
-        return FileError(path, "is not there", "look for it and add it again")
+        return FileError(path, "is missing", "find it and add it again")
     if isinstance(error, PermissionError):
         return FileError(path, "may not be read", "change its permissions")
     if isinstance(error, MemoryError):
-        return FileError(path, "is too long for the memory", "cut out the part of the take")
+        return FileError(path, "needs more memory than there is", "cut out the part of the take")
     reason = (getattr(error, "strerror", "") or str(error) or type(error).__name__).lower()
     return FileError(path, f"cannot be read as sound or film ({reason})", _REMEDY)
 
 
 def find_film(container: InputContainer) -> VideoStream | None:
-    """The first stream of moving pictures; the cover picture of a song is none."""
+    """The first video stream that is not a cover picture, or None."""
     return next((s for s in container.streams.video if not int(s.disposition) & _COVER), None)
 
 
 def film_stream(container: InputContainer) -> VideoStream:
-    """The first stream of moving pictures.
+    """The first video stream that is not a cover picture.
 
     Raises:
         FileError: there is none.
@@ -95,20 +95,20 @@ def film_stream(container: InputContainer) -> VideoStream:
     stream = find_film(container)
     if stream is None:
         path = Path(container.name.removeprefix("file:"))
-        raise FileError(path, "has no film in it", "choose another file")
+        raise FileError(path, "has no pictures", "choose another file")
     return stream
 
 
 def seconds(ticks: int | None, base: Fraction | None) -> float | None:
-    """A time of a stream in seconds."""
+    """A stream's time in seconds; None if it is unknown."""
     return None if ticks is None or base is None else float(ticks * base)
 
 
 def check(stopped: Callable[[], bool] | None) -> None:
-    """Stop reading where nobody waits for it.
+    """Stop reading if the file is no longer needed.
 
     Raises:
-        Abandoned: nobody does.
+        Abandoned: `stopped` returned True.
     """
     if stopped is not None and stopped():
         raise Abandoned

@@ -1,4 +1,4 @@
-"""A take's film: any picture by its number, quickly, whichever way the playhead goes."""
+"""A take's film: any picture by its number, fast in both directions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Pixels, Times
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.media.container import check, film_stream, open_container, opened, told
+from faceedit_app.media.container import check, file_errors, film_stream, open_container, opened
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -23,25 +23,24 @@ if TYPE_CHECKING:
 
 Ticks = NDArray[np.int64]
 
-LONGEST_SIDE = 1280  # pixels; larger films are made smaller, they stand beside the face
-_MEMORY = 192 * 2**20  # bytes of pictures that are kept
-_BEHIND = 24  # pictures kept on the way to the wanted one, where the playhead goes back
-# Kinds of file that tell the time of each picture. After a jump into another kind (MPEG), times
-# are guesses, so those are decoded from the beginning whenever the playhead goes back.
+LONGEST_SIDE = 1280  # pixels; larger films are scaled down
+_MEMORY = 192 * 2**20  # bytes of cached pictures
+_BEHIND = 24  # pictures cached on the way to the wanted one, when the playhead moves back
+# Containers with the time of each picture. In others (MPEG) times are guesses after a seek, so they
+# are decoded from the beginning whenever the playhead moves back.
 _EXACT = {"mov", "mp4", "matroska", "webm", "avi"}
-_AHEAD = 12  # pictures made ready beyond it, where the playhead goes on
+_AHEAD = 12  # pictures decoded ahead of the playhead
 
 
 @dataclass(frozen=True)
 class _Index:
-    """What is where in a film. Pictures are numbered in the order in which they are shown.
+    """The index of a film. Pictures are numbered in the order in which they are shown.
 
     Attributes:
-        tick: seconds of one tick.
+        tick: the seconds in a tick.
         stamps: (F,) ticks at which the pictures are shown.
         keys: (P,) the pictures at which decoding can begin; the first is 0.
-        key_stamps: (P,) ticks to seek to for them; a file is ordered by decoding, not by
-            showing.
+        key_stamps: (P,) ticks to seek to for these; files are in decoding order.
     """
 
     tick: float
@@ -50,23 +49,23 @@ class _Index:
     key_stamps: Ticks
 
     def without_jumps(self) -> _Index:
-        """The same, but decoding begins at the first picture only."""
+        """The same index with only the first picture as a key."""
         return _Index(self.tick, self.stamps, self.keys[:1], self.key_stamps[:1])
 
 
 class Film:
-    """One film. `cached` may be called from any thread, `picture` from one at a time.
+    """A film. `cached` may be called from any thread, `picture` from one at a time.
 
     Attributes:
         path: its file.
-        times: (F,) float64 seconds from the first picture at which pictures are shown; the
-            distances may differ (phones record with a varying rate).
+        times: (F,) float64, the times of the pictures in seconds from the first; phones record at
+            a varying rate.
         rate: pictures per second on average.
-        timecode: of the first picture, as the file spells it, if it has one.
+        timecode: of the first picture, as the file writes it, if it has one.
     """
 
     def __init__(self, path: Path, stopped: Callable[[], bool] | None = None) -> None:
-        """Open a film and note when each picture is shown.
+        """Open a film and index its pictures.
 
         Args:
             stopped: asked now and then; True gives up.
@@ -87,10 +86,10 @@ class Film:
         self.rate = (len(stamps) - 1) / float(self.times[-1]) if len(stamps) > 1 else 25.0
         self._container: InputContainer | None = None
         self._frames: Iterator[VideoFrame] | None = None
-        self._next = 0  # the picture that decoding on would give
+        self._next = 0  # the picture that is decoded next
         self._cache: OrderedDict[int, Pixels] = OrderedDict()
         self._bytes = 0
-        self._lock = threading.Lock()  # of the cache
+        self._lock = threading.Lock()  # guards the cache
 
     def __len__(self) -> int:
         return len(self.times)
@@ -101,17 +100,17 @@ class Film:
         return float(self.times[-1]) + 1.0 / self.rate
 
     def index_at(self, seconds: float) -> int:
-        """Which picture is on the screen at a time: the last one that has begun."""
-        # Takes and films round their times differently: half a millisecond early is in time.
+        """The number of the picture that is shown at a time."""
+        # Takes and films round times differently: allow half a millisecond.
         at = int(np.searchsorted(self.times, seconds + 5e-4, side="right")) - 1
         return min(max(at, 0), len(self.times) - 1)
 
     def frame_at(self, seconds: float) -> Pixels:
-        """The picture at a time, see `picture`."""
+        """The picture at a time; see `picture`."""
         return self.picture(self.index_at(seconds))
 
     def cached(self, index: int) -> Pixels | None:
-        """A picture that need not be decoded."""
+        """A picture from the cache, or None."""
         with self._lock:
             found = self._cache.get(index)
             if found is not None:
@@ -122,23 +121,23 @@ class Film:
         """A picture, upright and with square pixels.
 
         Args:
-            behind: so many pictures before it are kept too, if they are on the way.
+            index: its number.
+            behind: the number of pictures before it to cache too, if they are decoded anyway.
 
         Returns:
-            (H, W, 4) uint8: blue, green, red, 255. Where a film is damaged, the nearest
-            picture before it.
+            (H, W, 4) uint8: blue, green, red, 255. If it is damaged, the nearest picture before it.
 
         Raises:
-            FileError: the file vanished or cannot be read any more.
+            FileError: the file has been removed or can no longer be read.
         """
         found = self.cached(index)
         if found is None:
-            with told(self.path):
+            with file_errors(self.path):
                 found = self._decode(index, behind)
         return found
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         if self._container is not None:
             self._container.close()
         self._container = self._frames = None
@@ -149,7 +148,7 @@ class Film:
             found = self._go_on(index, behind)
             if found is not None:
                 return found
-        for earlier in (key, key - 1, 0):  # from before, if it lands later than it was sent to
+        for earlier in (key, key - 1, 0):  # an earlier key, if the seek went too far
             if earlier >= 0:
                 self._seek(earlier)
                 found = self._go_on(index, behind)
@@ -158,7 +157,7 @@ class Film:
         raise FileError(self.path, "cannot be decoded", "convert it to MP4 (H.264) and add that")
 
     def _go_on(self, index: int, behind: int) -> Pixels | None:
-        """Decode up to a picture; None if none comes up to it."""
+        """Decode up to a picture; None if the film ends before it."""
         latest: VideoFrame | None = None
         for frame in self._frames or ():
             at = self._number(frame)
@@ -175,7 +174,7 @@ class Film:
 
     def _seek(self, key: int) -> None:
         if key == 0:
-            self.close()  # opened anew it begins at the beginning, whatever the kind of file
+            self.close()  # reopen it, which begins at the first picture in every container
         if self._container is None:
             self._container = open_container(self.path)
             film_stream(self._container).thread_type = "AUTO"
@@ -208,7 +207,7 @@ class Film:
 
 
 def _indexed(path: Path, container: InputContainer, stopped: Callable[[], bool] | None) -> _Index:
-    """Find out when each picture is shown, without decoding where the file tells it."""
+    """Index a film, without decoding it if possible."""
     stream = film_stream(container)
     assert stream.time_base is not None
     shown: list[int] = []
@@ -226,7 +225,7 @@ def _indexed(path: Path, container: InputContainer, stopped: Callable[[], bool] 
 
 
 def _timecode(container: InputContainer) -> str | None:
-    """Cameras write it to the film's stream, to one of its own, or to the file."""
+    """The timecode, which cameras write to the video stream, a separate one, or the file."""
     for holder in (film_stream(container), *container.streams, container):
         if text := holder.metadata.get("timecode"):
             return str(text)
@@ -234,7 +233,7 @@ def _timecode(container: InputContainer) -> str | None:
 
 
 def _decoded_index(path: Path, stopped: Callable[[], bool] | None) -> _Index:
-    """The same for files that tell it for some pictures only (AVI, old MPEG): decode them all."""
+    """Index a film by decoding it, if not every picture has a time (AVI, old MPEG)."""
     shown: list[int] = []
     keys: list[tuple[int, int]] = []
     with opened(path) as container:
@@ -252,16 +251,16 @@ def _decoded_index(path: Path, stopped: Callable[[], bool] | None) -> _Index:
 
 def _made_index(path: Path, tick: float, shown: list[int], keys: list[tuple[int, int]]) -> _Index:
     if not shown:
-        raise FileError(path, "has no pictures in it", "choose another file")
+        raise FileError(path, "has no pictures", "choose another file")
     stamps = np.unique(np.array(shown, np.int64))
     pairs = np.array(sorted(keys) or [(shown[0], shown[0])], np.int64)
     numbers = np.searchsorted(stamps, pairs[:, 0])
-    numbers[0] = 0  # pictures that lean on a key which was cut off are shown as it comes
+    numbers[0] = 0  # pictures whose key was cut off are decoded as far as possible
     return _Index(tick, stamps, numbers, pairs[:, 1])
 
 
 def _decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
-    """Pictures in the order of showing; damaged ones are left out."""
+    """Pictures in the order in which they are shown; damaged ones are left out."""
     from av.error import InvalidDataError
 
     for packet in container.demux(stream):
@@ -273,30 +272,30 @@ def _decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFr
 
 
 def _upright(frame: VideoFrame, aspect: float) -> Pixels:
-    """A decoded picture as phones mean it to be seen: turned, square pixels, not too large."""
+    """A decoded picture, upright, with square pixels and of limited size."""
     wide, high = frame.width * aspect, float(frame.height)
     scale = min(1.0, LONGEST_SIDE / max(wide, high))
     size = max(1, round(wide * scale)), max(1, round(high * scale))
-    # With several threads FFmpeg 8 garbles pixels where their shares of a picture meet.
+    # With several threads FFmpeg 8 corrupts pixels at the borders of their slices.
     scaled = frame.reformat(width=size[0], height=size[1], format="bgra", threads=1)
     pixels = scaled.to_ndarray()
-    turns = round(frame.rotation / 90) % 4  # a quarter each, against the clock
+    turns = round(frame.rotation / 90) % 4  # quarter turns, anticlockwise
     if turns == 0:
         return np.asarray(pixels, np.uint8)
-    # Whole pixels as one number: four times as quick.
+    # A pixel as one number: four times as fast.
     turned = np.rot90(np.ascontiguousarray(pixels).view(np.uint32)[:, :, 0], turns)
     return np.ascontiguousarray(turned)[:, :, None].view(np.uint8)
 
 
 class Projector:
-    """Decodes a film in its own thread: the wanted picture first, then those that come next.
+    """Decodes a film in its own thread: the wanted picture first, then those after it.
 
-    The last wish counts: while pictures come slower than the playhead moves, some are dropped.
+    Only the last request counts: if decoding is slower than the playhead, pictures are skipped.
 
     Args:
-        film: used by nobody else from now on.
-        ready: called in the thread with each wanted picture's number.
-        failed: called in the thread when the film cannot be read any more.
+        film: the film, which must not be used elsewhere.
+        ready: called in the thread with the number of each wanted picture.
+        failed: called in the thread if the film can no longer be read.
     """
 
     def __init__(
@@ -313,13 +312,13 @@ class Projector:
         self._thread.start()
 
     def want(self, index: int) -> None:
-        """Make a picture next, if it is not there, and then those beyond it."""
+        """Decode a picture next, unless it is cached, and then those after it."""
         with self._wish:
             self._wanted = index
             self._wish.notify()
 
     def close(self) -> None:
-        """Stop, and let go of the file."""
+        """Stop the thread and close the file."""
         with self._wish:
             self._closed = True
             self._wish.notify()

@@ -1,4 +1,4 @@
-"""Landmarks of a face in a picture, by MediaPipe's networks through LiteRT.
+"""Find landmarks of a face in a picture, by MediaPipe's networks run by LiteRT.
 
 Two of the three networks in `face_landmarker.task` (Google, Apache-2.0; users download it) are
 used: one finds the face, the other its 478 landmarks in a square around it.
@@ -20,20 +20,20 @@ from faceedit_app.core.optional import require
 LANDMARKS = 478
 _DETECTOR, _LANDMARKER = "face_detector.tflite", "face_landmarks_detector.tflite"
 _LARGEST = 64 << 20  # bytes of one network
-_SEEN = 0.5  # likelihood from which on there is a face
-_SMALL, _LARGE = 128, 256  # pixels that the networks look at
+_SEEN = 0.5  # least probability of a face
+_SMALL, _LARGE = 128, 256  # pixels of the networks' input
 _MARGIN = 2.0  # of the detector's box
 
 
 class FaceLandmarker:
-    """Finds landmarks.
+    """Finds the landmarks of a face.
 
     Args:
         task: the file `face_landmarker.task`.
 
     Raises:
         Unavailable: LiteRT is not installed.
-        FileError: the file is something else.
+        FileError: the file is missing or something else.
     """
 
     def __init__(self, task: Path) -> None:
@@ -42,17 +42,17 @@ class FaceLandmarker:
             with zipfile.ZipFile(task) as archive:
                 networks = [_member(archive, name) for name in (_DETECTOR, _LANDMARKER)]
         except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-            raise FileError(task, "is no face_landmarker.task", "download it again") from error
+            raise FileError(task, "is not a face_landmarker.task", "download it again") from error
         self._detector, self._landmarker = (_Network(content) for content in networks)
         self._anchors = _anchors()
 
     def find(self, picture: Pixels) -> Doubles | None:
-        """(478, 2) pixels of a (H, W, 3) RGB picture; None where no face is seen."""
+        """(478, 2) pixels of a (H, W, 3) RGB picture; None if there is no face."""
         image = Image.fromarray(picture[..., :3])
         square = self._face(image)
         if square is None:
             return None
-        for _ in range(2):  # the second look is from a square that the first one has found
+        for _ in range(2):  # the second pass uses the square found by the first
             x, y, size, angle = square
             cut = _cut(image, x, y, size, angle, _LARGE) / 255.0
             outputs = self._landmarker(cut[None])
@@ -68,7 +68,7 @@ class FaceLandmarker:
         return placed
 
     def _face(self, image: Image.Image) -> tuple[float, float, float, float] | None:
-        """Centre, size and angle of a square around the most likely face."""
+        """Centre, size and angle of a square around the most likely face, or None."""
         width, height = image.size
         side = max(width, height)
         cut = _cut(image, width / 2, height / 2, side, 0.0, _SMALL) / 127.5 - 1.0
@@ -110,7 +110,7 @@ def _member(archive: zipfile.ZipFile, name: str) -> bytes:
 
 
 def _anchors() -> Doubles:
-    """(896, 2) middles of the detector's cells, 0..1."""
+    """(896, 2) centres of the detector's cells, 0..1."""
     rows = []
     for cells, repeats in ((16, 2), (8, 6)):
         middle = (np.arange(cells) + 0.5) / cells
@@ -120,7 +120,7 @@ def _anchors() -> Doubles:
 
 
 def _square(points: Doubles) -> tuple[float, float, float, float]:
-    """A square around landmarks, upright to the eyes."""
+    """A square around landmarks, level with the eyes."""
     eyes = points[263] - points[33]
     angle = float(np.arctan2(eyes[1], eyes[0]))
     cosine, sine = np.cos(angle), np.sin(angle)

@@ -1,7 +1,7 @@
-"""Sound to the loudspeakers, and the clock that playback follows while it is heard.
+"""Sound output, and the clock that playback follows.
 
-`Mixer` decides what each sample is and `DeviceClock` when it is heard; both are arithmetic, so
-that they can be tested without a device. `Loudspeaker` is the device.
+`Mixer` computes each sample and `DeviceClock` when it is heard; both work without a device, for
+tests. `Loudspeaker` is the device.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ if TYPE_CHECKING:
     import sounddevice
 
 
-GRAIN = 0.08  # seconds that are heard at the playhead while scrubbing
-FADE = 0.006  # seconds in which sounds begin and end, so that nothing clicks
-LATENCY = 0.09  # seconds of sound in the device's hands: the window may be busy as long
-_SETTLING = 0.15  # share of a new measurement in the clock
-_PATIENCE = 0.4  # seconds to wait for a device that does not begin
+GRAIN = 0.08  # seconds of sound at the playhead while scrubbing
+FADE = 0.006  # seconds over which sounds fade in and out, to avoid clicks
+LATENCY = 0.09  # seconds of buffered sound; the window may be busy for as long
+_SETTLING = 0.15  # weight of a new measurement in the clock
+_PATIENCE = 0.4  # seconds to wait for a device to begin
 
 
 @dataclass
 class _Voice:
-    """One stretch of sound that is being heard.
+    """A stretch of sound that is playing.
 
     Attributes:
-        at: the next sample of the sound, counted from its first one.
+        at: the next sample of the sound.
         step: samples of the sound per sample of the device.
-        left: samples of the device until it is over, or None.
-        around: (first, last) sample of the sound that it repeats, or None.
-        gain, wanted: how loud it is, and how loud it is becoming, 0..1.
+        left: samples of the device until it ends, or None.
+        around: (first, last) sample of the loop, or None.
+        gain, wanted: its present gain and the gain it fades to, 0..1.
     """
 
     at: float
@@ -51,13 +51,13 @@ class _Voice:
 
     @property
     def is_over(self) -> bool:
-        """Whether it is not heard any more."""
+        """Whether it has ended."""
         faded = self.wanted == 0.0 and self.gain == 0.0
         return faded or (self.left is not None and self.left <= 0)
 
 
 class Mixer:
-    """What is sent to the device: playing, grains, volume.
+    """Computes the samples for the device: playback, grains and volume.
 
     `fill` is called in the device's thread, everything else in the window's.
 
@@ -73,26 +73,27 @@ class Mixer:
         self._offset = 0.0
         self._voices: list[_Voice] = []
         self._volume = self._heard_volume = 1.0
-        self.played = 0  # samples of the device since `play`
+        self.played = 0  # device samples since `play`
         self._playing = False
 
     def use(self, sound: Sound | None, offset: float) -> None:
-        """Have a sound begin at `offset` seconds of the take."""
+        """Set the sound, which begins at `offset` seconds of the take."""
         with self._lock:
             if sound is not self._sound:
                 self._voices.clear()
             self._sound, self._offset = sound, offset
 
     def set_volume(self, volume: float) -> None:
-        """How loud all of it is, 0..1."""
+        """Set the volume, 0..1."""
         self._volume = min(max(volume, 0.0), 1.0)
 
     def play(self, seconds: float, speed: float, loop: tuple[float, float] | None) -> None:
-        """Sound from a time of the take on.
+        """Play from a time of the take.
 
         Args:
-            speed: slower is lower too, as on tape: lips and sounds stay together.
-            loop: first and last second that are repeated.
+            seconds: where to begin.
+            speed: also changes the pitch, as on tape, which keeps lips and sound together.
+            loop: the first and last second of a loop, or None.
         """
         with self._lock:
             self._hush()
@@ -100,20 +101,15 @@ class Mixer:
             self.played, self._playing = 0, True
 
     def grain(self, seconds: float) -> None:
-        """Sound for a moment from a time of the take on; it takes the place of the last one."""
+        """Play a grain from a time of the take; it replaces the last one."""
         with self._lock:
             self._hush()
             self._begin(seconds, 1.0, round(GRAIN * self.rate), None)
 
     def stop(self) -> None:
-        """Be silent."""
+        """Stop the sound."""
         with self._lock:
             self._hush()
-
-    @property
-    def is_silent(self) -> bool:
-        """Whether nothing is heard and nothing will be."""
-        return not self._voices
 
     def _hush(self) -> None:
         self._playing = False
@@ -131,12 +127,12 @@ class Mixer:
             self._voices.append(_Voice(self._sample(seconds), step, left, around))
 
     def _sample(self, seconds: float) -> float:
-        """Sample of the sound at a time of the take."""
+        """The sample of the sound at a time of the take."""
         assert self._sound is not None
         return (seconds - self._offset - self._sound.start) * self._sound.rate
 
     def fill(self, out: Floats) -> None:
-        """Write the next (n, C) samples for the device."""
+        """Write the next samples for the device to `out` (n, C)."""
         count = len(out)
         with self._lock:
             out[:] = 0.0
@@ -188,84 +184,84 @@ class Mixer:
 
 
 class DeviceClock:
-    """Seconds of sound that have been heard since playing began.
+    """Seconds of sound heard since playback began.
 
-    The device asks for samples in blocks and at times that waver. Each block says when its
-    first sample is to be heard; a slowly following estimate of when the very first one was
-    makes a steady clock of it, which runs on by the wall if the device falls silent.
+    The device asks for blocks of samples at irregular times. Each block says when its first sample
+    will be heard; a smoothed estimate of when the first sample of all was heard gives a steady
+    clock. It continues by the wall clock if the device stops.
 
     Args:
-        wall: seconds that only grow.
+        wall: a monotonic clock, seconds.
     """
 
     def __init__(self, wall: Callable[[], float] = time.perf_counter) -> None:
         self._wall = wall
-        self._zero: float | None = None  # on the wall, when the first sample was heard
+        self._zero: float | None = None  # wall time at which the first sample was heard
         self._begun = wall()
         self._last = 0.0
 
     def restart(self) -> None:
-        """Playing begins; nothing has been heard yet."""
+        """Restart the clock: playback begins, and nothing has been heard yet."""
         self._zero, self._begun, self._last = None, self._wall(), 0.0
 
     def block(self, delivered: float, latency: float) -> None:
-        """The device takes a block.
+        """Note that the device takes a block.
 
         Args:
-            delivered: seconds of sound that it took before this block.
+            delivered: seconds of sound before this block.
             latency: seconds until this block is heard.
         """
         zero = self._wall() + latency - delivered
-        if self._zero is None or abs(zero - self._zero) > 0.1:  # begun, or starved for a while
+        if self._zero is None or abs(zero - self._zero) > 0.1:  # begun, or after a dropout
             self._zero = zero
         else:
             self._zero += _SETTLING * (zero - self._zero)
 
     def __call__(self) -> float:
-        """Seconds heard; they never go back."""
-        # A device that never begins must not hold the playhead.
+        """Seconds heard; never decreases."""
+        # A device that never begins must not stop the playhead.
         zero = self._begun + _PATIENCE if self._zero is None else self._zero
         self._last = max(self._last, self._wall() - zero)
         return self._last
 
 
 class Output(Protocol):
-    """Where a take's sound goes. `Loudspeaker` is one; tests bring their own."""
+    """Plays a take's sound: `Loudspeaker`, or a substitute in tests."""
 
     @property
     def is_alive(self) -> bool:
-        """Whether the device still takes sound."""
+        """Whether the device still works."""
 
     def use(self, sound: Sound | None, offset: float) -> None:
-        """Have a sound begin at `offset` seconds of the take."""
+        """Set the sound, which begins at `offset` seconds of the take."""
 
     def set_volume(self, volume: float) -> None:
         """0..1."""
 
     def play(self, seconds: float, speed: float, loop: tuple[float, float] | None) -> None:
-        """Sound from a time of the take on, repeating `loop`."""
+        """Play from a time of the take; see `Mixer.play`."""
 
     def heard(self) -> float:
-        """Seconds by the device's clock that have been heard since `play`."""
+        """Seconds heard since `play`, by the device's clock."""
 
     def grain(self, seconds: float) -> None:
-        """Sound for a moment."""
+        """Play a grain; see `Mixer.grain`."""
 
     def stop(self) -> None:
-        """Be silent."""
+        """Stop the sound."""
 
     def close(self) -> None:
-        """Give the device back."""
+        """Release the device."""
 
 
 class Loudspeaker:
     """The system's sound device."""
 
     def __init__(self, sound: Sound) -> None:
-        """Open the device as the sound needs it.
+        """Open the device for a sound.
 
         Raises:
-            Unavailable: there is none, or no library to reach it.
+            Unavailable: there is no device, or PortAudio is missing.
         """
         device = _library()
         self.clock = DeviceClock()
@@ -284,7 +280,7 @@ class Loudspeaker:
             ) from error
 
     def _opened(self, device: Any, sound: Sound) -> tuple[sounddevice.OutputStream, float]:
-        """The stream at the sound's own rate, else at the device's, and which it is."""
+        """A stream at the sound's rate, else at the device's, and that rate."""
         options = {
             "channels": sound.channels,
             "dtype": "float32",
@@ -300,7 +296,7 @@ class Loudspeaker:
             return device.OutputStream(samplerate=rate, **options), rate
 
     def _fill(self, out: Floats, frames: int, times: Any, status: object) -> None:
-        """The device's thread wants `frames` more samples."""
+        """Called in the device's thread for `frames` more samples."""
         mixer = self.mixer
         ahead = float(times.outputBufferDacTime - times.currentTime)
         # Some systems do not tell when a block is heard.
@@ -344,10 +340,10 @@ class Loudspeaker:
 
 
 def open_output(sound: Sound) -> Output:
-    """The system's sound device, open for a sound. It may take a second: not in the window.
+    """Open the system's sound device; may take a second, so never in the window's thread.
 
     Raises:
-        Unavailable: there is none.
+        Unavailable: there is no device, or PortAudio is missing.
     """
     return Loudspeaker(sound)
 
@@ -363,8 +359,8 @@ def _library() -> Any:
 
 
 def _look_again(device: Any) -> None:
-    """Have PortAudio find what was plugged in since it was loaded."""
-    with contextlib.suppress(AttributeError):  # there is no public way yet
+    """Make PortAudio find devices that were plugged in since it was loaded."""
+    with contextlib.suppress(AttributeError):  # there is no public function yet
         device._terminate()
         device._initialize()
 

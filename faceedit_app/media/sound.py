@@ -1,4 +1,4 @@
-"""A take's sound: all of it in memory, and the extremes that its waveform is drawn from."""
+"""A take's sound in memory, and the extremes for its waveform."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 Samples = NDArray[np.int16]
 
-FULL = 32768.0  # of the 16 bits that are kept: a quarter of what float64 would need
+FULL = 32768.0  # full scale of 16 bits, which need a quarter of the memory of float64
 BLOCK = 128  # samples in the smallest bin of the extremes
-_QUARTER = 4  # a waveform's bins are at most a quarter of a pixel: coarser ones would be seen
-_LONGEST = 2.0  # hours; more would fill the memory, and no take is as long
-_HOLE = 0.02  # seconds without packets that are filled with silence rather than closed up
+_QUARTER = 4  # waveform bins are at most a quarter of a pixel; coarser ones would be visible
+_LONGEST = 2.0  # hours; a longer sound would fill the memory, and no take is as long
+_HOLE = 0.02  # seconds; longer holes between packets are filled with silence
 
 
 def extremes_of(samples: Samples) -> Extremes:
@@ -36,16 +36,16 @@ def extremes_of(samples: Samples) -> Extremes:
 
 @dataclass(frozen=True)
 class Sound:
-    """One sound.
+    """A sound.
 
     Attributes:
-        path: the file that it is from.
+        path: its file.
         rate: samples per second.
         samples: (N, C) int16, C is 1 or 2.
-        start: seconds from the file's beginning to the first sample. In a film the beginning
-            is the first picture, so that sound and picture keep their distance.
-        extremes: what its waveform is drawn from.
-        began: seconds since midnight at which it began, where the file tells (Broadcast WAV).
+        start: seconds from the beginning of the file to the first sample; in a film, from the first
+            picture, so that sound and pictures stay in step.
+        extremes: the extremes for its waveform.
+        began: when it began, seconds since midnight, if known (Broadcast WAV).
     """
 
     path: Path
@@ -66,9 +66,9 @@ class Sound:
         return self.start + len(self.samples) / self.rate
 
     def read(self, first: float, count: int, step: float = 1.0) -> Floats:
-        """(count, C) float32 in -1..1 from sample `first` on, every `step` samples.
+        """(count, C) float32 in -1..1, from sample `first`, every `step` samples.
 
-        Between samples it interpolates linearly; beyond both ends is silence.
+        Interpolates linearly between samples; silent beyond both ends.
         """
         if step == 1.0:
             start = round(first)
@@ -90,15 +90,14 @@ class Sound:
         return out
 
     def columns(self, first: float, last: float, count: int) -> Floats:
-        """The waveform for a row of pixels.
+        """The waveform of a row of pixels.
 
         Args:
             first, last: seconds from the file's beginning at the left and the right edge.
             count: pixels.
 
         Returns:
-            (count, 2) float32 in -1..1, lowest and highest sample under each pixel; NaN where
-            there is no sound.
+            (count, 2) float32 in -1..1, lowest and highest sample of each pixel; NaN without sound.
         """
         edges = (np.linspace(first, last, count + 1) - self.start) * self.rate
         width = float(edges[1] - edges[0])
@@ -106,7 +105,7 @@ class Sound:
         size = self.extremes.bin_size(wanted) if wanted >= BLOCK else 1
         total = -(-len(self.samples) // size)
         begins = np.floor(edges[:-1] / size).astype(np.int64)
-        # A pixel reaches to where the next begins, so that no line breaks between two.
+        # A pixel includes the first sample of the next, so that the line has no breaks.
         ends = np.maximum(np.floor(edges[1:] / size).astype(np.int64) + 1, begins + 1)
         inside = (ends > 0) & (begins < total)
         out = np.full((count, 2), np.nan, np.float32)
@@ -114,14 +113,14 @@ class Sound:
             begins, ends = np.clip(begins[inside], 0, None), np.clip(ends[inside], None, total)
             low, high = self._range(int(begins[0]), int(ends[-1]), size)
             spans = np.stack([begins, ends], axis=1).ravel() - begins[0]
-            # reduceat takes index pairs; a last end beyond the array is the array's end.
+            # reduceat takes index pairs; an end beyond the array is the array's end.
             low, high = np.append(low, low[-1]), np.append(high, high[-1])
             out[inside, 0] = np.minimum.reduceat(low, spans)[::2] / FULL
             out[inside, 1] = np.maximum.reduceat(high, spans)[::2] / FULL
         return out
 
     def _range(self, first: int, last: int, size: int) -> tuple[Samples, Samples]:
-        """(N,) lowest and highest samples of bins of some size, over all channels."""
+        """The lowest and highest samples of bins, (N,) each, over all channels."""
         if size > 1:
             low, high = self.extremes.bins(first, last, size)
         else:
@@ -130,16 +129,16 @@ class Sound:
 
 
 def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound | None:
-    """Read the first sound stream of a WAV, MP3, M4A, MOV or whatever else FFmpeg reads.
+    """Read the first sound stream of any file that FFmpeg reads: WAV, MP3, M4A, MOV, ...
 
     Args:
         stopped: asked now and then; True gives up.
 
     Returns:
-        None for a film without sound.
+        The sound; None for a film without sound.
 
     Raises:
-        FileError: it cannot be read, or has neither sound nor film in it.
+        FileError: it cannot be read, or has neither sound nor film.
         Unavailable: PyAV is not installed.
         Abandoned: `stopped` said so.
     """
@@ -147,7 +146,7 @@ def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound |
         if not container.streams.audio:
             if find_film(container) is not None:
                 return None
-            raise FileError(path, "has neither sound nor film in it", "choose another file")
+            raise FileError(path, "has neither sound nor film", "choose another file")
         hours = (container.duration or 0) / 3.6e9
         if hours > _LONGEST:
             raise FileError(path, f"is {hours:.1f} hours long", "cut out the part of the take")
@@ -155,16 +154,16 @@ def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound |
         origin = tape.roll(container, stopped)
         began = _began(container)
     if not tape.pieces:
-        raise FileError(path, "has a sound track with nothing in it", "choose another file")
+        raise FileError(path, "has an empty sound track", "choose another file")
     samples = np.concatenate(tape.pieces)
     start = 0.0 if origin is None else tape.start - origin
     return Sound(path, tape.rate, samples, start, extremes_of(samples), began)
 
 
 def _began(container: InputContainer) -> float | None:
-    """A Broadcast WAV counts the samples from midnight to its first; other files do not."""
+    """When a Broadcast WAV began, seconds since midnight; None for other files."""
     count, rate = container.metadata.get("time_reference", ""), container.streams.audio[0].rate
-    known = count.isdecimal() and len(count) <= 20  # 64 bits; other files may say anything
+    known = count.isdecimal() and len(count) <= 20  # 64 bits; files may contain anything
     return int(count) / rate if known and rate else None
 
 
@@ -172,9 +171,9 @@ class _Tape:
     """Collects the samples of a sound stream.
 
     Attributes:
-        pieces: (n, C) int16 each, one after the other.
+        pieces: (n, C) int16 each, in order.
         rate: samples per second.
-        start: seconds of the first sample on the file's own clock.
+        start: the time of the first sample by the file's own clock, seconds.
     """
 
     def __init__(self, container: InputContainer) -> None:
@@ -187,7 +186,7 @@ class _Tape:
         self.start = 0.0
 
     def roll(self, container: InputContainer, stopped: Callable[[], bool] | None) -> float | None:
-        """Decode all; returns when a film's first picture is shown, None without a film."""
+        """Decode all; returns the time of a film's first picture, None without a film."""
         from av.error import InvalidDataError
 
         film = find_film(container)
@@ -201,7 +200,7 @@ class _Tape:
             try:
                 frames = packet.decode()
             except InvalidDataError:
-                continue  # one damaged packet is a hole, not the end
+                continue  # a damaged packet is a hole, not the end
             for frame in frames:
                 self._add(cast("AudioFrame", frame))
         if self._resampler is not None:
@@ -221,7 +220,7 @@ class _Tape:
             if _HOLE < hole < _LONGEST * 3600:
                 self.pieces.append(np.zeros((round(hole * self.rate), self._channels), np.int16))
                 self._written += len(self.pieces[-1])
-        frame.pts = None  # holes are ours to fill
+        frame.pts = None  # we fill holes ourselves
         self._write(self._resampler.resample(frame))
 
     def _write(self, frames: list[AudioFrame]) -> None:

@@ -1,4 +1,4 @@
-"""What the file of a region's networks says about them."""
+"""The description of a region's networks, stored in their file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.networks.made_for import MadeFor
 
 KEY = "faceedit"
-"""Where the description stands among the texts of an ONNX file."""
+"""The key of the description in an ONNX file's metadata."""
 VERSION = 2
 REMEDY = "choose a folder of models written by faceedit train, or reinstall FaceEdit"
 _LONGEST = 2_000_000  # characters
@@ -29,12 +29,12 @@ _LARGEST_NUMBER = 1e9
 
 @dataclass(frozen=True)
 class Natural:
-    """Natural motion of a region's channels: a Gaussian over weights and their change per frame.
+    """A Gaussian model of natural motion: a region's weights and their change per frame.
 
     Attributes:
-        mean: (2 K,) of the K weights and their K changes from the frame before, at 25 fps.
+        mean: (2 K,) mean of the K weights and their K changes since the last frame, at 25 fps.
         precision: (2 K, 2 K) the inverse of their covariance.
-        limit: the 99.9th percentile of the distances of recorded frames.
+        limit: the 99.9th percentile of the distance of recorded frames.
     """
 
     mean: Doubles
@@ -42,7 +42,7 @@ class Natural:
     limit: float
 
     def distance(self, weights: Doubles) -> Doubles:
-        """How far each frame is from natural motion (Mahalanobis): weights (T, K) -> (T,)."""
+        """The Mahalanobis distance of each frame from natural motion: weights (T, K) -> (T,)."""
         change = np.diff(weights, axis=0, prepend=weights[:1])
         away = np.concatenate([weights, change], axis=1) - self.mean
         square = np.einsum("tk,kl,tl->t", away, self.precision, away)
@@ -52,20 +52,20 @@ class Natural:
 
 @dataclass(frozen=True)
 class Description:
-    """What a file says about the networks in it.
+    """The description of the networks in a file.
 
     Attributes:
         region: `Region.id`.
-        controls: ids of the C controls in.
-        channels: names of the K channels out.
-        made_for: the character whose controls they are.
-        architecture: its name, and the settings that it was built with.
-        scale: sequence lengths must be a multiple of this.
-        context: frames on either side that can influence a frame of the answer.
+        controls: ids of the C input controls.
+        channels: names of the K output channels.
+        made_for: the character that the controls were measured on.
+        architecture: its name and settings.
+        scale: input lengths must be a multiple of this.
+        context: frames on either side that a frame of the answer depends on.
         covariance: (K, K) of the channels in the training data.
         low, high: (C,) mm, the range of each control in the training data.
         notes: free text for the model card.
-        natural: what natural motion looks like, for the evaluation; a baseline has none.
+        natural: natural motion, for evaluation; None for a baseline.
     """
 
     region: str
@@ -82,7 +82,7 @@ class Description:
     natural: Natural | None = field(default=None, repr=False)
 
     def to_json(self) -> str:
-        """Text for the file."""
+        """The description as JSON text."""
         natural = self.natural and {
             "mean": self.natural.mean.tolist(),
             "precision": self.natural.precision.tolist(),
@@ -109,11 +109,11 @@ class Description:
 
     @classmethod
     def from_json(cls, text: str, path: Path) -> Description:
-        """Back from the text in a file.
+        """Parse the text from a file.
 
         Raises:
-            FileError: it describes networks that this FaceEdit cannot use.
-            ValueError: it does not come from `to_json`; a `FieldError` names the field.
+            FileError: this FaceEdit cannot use the networks.
+            ValueError: the text is not from `to_json`; a `FieldError` names the field.
         """
         if len(text) > _LONGEST:
             raise ValueError(f"{len(text)} characters")
@@ -158,16 +158,16 @@ def _numbers(entry: Fields, name: str, *shape: int) -> Doubles:
     try:
         numbers = np.asarray(values, np.float64)
     except (OverflowError, TypeError, ValueError) as error:
-        raise FieldError(f'"{name}" is not made of numbers') from error
+        raise FieldError(f'"{name}" is not a list of numbers') from error
     if numbers.shape != shape or not (np.abs(numbers) < _LARGEST_NUMBER).all():
-        raise FieldError(f'"{name}" is of another shape, or out of range')
+        raise FieldError(f'"{name}" has the wrong shape, or is out of range')
     return numbers
 
 
 def _covariance(entry: Fields, size: int) -> Doubles:
     covariance = _numbers(entry, "covariance", size, size)
     if not np.allclose(covariance, covariance.T) or np.linalg.eigvalsh(covariance)[0] < -1e-6:
-        raise FieldError('"covariance" is none')
+        raise FieldError('"covariance" is not a covariance')
     return covariance
 
 

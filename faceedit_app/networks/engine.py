@@ -1,4 +1,4 @@
-"""Answering edits: the networks of all regions, in process, on the CPU."""
+"""The engine: answers edits by the networks of all regions, in process, on the CPU."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def load_region(folder: Path, region: Region, rig: Rig) -> RegionAnswer:
     """Read a region's networks from a folder.
 
     Raises:
-        FileError: their file is missing or no model, or they are for another character.
+        FileError: the file is missing or not a model, or was made for another character.
     """
     path = folder / f"{region.id}{ENDING}"
     model = read_region(path)
     about = model.description
     if about.region != region.id:
         raise FileError(path, f"holds the region {about.region!r}", "restore the models")
-    if about.channels != region.channels:  # the order counts
+    if about.channels != region.channels:  # in the same order
         raise FileError(path, "answers other channels", "train the models again")
     if difference := about.made_for.difference(rig):
         raise FileError(
@@ -49,34 +49,34 @@ class Engine:
         """Read `REGION.onnx` for each region from a folder.
 
         Raises:
-            FileError: a file is missing or no model, or the model is for another character.
+            FileError: a file is missing or not a model, or was made for another character.
         """
         return cls({region.id: load_region(Path(folder), region, rig) for region in REGIONS})
 
     @property
     def scale(self) -> int:
-        """Windows start and end on multiples of this many grid frames."""
+        """Input must begin and end at multiples of this many grid frames."""
         return max(model.description.scale for model in self.models.values())
 
     @property
     def context(self) -> int:
-        """Grid frames on either side of a window that its answer can depend on."""
+        """Grid frames on either side that an answer depends on."""
         most = max(model.description.context for model in self.models.values())
         return -(-most // self.scale) * self.scale
 
     def answer(self, region: str, curves: Doubles, naturalness: float) -> Doubles:
-        """A region's weights for some curves.
+        """Answer curves with a region's weights.
 
-        It depends on nothing but the curves that the region listens to, and on how many frames
-        they have: not on other regions, nor on what was answered before.
+        The answer depends only on the curves that the region listens to and on their length: not
+        on other regions or earlier answers.
 
         Args:
             region: `Region.id`.
             curves: (N, C) mm of all controls at 25 fps; N any length.
-            naturalness: 0 = regressor alone, 1 = full system.
+            naturalness: 0 = the regressor alone, 1 = regressor and autoencoder.
 
         Returns:
-            (N, K) weights of the region's channels, not bounded.
+            (N, K) weights of the region's channels, not limited to 0..1.
         """
         model = self.models[region]
         heard = curves[:, model.columns].astype(np.float32, order="C")

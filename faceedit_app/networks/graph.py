@@ -1,9 +1,9 @@
-"""ONNX files as they may come from anywhere: checked as data before the runtime sees them.
+"""Check an ONNX file as data before the runtime loads it: it may come from anywhere.
 
-An ONNX file is a protobuf message: operators, their constants, and texts. It is parsed here by a
-schema of the few fields that `faceedit train` writes. Anything else, such as files that constants
-would be read from, operators of somebody's own or graphs within graphs, is an unknown field and
-refused. Nothing in a file is executed but the operators listed here.
+An ONNX file is a protobuf message with operators, their constants, and texts. It is parsed by a
+schema of the few fields that `faceedit train` writes. Anything else, such as external data, custom
+operators or nested graphs, is an unknown field and refused. Nothing in a file is executed except
+the operators listed here.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from google.protobuf.message import DecodeError, Message
 from google.protobuf.unknown_fields import UnknownFieldSet
 
-LARGEST = 8_000_000  # bytes; more than a model of that kind could answer with while one drags
+LARGEST = 8_000_000  # bytes; a larger model would be too slow for a drag
 INPUT = "controls"
 OUTPUTS = ("regressor", "system")
 
-# What our architectures are exported to, and what others might need. None of them loops, draws
-# random numbers or reads anything. How much memory they take is limited in `region.py`.
+# Operators that our architectures use, and others that a model may need. None of them loops, draws
+# random numbers or reads files. `region.py` limits their memory.
 _LAYERS = (
     "AveragePool",
     "BatchNormalization",
@@ -45,7 +45,7 @@ MOST_DIMENSIONS = 8
 _FLOAT, _INT64 = 1, 7  # TensorProto.DataType
 _TYPES: dict[int, np.dtype[Any]] = {_FLOAT: np.dtype("<f4"), _INT64: np.dtype("<i8")}
 
-# The names are ours, the numbers those of `onnx.proto`; a star is a repeated field.
+# The names are ours, the numbers are those of `onnx.proto`; a star marks a repeated field.
 _SCHEMA: dict[str, dict[str, tuple[int, str]]] = {
     "Model": {
         "ir_version": (1, "int64"),
@@ -94,13 +94,13 @@ _SCHEMA: dict[str, dict[str, tuple[int, str]]] = {
 
 @dataclass(frozen=True)
 class Graph:
-    """An ONNX file that may be loaded.
+    """An ONNX file that is safe to load.
 
     Attributes:
-        texts: what it says about itself (`metadata_props`).
+        texts: its metadata (`metadata_props`).
         controls: C of its input `controls`, (T, C) mm.
         weights: K of its outputs, (T, K).
-        outputs: their names: `system`, and `regressor` where the networks have two parts.
+        outputs: their names: `system`, and `regressor` if there are two networks.
     """
 
     texts: dict[str, str]
@@ -113,21 +113,20 @@ def read_graph(content: bytes) -> Graph:
     """Check an ONNX file.
 
     Raises:
-        ValueError: it holds something else than operators that answer to controls; the text
-            says what.
+        ValueError: it holds anything but the allowed operators on its input; the text says what.
     """
     if len(content) > LARGEST:
         raise ValueError(f"{len(content)} bytes")
     try:
         model: Any = _message().FromString(content)
     except DecodeError as error:
-        raise ValueError("no protobuf message") from error
+        raise ValueError("not a protobuf message") from error
     graph = model.graph
     if max(len(graph.node), len(graph.initializer)) > MOST_NODES:
         raise ValueError(f"{len(graph.node)} operators, {len(graph.initializer)} constants")
     _refuse_unknown(model)
     if [entry.domain for entry in model.opset_import] != [""]:
-        raise ValueError("operators of others")
+        raise ValueError("custom operators")
     if model.opset_import[0].version not in OPSETS:
         raise ValueError(f"version {model.opset_import[0].version} of the operators")
     for tensor in graph.initializer:
@@ -144,7 +143,7 @@ def read_graph(content: bytes) -> Graph:
 
 @cache
 def _message() -> Any:
-    """The class of the messages that the schema describes."""
+    """The message class of the schema."""
     field = descriptor_pb2.FieldDescriptorProto
     file = descriptor_pb2.FileDescriptorProto(
         name="faceedit_onnx.proto", package="faceedit", syntax="proto3"
@@ -177,7 +176,7 @@ def _refuse_unknown(message: Message) -> None:
 
 
 def _check_tensor(tensor: Any) -> None:
-    """A constant is what its shape says, and finite."""
+    """Check that a constant fits its shape and is finite."""
     kind, dims = _TYPES.get(tensor.data_type), tensor.dims
     if kind is None or len(dims) > MOST_DIMENSIONS or min(dims, default=1) < 1:
         raise ValueError(f"constant {tensor.name}: type {tensor.data_type}, {len(dims)} dimensions")
@@ -188,12 +187,12 @@ def _check_tensor(tensor: Any) -> None:
 
 
 def _check_nodes(nodes: Any) -> None:
-    """Only known operators, each of which answers to what goes in."""
+    """Check that all operators are known and depend on the input."""
     alive = {INPUT}
     for node in nodes:
         if node.op_type not in OPERATORS:
             raise ValueError(f"the operator {node.op_type!r}")
-        # One that works on constants alone would be worked out while loading, in no bounds.
+        # An operator on constants alone would be computed while loading, without limits.
         if not alive.intersection(node.input):
             raise ValueError(f"{node.op_type} of constants, or before its input")
         alive.update(name for name in node.output if name)
@@ -209,7 +208,7 @@ def _check_nodes(nodes: Any) -> None:
 
 
 def _sizes(values: Any) -> dict[str, int]:
-    """The second dimension of (frames, n) float32 tensors, by name."""
+    """n of the (frames, n) float32 tensors, by name."""
     found = {}
     for value in values:
         kind = value.type.tensor_type

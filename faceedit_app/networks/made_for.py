@@ -1,7 +1,7 @@
-"""Which character a model was made for.
+"""The character that a model was made for.
 
-Networks turn distances on one character into weights: the same answer means something else on a
-head of another size or with other blendshapes.
+Networks turn distances on one character into weights, which have another effect on a head of
+another size or with other blendshapes.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from faceedit_app.core.controls import CONTROL_INDEX, control_named
 from faceedit_app.core.fields import LARGEST, FieldError, Fields
 from faceedit_app.core.rig import Rig
 
-TOLERANCE = 0.01  # mm: files round, and a hundredth changes no answer that anyone could see
+TOLERANCE = 0.01  # mm; files round, and a hundredth has no visible effect
 LONGEST_NAME = 80
 _DECIMALS = 4
 
 
 @dataclass(frozen=True)
 class MadeFor:
-    """A character as far as the answers of networks depend on it.
+    """The properties of a character that the answers of networks depend on.
 
     Attributes:
-        name: of the character.
+        name: the name of the character.
         controls: by control, (1 + 52, 3) mm: the vector between its control points on the neutral
             face, and how each ARKit channel at weight 1 changes that vector.
     """
@@ -38,7 +38,7 @@ class MadeFor:
 
     @classmethod
     def of(cls, rig: Rig, controls: Iterable[str]) -> MadeFor:
-        """What some controls measure on a rig."""
+        """Measure controls on a rig."""
         distances = rig.arkit_distances
         vectors = np.concatenate([distances.offsets[None], distances.gradients]).astype(np.float64)
         rounded = np.round(vectors, _DECIMALS) + 0.0  # -0 is 0
@@ -48,7 +48,7 @@ class MadeFor:
         )
 
     def difference(self, rig: Rig) -> str:
-        """How a rig differs from the character, in words; "" if it does not."""
+        """How a rig differs from the character, as a phrase; "" if it does not."""
         here = MadeFor.of(rig, self.controls).controls
         for control, vectors in self.controls.items():
             if np.abs(vectors - here[control]).max() <= TOLERANCE:
@@ -59,11 +59,11 @@ class MadeFor:
             ours, theirs = (float(np.linalg.norm(v[0])) for v in (vectors, here[control]))
             if abs(ours - theirs) > TOLERANCE:
                 return f"its {label} at rest is {ours:.1f} mm, here {theirs:.1f} mm"
-            return f"its blendshapes change the {label} otherwise"
+            return f"its blendshapes change the {label} differently"
         return ""
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values; channels that do not move a control are left out."""
+        """JSON values; channels that do not move a control are left out."""
         controls = {
             control: {
                 "rest": vectors[0].tolist(),
@@ -79,13 +79,14 @@ class MadeFor:
 
     @classmethod
     def from_json(cls, entry: Fields, controls: Iterable[str]) -> MadeFor:
-        """Back from plain values.
+        """Read JSON values.
 
         Args:
-            controls: those that must have been measured.
+            entry: the values.
+            controls: ids of the controls that must be there.
 
         Raises:
-            FieldError: they are not those of `to_json`.
+            FieldError: the values are not from `to_json`.
         """
         measured, found = entry.fields("controls"), {}
         for control in controls:

@@ -1,4 +1,4 @@
-"""The trained networks of one region, answering through ONNX Runtime."""
+"""The networks of one region, run by ONNX Runtime."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from faceedit_app.networks.description import KEY, REMEDY, Description
 from faceedit_app.networks.graph import INPUT, LARGEST, read_graph
 
 MEMORY = 256 << 20  # bytes, for all networks of the process; ours take about 10 MB
-LONGEST = 1_024  # frames that are tried out beside the context: more than the longest chunk
-LARGEST_WEIGHT = 1_000.0  # no network that was trained comes near
+LONGEST = 1_024  # frames besides the context in the trial run: more than the longest chunk
+LARGEST_WEIGHT = 1_000.0  # far above any trained network's
 
 
 class RegionAnswer:
@@ -26,14 +26,14 @@ class RegionAnswer:
 
     Args:
         content: an ONNX file.
-        path: its name in messages.
+        path: its path, for messages.
 
     Attributes:
         description: what the file says about the networks.
-        columns: (C,) the places of their controls among all.
+        columns: (C,) the columns of their controls among all controls.
 
     Raises:
-        FileError: it is no model, damaged, or one that this FaceEdit cannot use.
+        FileError: it is not a model, is damaged, or cannot be used by this FaceEdit.
     """
 
     def __init__(self, content: bytes, path: Path) -> None:
@@ -49,19 +49,20 @@ class RegionAnswer:
         except FileError:
             raise
         except FieldError as error:
-            raise FileError(path, f"is no FaceEdit model: {error}", REMEDY) from error
-        except Exception as error:  # the runtime's own have no class in common
-            raise FileError(path, "is no FaceEdit model, or is damaged", REMEDY) from error
+            raise FileError(path, f"is not a FaceEdit model: {error}", REMEDY) from error
+        except Exception as error:  # the runtime's errors have no common class
+            raise FileError(path, "is not a FaceEdit model, or is damaged", REMEDY) from error
 
     def __call__(self, curves: Floats, naturalness: float) -> Floats:
-        """(T, C) mm at 25 fps -> (T, K) weights, not bounded.
+        """(T, C) mm at 25 fps -> (T, K) weights, not limited to 0..1.
 
         Args:
-            curves: of the description's controls; T is a multiple of its scale.
-            naturalness: 0 = regressor alone, 1 = full system; all the same to networks of one part.
+            curves: the description's controls; T is a multiple of its scale.
+            naturalness: 0 = the regressor alone, 1 = regressor and autoencoder; ignored if there
+                is one network.
         """
         answer = self._answer(curves, naturalness)
-        if not np.isfinite(answer).all():  # networks that were tampered with: never into a take
+        if not np.isfinite(answer).all():  # a manipulated model: must not reach a take
             answer = np.nan_to_num(answer, nan=0.0, posinf=LARGEST_WEIGHT, neginf=-LARGEST_WEIGHT)
         return answer
 
@@ -75,11 +76,11 @@ class RegionAnswer:
         if len(answers) == 1:
             return answers[0]
         regressed, believable = answers
-        with np.errstate(over="ignore", invalid="ignore"):  # what that makes is looked for
+        with np.errstate(over="ignore", invalid="ignore"):  # the caller checks the result
             return regressed + np.float32(naturalness) * (believable - regressed)
 
     def _try_out(self) -> None:
-        """Raise where the networks cannot answer what they will be asked."""
+        """Run the networks once; raise ValueError if the answer is wrong."""
         about = self.description
         longest = about.scale * -(-(LONGEST + 2 * about.context) // about.scale)
         for frames in (about.scale, longest):
@@ -88,28 +89,28 @@ class RegionAnswer:
             if answer.shape != (frames, len(about.channels)):
                 raise ValueError(f"{frames} frames are answered by {answer.shape}")
             if not np.abs(answer).max() < LARGEST_WEIGHT:
-                raise ValueError("answers that are no weights")
+                raise ValueError("answers that are not weights")
 
 
 def read_region(path: Path | str) -> RegionAnswer:
     """Read a region's networks from their file.
 
     Raises:
-        FileError: it is missing, no model, damaged, or one that this FaceEdit cannot use.
+        FileError: it is missing, not a model, damaged, or cannot be used by this FaceEdit.
     """
     path = Path(path)
     return RegionAnswer(read_bytes(path), path)
 
 
 def read_bytes(path: Path) -> bytes:
-    """The content of a model's file.
+    """Read a model's file.
 
     Raises:
         FileError: it cannot be read, or is too large.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):  # a pipe would never end
-            raise FileError(path, "is no file", REMEDY)
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe may never end
+            raise FileError(path, "is not a file", REMEDY)
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:
@@ -121,19 +122,19 @@ def read_bytes(path: Path) -> bytes:
 
 
 def _session(content: bytes) -> ort.InferenceSession:
-    """On one thread, so that an answer depends on nothing but the curves."""
+    """A session with one thread, so that an answer depends on nothing but the curves."""
     _prepare()
     options = ort.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.execution_mode = ort.ExecutionMode.ORT_SEQUENTIAL
-    options.log_severity_level = 4  # what is wrong with a file is said by the exception
+    options.log_severity_level = 4  # the exception says what is wrong
     options.add_session_config_entry("session.use_env_allocators", "1")
     return ort.InferenceSession(content, options, providers=["CPUExecutionProvider"])
 
 
 @cache
 def _prepare() -> None:
-    """Limit the memory of all sessions, whatever a file asks for; send nothing anywhere."""
+    """Limit the memory of all sessions, and turn off telemetry."""
     ort.disable_telemetry_events()
     kind = ort.OrtAllocatorType.ORT_ARENA_ALLOCATOR
     memory = ort.OrtMemoryInfo("Cpu", kind, 0, ort.OrtMemType.DEFAULT)

@@ -1,4 +1,4 @@
-"""Draws the face with pyrender; knows nothing of windows."""
+"""Draws the face with pyrender, without Qt."""
 
 from faceedit_app.render.camera import Aim, Camera, aimed_camera, default_camera
 from faceedit_app.render.renderer import FaceRenderer, open_renderer

@@ -1,4 +1,4 @@
-"""The orbit camera of the face view: pure functions on a few numbers."""
+"""The orbit camera of the viewport."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ FIELD_OF_VIEW = math.radians(22.0)  # vertical; a portrait lens, which flatters 
 PITCH_LIMIT = math.radians(80.0)
 DISTANCE_LIMITS = (0.15, 3.0)  # metres
 PAN_LIMIT = 0.3  # metres from the origin, on each axis
-NARROW = 0.8  # views with a smaller width / height see as wide as one of this shape
+NARROW = 0.8  # width / height; narrower views are as wide as one of this shape
 NEAR, FAR = 0.02, 6.0  # metres
 
 # Portrait framing, as fractions of the height from the chin to the crown.
 _HEADROOM, _NECKROOM = 0.08, 0.14
-_MOVING = 3e-3  # metres at weight 1: vertices that move more belong to the face
+_MOVING = 3e-3  # metres at weight 1; vertices that move more belong to the face
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Where the face is looked at from.
+    """The place and direction of the camera.
 
     Attributes:
         yaw: radians around the face; 0 is the front, positive sees the character's left.
         pitch: radians above the face's level.
         distance: metres from `target`.
-        target: the point in the middle of the view, metres.
+        target: the point in the middle of the picture, metres.
     """
 
     yaw: float = 0.0
@@ -46,7 +46,7 @@ class Camera:
         return replace(self, yaw=yaw, pitch=_clamp(self.pitch + dy, -PITCH_LIMIT, PITCH_LIMIT))
 
     def zoom(self, factor: float) -> Camera:
-        """Multiply the distance by `factor` (below 1 goes nearer), up to a limit."""
+        """Multiply the distance by `factor`, up to a limit; below 1 moves nearer."""
         return replace(self, distance=_clamp(self.distance * factor, *DISTANCE_LIMITS))
 
     def pan(self, dx: float, dy: float) -> Camera:
@@ -83,16 +83,16 @@ class Aim(StrEnum):
     EYES = "eyes"
 
 
-# Controls between whose points a detail lies, and how many times as wide the view is.
+# The controls whose points enclose a detail, and the width of the view relative to them.
 _DETAILS = {Aim.MOUTH: ((MOUTH_WIDTH,), 2.4), Aim.EYES: (LIDS, 2.2)}
-_LOW = 0.7  # height that a detail needs, of the width
+_LOW = 0.7  # height of a detail relative to its width
 _SIDES = {Aim.LEFT: math.pi / 2, Aim.RIGHT: -math.pi / 2}
 
 
 def aimed_camera(rig: Rig, aim: Aim, aspect: float = 1.0) -> Camera:
     """The whole head from one side, or a detail from the front, in a view of `aspect`.
 
-    The front, where the character lacks the controls that say where the detail is.
+    From the front if the character lacks the controls of the detail.
     """
     if aim in _SIDES:
         return _portrait(rig, aspect, _SIDES[aim])
@@ -114,7 +114,7 @@ def aimed_camera(rig: Rig, aim: Aim, aspect: float = 1.0) -> Camera:
 def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
     """A portrait: crown to just below the chin in the middle of a view of width / height `aspect`.
 
-    The face is what the blendshapes move, so that a bust or body below it does not count.
+    The face is what blendshapes move, so a bust or body below it does not count.
     """
     return _portrait(rig, aspect, 0.0)
 
@@ -130,7 +130,7 @@ def _portrait(rig: Rig, aspect: float, yaw: float) -> Camera:
     top, bottom = crown + _HEADROOM * height, chin - _NECKROOM * height
     head = rig.neutral[rig.neutral[:, 1] >= chin]
     left, right = float(head[:, across].min()), float(head[:, across].max())
-    # What stands nearest to the camera looks largest: measure at the widest part, mid-depth.
+    # Near parts look larger: measure at the widest part, mid-depth.
     depth = float(np.mean(head[:, along]))
     half = _half_height(aspect)
     width_needed = (1.0 + _HEADROOM) * (right - left) / (2.0 * half * aspect)

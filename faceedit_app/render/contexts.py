@@ -1,4 +1,4 @@
-"""Where OpenGL comes from: choosing a backend, and saying why there is none."""
+"""Choose an OpenGL backend, or say why there is none."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _OTHER_REMEDY = "update the driver of the graphics card"
 
 
 def unavailable(reason: str) -> Unavailable:
-    """The one line for a machine without OpenGL."""
+    """The error for a computer without OpenGL, in one line."""
     remedy = _LINUX_REMEDY if sys.platform.startswith("linux") else _OTHER_REMEDY
     short = " ".join(reason.split())[:200] or "no reason given"
     return Unavailable(f"The face cannot be drawn: {short}; {remedy}")
 
 
 def choose_backend() -> str:
-    """Name the backend, and tell PyOpenGL before it is imported.
+    """Choose a backend, and set PyOpenGL's environment before it is imported.
 
     An explicit PYOPENGL_PLATFORM wins. On Linux: EGL where it finds a device, else OSMesa. On
     Windows and macOS: "" for pyrender's own choice, a hidden pyglet window, which needs a desktop
@@ -47,12 +47,12 @@ def choose_backend() -> str:
 
 
 def platform_class(backend: str) -> Any:
-    """The class of pyrender's `Platform` for what `choose_backend` has named.
+    """The pyrender `Platform` class for a backend from `choose_backend`.
 
     Raises:
-        Exception: whatever PyOpenGL raises where the backend is not there.
+        Exception: any error of PyOpenGL, if the backend is missing.
     """
-    # Each is imported only where it is wanted: on other systems the import alone fails.
+    # Imported only when needed: on other systems the import itself fails.
     if backend == "egl":
         from faceedit_app.render.egl import SharedDisplayEgl
 
@@ -70,7 +70,7 @@ def open_platform(backend: str, width: int, height: int) -> Any:
     """A platform with a live context, made current.
 
     Raises:
-        Exception: whatever the driver or PyOpenGL raises; `open_renderer` turns it into a line.
+        Exception: any error of the driver or PyOpenGL; `open_renderer` turns it into one line.
     """
     platform = platform_class(backend)(width, height)
     platform.init_context()
@@ -79,7 +79,7 @@ def open_platform(backend: str, width: int, height: int) -> Any:
 
 
 def egl_devices() -> int:
-    """How many devices EGL offers, asked without importing PyOpenGL."""
+    """The number of EGL devices, without importing PyOpenGL."""
     library = _load("libEGL.so.1")
     if library is None:
         return 0

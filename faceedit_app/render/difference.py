@@ -1,4 +1,4 @@
-"""Tinting a face where and how far it is from another one: the colours, in numpy alone."""
+"""Tint a face by its distance from another: the colours, in numpy."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import numpy as np
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.rig import MILLIMETRES, Rig
 
-FULL = 4.0  # mm from the other face; from there on the tint grows no more
-# Violet, linear RGB: darker than skin, bluer than lips, and neither the window's sky nor orange.
+FULL = 4.0  # mm from the other face; the distance of the full tint
+# Violet, linear RGB: darker than skin, bluer than lips, and unlike the window's own colours.
 COLOUR = (0.15, 0.04, 0.55)
 
 
 def tint_of(vertices: Floats, others: Floats) -> Floats:
-    """How much each vertex is tinted: (V,) float32, 0 where both faces agree, 1 from `FULL` on.
+    """The tint of each vertex, (V,) float32: 0 where both faces agree, 1 from `FULL` on.
 
     Args:
         vertices, others: (V, 3) float32, metres, of the same character.
@@ -25,15 +25,15 @@ def tint_of(vertices: Floats, others: Floats) -> Floats:
 
 
 class Tinter:
-    """The colours of a character under a tint.
+    """Computes the colours of a tinted character.
 
     Args:
         colors: (V, 4) float32 in 0..1, linear RGB and alpha.
     """
 
     def __init__(self, colors: Floats) -> None:
-        # Between square roots equal steps look about equal; between linear values the first half
-        # of the way from light skin to a dark colour is hardly seen.
+        # Interpolating square roots gives visually even steps; with linear values the first half
+        # of the way from light skin to a dark colour would hardly show.
         self._plain = np.sqrt(colors)
         self._way = np.sqrt(np.array([*COLOUR, 1.0], np.float32)) - self._plain
         self._way[:, 3] = 0.0
@@ -47,7 +47,7 @@ class Tinter:
 
 
 def ramp(rig: Rig, steps: int) -> Floats:
-    """What the tint makes of skin, (steps, 3) float32, sRGB in 0..1: none first, full last."""
+    """The colours of tinted skin, (steps, 3) float32, sRGB in 0..1, from no tint to full."""
     skin = [rig.faces[m.start : m.stop] for m in rig.materials if "skin" in m.name.casefold()]
     vertices = np.unique(np.concatenate(skin) if skin else rig.faces)
     colors = np.tile(np.median(rig.colors[vertices], axis=0), (steps, 1)).astype(np.float32)

@@ -29,12 +29,12 @@ class SharedDisplayEgl(EGLPlatform):  # type: ignore[misc]  # pyrender has no ty
         self._address = _current()
 
     def make_current(self) -> None:
-        """Make the context current, unless it is; pyrender asks several times for a picture."""
+        """Make the context current unless it is; pyrender calls this several times per picture."""
         if self._address is None or _current() != self._address:
             super().make_current()
 
     def delete_context(self) -> None:
-        """Free this context, once another is current; the display stays open."""
+        """Free this context; the display stays open for the others."""
         if self._context is not None:
             EGL.eglDestroyContext(self._display, self._context)
             self._context = None

@@ -20,13 +20,13 @@ from faceedit_app.render.surface import Group, NormalSolver, Shading, by_shading
 
 # Materials are named after the shaders that draw them: these, or the variants in `Shading`.
 BACKDROP, DEPTH = "backdrop", "depth"
-# Where the shaders have what may change with each frame: pyrender's order of attributes. Where a
-# texture lies comes before the colour.
+# The shaders' places of attributes that may change in each frame, in pyrender's order, in which
+# texture coordinates come before the colour.
 _POSITION, _NORMAL, _COLOUR, _TEXTURED_COLOUR = 0, 1, 3, 4
 
 
 class Stream:
-    """Values of vertices, (V, W) float32, in a buffer that is filled again for each frame."""
+    """Vertex values, (V, W) float32, in a buffer that is filled for each frame."""
 
     def __init__(self, values: Floats) -> None:
         self.width = values.shape[1]
@@ -35,7 +35,7 @@ class Stream:
         GL.glBufferData(GL.GL_ARRAY_BUFFER, values.nbytes, values, GL.GL_STREAM_DRAW)
 
     def fill(self, values: Floats) -> None:
-        """Put in other values, contiguous and as many as before."""
+        """Replace the values by others, contiguous and of the same shape."""
         GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self.name)
         GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, values.nbytes, values)
 
@@ -45,9 +45,9 @@ class Stream:
 
 
 class SrgbTexture(Texture):  # type: ignore[misc]  # pyrender has no types
-    """A texture of (H, W, 4) uint8, sRGB and alpha, top row first, that is read as linear light.
+    """An sRGB texture of (H, W, 4) uint8 with alpha, top row first, which is read as linear light.
 
-    pyrender would take its numbers for light.
+    pyrender would treat its values as linear.
     """
 
     def __init__(self, pixels: Pixels) -> None:
@@ -65,15 +65,14 @@ class SrgbTexture(Texture):  # type: ignore[misc]  # pyrender has no types
 
 
 class LivePrimitive(Primitive):  # type: ignore[misc]  # pyrender has no types
-    """A primitive that has positions, normals and colours from streams.
+    """A primitive with positions, normals and colours from streams.
 
-    pyrender lays all that it knows of a vertex side by side into one buffer, once, and has no way
-    to change a part of it.
+    pyrender interleaves all attributes of a vertex in one buffer, which it cannot change later.
 
     Args:
-        streams: by their place in the shaders.
-        first: which of their values is that of this primitive's first vertex.
-        attributes: pyrender's; what the streams hold is given here as well, for its shape.
+        streams: the streams, by their place in the shaders.
+        first: the row of the streams for this primitive's first vertex.
+        attributes: pyrender's; those of the streams are given as well, for their shape.
     """
 
     def __init__(self, streams: dict[int, Stream], first: int, **attributes: object) -> None:
@@ -91,16 +90,15 @@ class LivePrimitive(Primitive):  # type: ignore[misc]  # pyrender has no types
 
 
 class LiveMesh(Mesh):  # type: ignore[misc]  # pyrender has no types
-    """Faces of the character, in a primitive for each material, whose vertices can be moved.
+    """Faces of the character with movable vertices, in one primitive for each material.
 
     Args:
         rig: the character.
         looks: (V, 4): `surface.vertex_looks`.
-        parts: a material, which tells the renderer how to draw its faces, (F, 3).
+        parts: materials with their faces, (F, 3) each.
 
     Attributes:
-        vertices: (N,) which of the character's vertices the mesh consists of, one primitive's
-            after the other's.
+        vertices: (N,) the character's vertices in the mesh, primitive by primitive.
     """
 
     def __init__(
@@ -145,16 +143,16 @@ class LiveMesh(Mesh):  # type: ignore[misc]  # pyrender has no types
         }
 
     def move(self, vertices: Floats) -> None:
-        """Put the vertices elsewhere: (V, 3), metres, of the whole character."""
+        """Move the vertices to `vertices` (V, 3), metres, of the whole character."""
         self._streams[_POSITION].fill(np.take(vertices, self.vertices, axis=0))
         self._streams[_NORMAL].fill(self._normals_of(vertices))
 
     def paint(self, colors: Floats) -> None:
-        """Colour the vertices: (V, 4), linear RGB and alpha, of the whole character."""
+        """Colour the vertices by `colors` (V, 4), linear RGB and alpha, of the whole character."""
         self._streams[_COLOUR].fill(np.take(colors, self.vertices, axis=0))
 
     def delete(self) -> None:
-        """Free the streams; the rest is pyrender's."""
+        """Free the streams; pyrender frees the rest."""
         for stream in self._streams.values():
             stream.delete()
 
@@ -167,8 +165,8 @@ class Model:
         looks: (V, 4): `surface.vertex_looks`.
 
     Attributes:
-        still, moving: faces that look alike whatever the face does, and the others.
-        backdrop: one triangle that covers the view.
+        still, moving: the faces that no blendshape changes, and the others.
+        backdrop: one triangle that covers the picture.
     """
 
     def __init__(self, rig: Rig, looks: Floats) -> None:
@@ -187,7 +185,7 @@ class Model:
         self._colors, self._tinter, self._is_plain = rig.colors, Tinter(rig.colors), True
 
     def tint(self, tint: Floats | None) -> None:
-        """Tint the vertices by so much (V,); colours stay until there is a tint, and after none."""
+        """Tint the vertices by `tint` (V,), 0..1; None removes the tint."""
         if tint is not None or not self._is_plain:
             colors = self._colors if tint is None else self._tinter(tint)
             self.still.paint(colors)
@@ -195,13 +193,13 @@ class Model:
         self._is_plain = tint is None
 
     def delete(self) -> None:
-        """Free what pyrender does not know of."""
+        """Free what pyrender does not free."""
         self.still.delete()
         self.moving.delete()
 
 
 def _material(group: Group, textures: Sequence[Texture]) -> Material:
-    # Nothing but the skin is known to be closed; lashes and brows are thin.
+    # Only the skin is known to be closed; lashes and brows are thin.
     both_sides = group.shading is not Shading.FLESH
     if group.texture is None:
         return Material(group.shading.value, doubleSided=both_sides)
@@ -214,7 +212,7 @@ def _material(group: Group, textures: Sequence[Texture]) -> Material:
 
 
 def _texture_places(rig: Rig, vertices: NDArray[np.integer[Any]]) -> Floats:
-    """(N, 2): OpenGL counts the rows of a texture from below."""
+    """(N, 2) texture coordinates with OpenGL's origin, at the lower left."""
     assert rig.uv is not None
     places: Floats = rig.uv[vertices].copy()
     places[:, 1] = 1.0 - places[:, 1]

@@ -6,9 +6,10 @@ from pyrender.platforms.osmesa import OSMesaPlatform
 
 
 class OSMesaWithFramebuffers(OSMesaPlatform):  # type: ignore[misc]  # pyrender has no types
-    """pyrender's OSMesa platform, which takes OSMesa to be without framebuffers of its own.
+    """pyrender's OSMesa platform, with framebuffers.
 
-    It has had them for years; without them every change of size would need another context.
+    pyrender assumes that OSMesa has none, but it has had them for years; without them every change
+    of size would need a new context.
     """
 
     def supports_framebuffers(self) -> bool:

@@ -16,13 +16,13 @@ _SHADINGS = {shading.value for shading in Shading}
 
 
 class Order(NamedTuple):
-    """What is to be drawn, and where.
+    """What to draw, and where.
 
     Attributes:
-        target: what is drawn into.
-        view: stands for where the scene's camera is: another one where that has changed.
-        meshes: those of the scene that are drawn, in this order.
-        upon: whether they are drawn upon what is in the target already.
+        target: the target to draw into.
+        view: identifies the place of the camera; differs if the camera has moved.
+        meshes: the meshes of the scene to draw, in this order.
+        upon: whether to keep what the target already shows.
     """
 
     target: Target
@@ -32,24 +32,24 @@ class Order(NamedTuple):
 
 
 class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
-    """pyrender's renderer, with a forward pass that draws what it was ordered to.
+    """pyrender's renderer with a forward pass that follows an order.
 
     pyrender's own takes four samples of each pixel, begins with an empty picture, reads colours
-    and depths back before it returns, and knows no shaders but its own. Scenes, cameras, meshes
-    and how a primitive is drawn stay pyrender's.
+    and depths back before it returns, and uses only its own shaders. Scenes, cameras, meshes and
+    the drawing of primitives stay pyrender's.
 
     Args:
         background: the colour in the middle of the backdrop, sRGB, 0..1.
 
     Attributes:
-        order: for the next call of `render`.
+        order: the order for the next call of `render`.
     """
 
     order: Order
 
     def __init__(self, background: tuple[float, float, float]) -> None:
         super().__init__(1, 1)
-        self.dpscale = 1  # pyrender doubles every size on macOS, meaning a screen
+        self.dpscale = 1  # pyrender doubles every size on macOS, as for a screen
         self._background = np.array(background)
         self._programs: dict[tuple[str, ...], Program] = {}
         self._view: object = None
@@ -63,13 +63,13 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
         super().delete()
 
     def __del__(self) -> None:
-        """Nothing: a forgotten renderer goes with its context.
+        """Do nothing: the context frees everything.
 
-        pyrender would delete by number here, in whichever context happens to be current.
+        pyrender would delete objects by number here, in whatever context is current.
         """
 
     def _program(self, material: Material, quick: bool) -> Program:
-        """The shaders that draw a material, made when they are first needed."""
+        """The shaders of a material, compiled when they are first needed."""
         key: tuple[str, ...] = (material.name,)
         if material.name in _SHADINGS:
             key = ("face", material.name)
@@ -86,10 +86,10 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
         target, view, meshes, upon = self.order
         target.bind()
         GL.glEnable(GL.GL_DEPTH_TEST)
-        GL.glDepthFunc(GL.GL_LEQUAL)  # the backdrop is as far away as nothing at all
-        GL.glFrontFace(GL.GL_CW)  # pictures are drawn upside down, which turns triangles around
+        GL.glDepthFunc(GL.GL_LEQUAL)  # the backdrop is at the far plane
+        GL.glFrontFace(GL.GL_CW)  # pictures are drawn upside down, which reverses triangles
         if not upon:
-            GL.glClear(GL.GL_DEPTH_BUFFER_BIT)  # the backdrop fills what the rest leaves free
+            GL.glClear(GL.GL_DEPTH_BUFFER_BIT)  # the backdrop covers the rest
         if view != self._view:
             self._view = view
             self._camera_from_world, projection = self._get_camera_matrices(scene)
@@ -97,7 +97,7 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
         for primitive in (p for mesh in meshes for p in mesh.primitives):
             program = self._program(primitive.material, quick=not target.samples)
             program._bind()
-            if program.view != view:  # programs keep what they know
+            if program.view != view:  # programs keep their uniforms
                 program.view = view
                 program.set_uniform("clip_from_world", self._clip_from_world)
                 program.set_uniform("camera_from_world", self._camera_from_world)

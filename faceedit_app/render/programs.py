@@ -14,17 +14,17 @@ _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
 
 class Program(ShaderProgram):  # type: ignore[misc]  # pyrender has no types
-    """A pair of shaders in some variant, ready to draw.
+    """A variant of a pair of shaders, ready to draw.
 
-    pyrender replaces the names of variants wherever they stand in the text; here they are the
-    shader language's own, and a file can include another one.
+    pyrender replaces the names of variants anywhere in the text; here they are definitions of the
+    shader language, and a file can include another.
 
     Args:
         name: of the files, without their endings.
-        variant: what is defined in them.
+        variant: the names to define.
 
     Attributes:
-        view: where its matrices look from; the renderer's to set.
+        view: the view of its matrices, set by the renderer.
     """
 
     def __init__(self, name: str, *variant: str) -> None:
@@ -36,7 +36,7 @@ class Program(ShaderProgram):  # type: ignore[misc]  # pyrender has no types
         self.view: object = None
 
     def set_uniform(self, name: str, value: Any, unsigned: bool = False) -> None:
-        """Set a uniform if the shaders have it; pyrender offers them many that they lack."""
+        """Set a uniform if the shaders have it; pyrender sets many that they lack."""
         if name in self._names:
             super().set_uniform(name, value, unsigned)
 

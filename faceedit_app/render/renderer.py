@@ -1,4 +1,4 @@
-"""The face as an image: open a renderer, draw, close."""
+"""Draw the face as an image: open a renderer, draw, close."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ SLATE = (0x25 / 255, 0x28 / 255, 0x2F / 255)
 class FaceRenderer:
     """Draws one character offscreen.
 
-    Create, use and close it in one thread. Several may live in a process; each makes its own
-    OpenGL context current when it works, and closing one leaves the others intact.
+    Create, use and close it in one thread. A process may have several: each makes its own OpenGL
+    context current when it works, and closing one leaves the others intact.
 
     Args:
         rig: the character; its faces, colours and materials are uploaded once.
@@ -49,54 +49,56 @@ class FaceRenderer:
             raise contexts.unavailable(str(error) or type(error).__name__) from error
 
     def resize(self, width: int, height: int) -> None:
-        """Draw at another size from now on, in pixels."""
+        """Change the size of the images, in pixels."""
         if self._image.shape[:2] != (height, width):
             self._image = _image(width, height)
 
     def draw(
         self, vertices: Floats, camera: Camera, smooth: bool = True, tint: Floats | None = None
     ) -> Pixels:
-        """One image of the face: `begin` and `finish`."""
+        """Draw an image of the face: `begin`, then `finish`."""
         self.begin(vertices, camera, smooth, tint)
         return self.finish()
 
     def begin(
         self, vertices: Floats, camera: Camera, smooth: bool = True, tint: Floats | None = None
     ) -> None:
-        """Have an image drawn, and return before it is: other work can be done meanwhile.
+        """Start drawing an image, and return at once so that other work can be done meanwhile.
 
         Args:
-            vertices: (V, 3) float32, metres: `rig.vertices(weights)`. What no blendshape moves is
-                taken to be where it is in `rig.neutral`.
-            camera: where from.
-            smooth: with antialiased edges; leave it out while dragging or playing.
-            tint: (V,) float32 in 0..1, such as `difference.tint_of(…)`: how far each vertex
-                is from another face, to be seen by its colour; None is the plain face.
+            vertices: (V, 3) float32, metres: `rig.vertices(weights)`. Vertices that no blendshape
+                moves are taken from `rig.neutral`.
+            camera: the camera.
+            smooth: antialias edges; turn off while dragging or playing.
+            tint: (V,) float32 in 0..1, such as `difference.tint_of(…)`; None = no tint.
+
+        Raises:
+            Unavailable: the renderer is closed.
         """
         if self._studio is None:
-            raise Unavailable("The face cannot be drawn: its view is closed; open it again")
+            raise Unavailable("The face cannot be drawn: its viewport is closed; open it again")
         from faceedit_app.render.studio import SAMPLES
 
         height, width = self._image.shape[:2]
         self._studio.begin(vertices, camera, width, height, SAMPLES if smooth else 0, tint)
 
     def finish(self) -> Pixels:
-        """The image that was begun last, at the size of then.
+        """Wait for the image that was begun last, at its size.
 
         Returns:
             (H, W, 4) uint8, contiguous, BGRA with the top row first (QImage.Format_RGB32 takes it
-            as it is). The buffer is reused: the next `draw` overwrites it, so copy what you
-            keep. After `resize` a new one is used and the old one stays as it was.
+            as it is). The buffer is reused: the next image overwrites it, so copy it to keep
+            it. After `resize` there is a new buffer, and the old one stays unchanged.
         """
         if self._studio is None:
-            raise Unavailable("The face cannot be drawn: its view is closed; open it again")
+            raise Unavailable("The face cannot be drawn: its viewport is closed; open it again")
         self._studio.finish(self._image)
         return self._image
 
     def prepare(self) -> None:
-        """Do what the next picture will need, if it looks from where the last one did.
+        """Prepare the next picture, for the same camera.
 
-        It has to be finished. Nothing is lost without this but a little time, then.
+        Call it after `finish`. It is optional: without it, the next picture takes a little longer.
         """
         if self._studio is not None:
             self._studio.prepare()
@@ -109,14 +111,14 @@ class FaceRenderer:
 
 
 def open_renderer(rig: Rig, width: int, height: int) -> FaceRenderer:
-    """A renderer on whatever OpenGL this computer has.
+    """Open a renderer on the OpenGL of this computer.
 
     On Linux that is EGL, else OSMesa; both work without a display. On Windows and macOS it is
     pyrender's default, a hidden pyglet window, which needs a desktop session. PYOPENGL_PLATFORM
     overrides the choice, if it is set before the first renderer is opened.
 
     Raises:
-        Unavailable: one line with the reason and the remedy.
+        Unavailable: there is none; the text gives the reason and the remedy in one line.
     """
     return FaceRenderer(rig, width, height)
 

@@ -1,7 +1,7 @@
-"""Soft shade under chin, nose and brows: how much of a wide light above reaches each vertex.
+"""Bake soft shade under chin, nose and brows: how much light from above reaches each vertex.
 
-It is worked out once when a character is opened, on a few expressions, because shadows that
-follow every frame would cost half the time of the frame.
+It is computed once when a character is opened, on a few expressions, because shadows that follow
+every frame would take half the time of a frame.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from faceedit_app.core.rig import Rig
 DepthsOf = Callable[[Floats, Sequence[Doubles], float], Iterator[Floats]]
 
 DIRECTIONS = 20
-_CENTRE = np.array([0.0, 0.68, 0.73])  # of the wide light, as seen from the face: above, in front
+_CENTRE = np.array([0.0, 0.68, 0.73])  # direction of the wide light from the face: above, in front
 _SPREAD = np.radians(52.0)  # half its opening angle
-_OFFSET = 0.001  # metres along the normal: a vertex does not shade itself
+_OFFSET = 0.001  # metres along the normal, so that a vertex does not shade itself
 _BIAS = 0.0025  # metres of depth
 _REACH = 0.42  # metres from the light to the face; what is farther gets less
-_WRAP = 0.3  # light also counts where the surface turns slightly away
+_WRAP = 0.3  # light also counts on surfaces that face slightly away
 _SMOOTHING = 2  # rounds of averaging with the neighbours
 
-# A vertex keeps the brightest of these: lids and lips must not carry shade out of their folds.
+# A vertex takes the brightest of these: lids and lips must not carry shade out of their folds.
 EXPRESSIONS: tuple[dict[str, float], ...] = (
     {},
     {"eyeBlinkLeft": 1.0, "eyeBlinkRight": 1.0, "jawOpen": 0.5, "mouthFunnel": 0.4},
@@ -37,7 +37,7 @@ EXPRESSIONS: tuple[dict[str, float], ...] = (
 
 
 def bake_shade(rig: Rig, normals_of: Callable[[Floats], Floats], depths_of: DepthsOf) -> Floats:
-    """The part of the light from above that arrives, (V,) float32 in 0..1."""
+    """The share of the light from above that reaches each vertex, (V,) float32 in 0..1."""
     brightest = np.zeros(len(rig.neutral), np.float32)
     for expression in EXPRESSIONS:
         weights = np.zeros(len(rig.channels), np.float32)
@@ -90,7 +90,7 @@ def _arrived(rig: Rig, vertices: Floats, normals: Floats, depths_of: DepthsOf) -
 
 
 def _face_centre(rig: Rig) -> Doubles:
-    """Where the controls are measured, (3,) metres."""
+    """The centre of the control points, (3,) metres."""
     vertices = rig.control_pairs[rig.has_control].ravel()
     if not len(vertices):
         vertices = np.arange(len(rig.neutral), dtype=np.int32)
@@ -113,7 +113,7 @@ def _look_along(backward: Doubles) -> Doubles:
 
 
 def _neighbour_average(rig: Rig) -> sparse.csr_matrix:
-    """(V, V): takes values of vertices to the mean over each vertex and its neighbours."""
+    """(V, V) matrix that averages values over each vertex and its neighbours."""
     count = len(rig.neutral)
     edges = trimesh.Trimesh(rig.neutral, rig.faces, process=False).edges_unique
     links = trimesh.graph.edges_to_coo(edges, count).astype(np.float32)

@@ -1,4 +1,4 @@
-"""One picture of the face, for `faceedit render` and for machines without a screen."""
+"""Draw one picture of the face, for `faceedit render`."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def snapshot(
 
     Args:
         rig: the character, with K channels.
-        weights: (52,) in ARKit's order, or (K,) in the rig's order where K is not 52.
+        weights: (52,) in ARKit order, or (K,) in the rig's order if K is not 52.
         width, height: pixels.
-        camera: where from; by default a portrait from the front.
+        camera: the camera; None = a portrait from the front.
 
     Returns:
         (height, width, 3) uint8, RGB, top row first.
@@ -46,7 +46,7 @@ def snapshot(
 
 
 def write_png(path: Path | str, image: Pixels) -> None:
-    """Write (H, W, 3) uint8 RGB as PNG, whole or not at all.
+    """Write (H, W, 3) uint8 RGB as PNG, completely or not at all.
 
     Raises:
         FileError: the file cannot be written.

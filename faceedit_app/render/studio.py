@@ -1,7 +1,6 @@
-"""The studio the face stands in: pyrender's offscreen renderer, for one character.
+"""pyrender's offscreen renderer for one character.
 
-Imported only after `contexts.choose_backend`, because it imports PyOpenGL. All calls must come
-from one thread.
+Imports PyOpenGL: `contexts.choose_backend` comes first. All calls must come from one thread.
 """
 
 from __future__ import annotations
@@ -31,18 +30,18 @@ from faceedit_app.render.surface import NormalSolver, vertex_looks
 from faceedit_app.render.targets import Kept, Target, Targets, View
 
 SAMPLES = 4
-_DEPTH_SIZE = 320  # pixels, of the depth images for the baked shade
+_DEPTH_SIZE = 320  # pixels of the depth images for the baked shade
 _UPSIDE_DOWN = np.diag([1.0, -1.0, 1.0, 1.0])  # so that the top row is read first
 
 
 class PortraitCamera(PerspectiveCamera):  # type: ignore[misc]  # pyrender has no types
-    """Sees as much as `camera.field_of_view` says, upside down."""
+    """A camera with the field of view of `camera.field_of_view`, upside down."""
 
     def __init__(self) -> None:
         super().__init__(FIELD_OF_VIEW, NEAR, FAR)
 
     def get_projection_matrix(self, width: int | None = None, height: int | None = None) -> Doubles:
-        """(4, 4), for a picture of so many pixels."""
+        """(4, 4) for a picture of this size, pixels."""
         if width and height:
             self.yfov = field_of_view(width / height)
         matrix: Doubles = _UPSIDE_DOWN @ super().get_projection_matrix(width, height)
@@ -55,11 +54,11 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
     Args:
         rig: the character.
         background: the colour in the middle of the backdrop, sRGB, 0..1.
-        backend: what `contexts.choose_backend` has named.
-        width, height: pixels, to begin with.
+        backend: the result of `contexts.choose_backend`.
+        width, height: the initial size, pixels.
 
     Raises:
-        Exception: whatever the driver or PyOpenGL raises.
+        Exception: any error of the driver or PyOpenGL.
     """
 
     _platform: Any
@@ -83,8 +82,8 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         self._targets = Targets()
         self._kept = Kept(self._draw_still)
         self._drawn: Target
-        self._looked: View | None = None  # the last picture's, where nothing was tinted
-        self._prepared: View | None = None  # what is still, copied for the next quick picture
+        self._looked: View | None = None  # the last picture's, if it was not tinted
+        self._prepared: View | None = None  # the view for which still parts were copied
 
     def begin(
         self,
@@ -95,12 +94,14 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         samples: int,
         tint: Floats | None = None,
     ) -> None:
-        """Have `vertices` drawn; whoever draws works on while this returns.
+        """Start drawing `vertices`; returns before the graphics card is done.
 
         Args:
-            vertices: (V, 3), metres: the rig's, with some weights.
-            samples: of each pixel; 0 is one, and a quicker light.
-            tint: (V,) in 0..1, how much of the tint each has; None is none at all.
+            vertices: (V, 3), metres.
+            camera: the camera.
+            width, height: pixels.
+            samples: samples per pixel; 0 means one, with a faster light.
+            tint: (V,) in 0..1; None = no tint.
         """
         self._platform.make_current()
         model = self._model
@@ -108,7 +109,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         model.tint(tint)
         view = View(camera, (width, height))
         target = self._targets.of(view.size, samples)
-        # While the camera turns, to keep what is still would cost more than it saves.
+        # While the camera turns, keeping the still parts would cost more than it saves.
         if tint is None and (samples or view == self._looked):
             if samples or view != self._prepared:
                 self._kept.copy_to(target, view)
@@ -119,16 +120,16 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         self._drawn = target
 
     def finish(self, out: Pixels) -> None:
-        """Wait for it, and put it into `out` (height, width, 4), BGRA, top row first."""
+        """Wait for the picture, and write it to `out` (height, width, 4), BGRA, top row first."""
         self._platform.make_current()
         target = self._drawn
         if target.samples:
             target = self._targets.of(target.size, 0)
             self._drawn.copy_to(target)
-        target.read_colors(out)  # the shaders have written blue first
+        target.read_colors(out)  # the shaders write blue first
 
     def prepare(self) -> None:
-        """Do what the next quick picture will need, while nobody waits for it."""
+        """Prepare the next quick picture, between pictures."""
         view = self._looked
         if view is None or self._prepared:
             return
@@ -147,7 +148,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         super().delete()
 
     def __del__(self) -> None:
-        """Nothing: see `Painter.__del__`."""
+        """Do nothing; see `Painter.__del__`."""
 
     def _create(self) -> None:
         size = self.viewport_width, self.viewport_height
@@ -164,11 +165,11 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
     def _render(self, scene: Scene, order: Order) -> None:
         self.viewport_width, self.viewport_height = order.target.size
         self._renderer.order = order
-        self.render(scene, RenderFlags.FLAT)  # our shaders have lights of their own
-        self._platform.make_current()  # pyrender lets go of it
+        self.render(scene, RenderFlags.FLAT)  # our shaders have their own lights
+        self._platform.make_current()  # pyrender releases it
 
     def _bake(self, rig: Rig) -> Floats:
-        """The shade of each vertex, (V,) float32, from depth images along parallel rays."""
+        """The shade of each vertex, (V,) float32 in 0..1, from depth images along parallel rays."""
         target = Target(_DEPTH_SIZE, _DEPTH_SIZE, 0)
         depths = np.empty((_DEPTH_SIZE, _DEPTH_SIZE), np.float32)
         material = Material(DEPTH, doubleSided=True)

@@ -1,4 +1,4 @@
-"""What the shader needs to know of each vertex: its normal and how its surface takes light."""
+"""The shader's input for each vertex: its normal, and how its surface reflects light."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from faceedit_app.core.rig import Material, Rig
 
 
 class Shading(Enum):
-    """The variants of the shader, in drawing order; the value is what it defines.
+    """The variants of the shader, in drawing order; the value is the name it defines.
 
-    Software OpenGL computes both sides of every branch, so each pixel pays only for its own kind.
+    Variants are used instead of branches, because software OpenGL computes both sides of a branch.
     """
 
     FLESH = "FLESH"
@@ -28,13 +28,13 @@ class Shading(Enum):
 
 @dataclass(frozen=True)
 class Look:
-    """How a kind of surface takes light.
+    """How a kind of surface reflects light.
 
     Attributes:
-        shading: which variant of the shader draws it.
+        shading: the variant of the shader.
         flesh: 0..1, how far light travels beneath it (soft, warm shadow edges).
-        wet: 0..1, how much it mirrors the small catch light beside the camera.
-        shaded: 0..1, how much of the baked shade it takes.
+        wet: 0..1, how strongly it mirrors the small catch light next to the camera.
+        shaded: 0..1, how much of the baked shade applies.
     """
 
     shading: Shading = Shading.PLAIN
@@ -43,7 +43,7 @@ class Look:
     shaded: float = 0.0
 
 
-# By what the material's name contains, the first that fits.
+# By a word in the material's name; the first match counts.
 LOOKS = {
     "skin": Look(Shading.FLESH, flesh=1.0, shaded=1.0),
     "lips": Look(Shading.FLESH, flesh=0.8, shaded=0.8),
@@ -59,24 +59,24 @@ LOOKS = {
     "hair": Look(Shading.HAIR, shaded=0.6),
 }
 OTHER_LOOK = Look(flesh=0.4, shaded=0.6)
-_SHARPEST = 0.08  # roughness; below it a highlight is smaller than a pixel
+_SHARPEST = 0.08  # roughness; below this a highlight is smaller than a pixel
 
 
 def look_of(material: Material) -> Look:
-    """How `material` takes light, told by what it is, or by its name."""
+    """The look of a material, by its surface or its name."""
     name = (material.surface or material.name).casefold()
     return next((look for word, look in LOOKS.items() if word in name), OTHER_LOOK)
 
 
 def vertex_looks(rig: Rig, shade: Floats) -> Floats:
-    """(V, 4) float32 in 0..1: roughness, flesh, wet and light that arrives at each vertex.
+    """(V, 4) float32 in 0..1: roughness, flesh, wet and arriving light of each vertex.
 
-    A vertex that several materials share takes the mean over its corners, which is what makes
-    the border of the lips soft.
+    A vertex of several materials takes the mean over its corners, which makes the border of the
+    lips soft.
 
     Args:
         rig: the character.
-        shade: (V,) float32, the part of the light from above that arrives, 0..1.
+        shade: (V,) float32 in 0..1, the share of the light from above that arrives.
     """
     total = np.zeros((len(rig.neutral), 4), np.float64)
     corners = np.zeros(len(rig.neutral), np.float64)
@@ -100,8 +100,8 @@ class Group:
     Attributes:
         shading: the variant.
         texture: which of the rig's textures it has, if one.
-        cutoff: what has less alpha is not drawn; 0 draws all.
-        still, moving: (F', 3) int32: those that look alike whatever the face does, and the others.
+        cutoff: pixels with less alpha are not drawn; 0 draws all.
+        still, moving: (F', 3) int32, the faces that no blendshape changes, and the others.
     """
 
     shading: Shading
@@ -129,34 +129,34 @@ def by_shading(rig: Rig) -> list[Group]:
 
 
 def _alive(rig: Rig) -> NDArray[np.bool_]:
-    """(V,) whether blendshapes change a vertex: its place, or its normal, which its faces tell."""
+    """(V,) whether blendshapes change a vertex: its place, or its normal through its faces."""
     alive: NDArray[np.bool_] = np.any(rig.deltas, axis=(0, 2))
     alive[rig.faces[alive[rig.faces].any(axis=1)]] = True
     return alive
 
 
 def _in_a_row(faces: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The faces, so that those that share vertices follow each other.
+    """The faces, ordered so that faces with shared vertices follow each other.
 
-    Software OpenGL remembers the last few hundred vertices that it moved to the screen.
+    Software OpenGL caches the last few hundred transformed vertices.
     """
     order = faces.min(axis=1).argsort(kind="stable")
     return np.ascontiguousarray(faces[order])
 
 
 class NormalSolver:
-    """Exact area-weighted vertex normals, by one sparse product a frame and coordinate.
+    """Exact area-weighted vertex normals, by one sparse product per frame and coordinate.
 
-    Coordinates are kept apart: numpy works on long rows several times as fast as on triples.
+    Coordinates are kept in separate rows, on which numpy is several times as fast as on triples.
 
-    trimesh's are as exact and take two and a half times as long, half a millisecond more in each
-    frame (docs/adr/0011-pyrender.md); where meshes are built, they are what is used.
+    trimesh's normals are as exact but take two and a half times as long, half a millisecond more
+    in each frame (docs/adr/0011-pyrender.md); they are used where meshes are built.
 
     Args:
         faces: (F, 3) int, counter-clockwise seen from outside.
         vertex_count: V.
-        wanted: (N,) the vertices whose normals are wanted; by default all, and N is V.
-        groups: (V,) int; vertices with one number have one normal. None: each has its own.
+        wanted: (N,) the vertices to compute; None = all, and N is V.
+        groups: (V,) int; vertices with the same number share a normal; None = each has its own.
     """
 
     def __init__(
@@ -185,12 +185,12 @@ class NormalSolver:
         self._corners = np.ascontiguousarray(faces.T, np.intp)
 
     def __call__(self, vertices: Floats) -> Floats:
-        """(V, 3) float32 vertices -> (N, 3) float32 unit normals; zero where no face is."""
+        """(V, 3) float32 vertices -> (N, 3) float32 unit normals; zero without faces."""
         corners = np.take(np.ascontiguousarray(vertices.T), self._corners, axis=1)  # (3, 3, F)
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         normals = np.empty((3, self._gather.shape[0]), np.float32)
         for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            # The cross product, whose length is twice the area.
+            # The cross product; its length is twice the area.
             normals[x] = self._gather @ (u[y] * v[z] - u[z] * v[y])
         lengths = np.sqrt((normals * normals).sum(axis=0))
         normals /= np.maximum(lengths, np.float32(1e-20))

@@ -1,4 +1,4 @@
-"""What is drawn into. Imports PyOpenGL: `contexts.choose_backend` comes first."""
+"""Framebuffers to draw into. Imports PyOpenGL: `contexts.choose_backend` comes first."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from faceedit_app.render.camera import Camera
 
 
 class View(NamedTuple):
-    """Where a picture is taken from, and its width and height in pixels."""
+    """The camera of a picture, and its width and height in pixels."""
 
     camera: Camera
     size: tuple[int, int]
 
 
 class Target:
-    """A framebuffer of one size, with or without several samples per pixel.
+    """A framebuffer of one size, with one or several samples per pixel.
 
-    pyrender's renderer has a pair of them, of which one always takes four samples.
+    pyrender's renderer has two of them, one of which always takes four samples.
     """
 
     def __init__(self, width: int, height: int, samples: int) -> None:
@@ -41,12 +41,12 @@ class Target:
             raise RuntimeError(f"the driver refuses a {width} x {height} image")
 
     def bind(self) -> None:
-        """From now on it is what is drawn into."""
+        """Draw into this target from now on."""
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._name)
         GL.glViewport(0, 0, *self.size)
 
     def copy_to(self, other: Target, depths: bool = False) -> None:
-        """Copy the colours, or what the samples of each pixel come to, and the depths if asked."""
+        """Copy the colours, with samples resolved, and optionally the depths."""
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._name)
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, other._name)
         rectangle = (0, 0, *self.size)
@@ -54,12 +54,12 @@ class Target:
         GL.glBlitFramebuffer(*rectangle, *rectangle, what, GL.GL_NEAREST)
 
     def read_colors(self, out: Pixels) -> None:
-        """Wait for the picture, of one sample a pixel: (height, width, 4), as the shaders wrote."""
+        """Wait for the picture, one sample per pixel, and write it to `out` (height, width, 4)."""
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._name)
         GL.glReadPixels(0, 0, *self.size, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, out)
 
     def read_depths(self, out: Floats) -> None:
-        """Wait for the depths, (height, width) in 0..1, of one sample a pixel."""
+        """Wait for the depths in 0..1, one per pixel, and write them to `out` (height, width)."""
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._name)
         GL.glReadPixels(0, 0, *self.size, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT, out)
 
@@ -70,13 +70,13 @@ class Target:
 
 
 class Targets:
-    """One target for each number of samples; it is made again where the size changes."""
+    """One target for each number of samples; replaced if the size changes."""
 
     def __init__(self) -> None:
         self._targets: dict[int, Target] = {}
 
     def of(self, size: tuple[int, int], samples: int) -> Target:
-        """The target of so many samples, for a picture of (width, height) pixels."""
+        """The target with `samples` samples, for a picture of `size` (width, height) pixels."""
         target = self._targets.get(samples)
         if target is None or target.size != size:
             if target is not None:
@@ -92,12 +92,12 @@ class Targets:
 
 
 class Kept:
-    """Pictures, with their depths, of what stays still, for the rest to be drawn upon.
+    """Pictures and depths of the still parts, on which the moving parts are drawn.
 
-    Backdrop, most of the hair, neck and skull are a third of the work; to copy them is quick.
+    Backdrop, most of the hair, neck and skull are a third of the work; copying them is fast.
 
     Args:
-        draw: draws what stays still into a target.
+        draw: draws the still parts into a target.
     """
 
     def __init__(self, draw: Callable[[Target, View], None]) -> None:
@@ -106,11 +106,11 @@ class Kept:
         self._views: dict[int, View] = {}  # by samples
 
     def has(self, view: View, samples: int) -> bool:
-        """Whether what stays still has been drawn already, as seen from there."""
+        """Whether the still parts have been drawn for this view."""
         return self._views.get(samples) == view
 
     def copy_to(self, target: Target, view: View) -> None:
-        """Put what stays still into a target."""
+        """Copy the still parts to a target."""
         kept = self._targets.of(view.size, target.samples)
         if not self.has(view, target.samples):
             self._draw(kept, view)

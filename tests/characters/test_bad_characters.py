@@ -132,7 +132,7 @@ def test_no_triangles(tmp_path: Path) -> None:
         ("a.fbx", b"; FBX 7.7.0 project file", "is a text FBX"),
         ("a.fbx", b"Kaydara FBX Binary  \x00\x1a\x00" + struct.pack("<I", 6100), "older"),
         ("a.fbx", b"Kaydara FBX Binary  \x00\x1a\x00" + struct.pack("<I", 9000), "newer"),
-        ("a.fbx", b"nothing", "is no FBX"),
+        ("a.fbx", b"nothing", "is not an FBX"),
         ("a.obj", b"# empty", "no triangles"),
         ("a.obj", b"v 0 0 0\nf 1 2 3\n", "not there"),
         ("a.obj", b"v 0 0\nf 1 1 1\n", "three numbers"),

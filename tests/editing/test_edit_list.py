@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from support.faces import talking_clip
-from support.sessions import session_by_rig, take_of
+from support.sessions import session_by_rig, strengthen, take_of
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
@@ -40,7 +40,7 @@ def session() -> EditSession:
 STEPS: dict[str, tuple[Callable[[EditSession], object], tuple[Edit, ...]]] = {
     "replace": (lambda s: s.replace_edit(1, C), (A, C, C)),
     "switch off": (lambda s: s.set_enabled(0, False), (replace(A, enabled=False), B, C)),
-    "strength": (lambda s: s.set_strength(2, 1.5), (A, B, replace(C, strength=1.5))),
+    "strength": (lambda s: strengthen(s, 2, 1.5), (A, B, replace(C, strength=1.5))),
     "rename": (lambda s: s.rename(0, " jaw "), (replace(A, name="jaw"), B, C)),
     "rename by what no file holds": (
         lambda s: s.rename(0, "j\ud800w"),
@@ -83,7 +83,7 @@ def test_each_change_of_the_list_is_one_undo_step(session: EditSession, name: st
 
 
 NO_STEPS: dict[str, Callable[[EditSession], object]] = {
-    "same strength": lambda s: s.set_strength(0, 1.0),
+    "same strength": lambda s: strengthen(s, 0, 1.0),
     "same place": lambda s: s.move(1, 1),
     "same settings": lambda s: s.configure(Settings()),
     "nothing removed": lambda s: s.remove(),
@@ -121,15 +121,15 @@ def test_what_floats_is_shown_and_heard_of_by_nobody(session: EditSession) -> No
     assert heard == [EditState()]
 
 
-@pytest.mark.parametrize("action", ["set_enabled", "set_strength", "rename", "remove", "move"])
+@pytest.mark.parametrize("action", ["set_enabled", "rename", "remove", "move"])
 def test_position_that_is_not_there_is_an_error_and_no_step(
     session: EditSession, action: str
 ) -> None:
-    arguments = {"remove": (3,), "set_strength": (3, 0.5)}.get(action, (3, 0))
+    arguments = (3,) if action == "remove" else (3, 0)
     with pytest.raises(IndexError):
         getattr(session, action)(*arguments)
     with pytest.raises(ValueError, match="strength"):
-        session.set_strength(0, 2.0)
+        strengthen(session, 0, 2.0)
     assert session.edits == (A, B, C)
 
 

@@ -1,7 +1,8 @@
 """Ten minutes at 60 frames a second with 500 edits stay pleasant.
 
-The limits are several times what an idle desktop needs: they catch work that grows with the
-take or with the square of the list, not a busy machine.
+Processor time is measured, and the least of some runs: what else the machine does is not in it.
+The limits are several times what a desktop needs: they catch work that grows with the take or with
+the square of the list.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.faces import talking_clip
-from support.sessions import session_by_rig
+from support.sessions import session_by_rig, strengthen
 
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -24,7 +25,7 @@ from faceedit_app.editing.help.problems import find_problems
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import request
 
-GESTURE = 0.25  # seconds that nobody waits for
+GESTURE = 0.25  # seconds of the processor that nobody waits for
 
 
 def spread_edits(count: int = 500, seconds: float = 598.0) -> list[Edit]:
@@ -50,13 +51,13 @@ def session() -> EditSession:
 
 
 def took(action: Callable[[], object], times: int = 5) -> float:
-    """The median of some runs, seconds."""
+    """The least of some runs, seconds of the processor."""
     seconds = []
     for _ in range(times):
-        began = time.perf_counter()
+        began = time.process_time()
         action()
-        seconds.append(time.perf_counter() - began)
-    return sorted(seconds)[times // 2]
+        seconds.append(time.process_time() - began)
+    return min(seconds)
 
 
 def test_drag_among_500_edits(session: EditSession) -> None:
@@ -73,7 +74,7 @@ def test_drag_among_500_edits(session: EditSession) -> None:
 
 def test_changes_of_the_list(session: EditSession) -> None:
     strengths = iter(np.linspace(0.1, 0.9, 50).tolist())
-    assert took(lambda: session.set_strength(250, next(strengths))) < GESTURE
+    assert took(lambda: strengthen(session, 250, next(strengths))) < GESTURE
     assert took(lambda: session.set_enabled(100, not session.edits[100].enabled)) < GESTURE
     assert took(lambda: session.move(499, 0)) < GESTURE
     assert took(lambda: session.rename(7, f"edit {next(strengths):.2f}")) < GESTURE

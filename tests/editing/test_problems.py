@@ -36,7 +36,7 @@ def with_blink(clip: Clip, at: float, left: float, right: float, width: float = 
     shape = np.exp(-(((clip.times - at) / width) ** 2))
     for side, depth in (("Left", left), ("Right", right)):
         weights[:, ARKIT_INDEX[f"eyeBlink{side}"]] += (depth * shape).astype(np.float32)
-    return clip.with_weights(weights)
+    return replace(clip, weights=weights)
 
 
 def test_demo_take_has_the_two_faults_that_were_built_in_and_no_other() -> None:
@@ -117,7 +117,7 @@ def test_shaking_curve_is_found_and_steadied() -> None:
     noisy = (clip.times > 2) & (clip.times < 4)
     noise = np.random.default_rng(0).normal(0, 0.03, int(noisy.sum()))
     weights[noisy, ARKIT_INDEX["jawOpen"]] += (0.1 + noise).astype(np.float32)
-    (problem,) = [p for p in find(clip.with_weights(weights)) if p.kind is Kind.JITTER]
+    (problem,) = [p for p in find(replace(clip, weights=weights)) if p.kind is Kind.JITTER]
     assert "mouth_opening" in problem.controls
     assert problem.start == pytest.approx(2.0, abs=0.3)
     assert problem.end == pytest.approx(4.0, abs=0.3)
@@ -137,7 +137,7 @@ def test_jump_over_lost_frames_is_softened() -> None:
     clip = still_clip()
     weights = clip.weights.copy()
     weights[101:, ARKIT_INDEX["jawOpen"]] = 0.5
-    (problem,) = find(replace(clip.with_weights(weights), gaps=(Gap(100, 3),)))
+    (problem,) = find(replace(clip, weights=weights, gaps=(Gap(100, 3),)))
     assert "Mouth opening" in problem.message
     assert "mouth_opening" in problem.controls
     assert problem.fix[0].op is Op.SMOOTH
@@ -150,6 +150,6 @@ def test_gap_at_the_very_end_is_told() -> None:
 
 def test_ten_minutes_are_searched_in_no_time() -> None:
     session = session_by_rig(talking_clip(36_000))
-    began = time.perf_counter()
+    began = time.process_time()
     find_problems(session)
-    assert time.perf_counter() - began < 1.0
+    assert time.process_time() - began < 3.0  # of the processor; it takes 0.1

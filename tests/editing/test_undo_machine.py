@@ -21,7 +21,7 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 from support.faces import shipped_rig
-from support.sessions import engine
+from support.sessions import engine, strengthen
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.controls import CONTROL_IDS
@@ -211,7 +211,7 @@ class Editing(RuleBasedStateMachine):
     def weaken_or_switch(self, data: st.DataObject, strength: float, on: bool) -> None:
         index = self.an_index(data)
         if data.draw(st.booleans()):
-            self.session.set_strength(index, strength)
+            strengthen(self.session, index, strength)
         else:
             self.session.set_enabled(index, on)
         self.finished()

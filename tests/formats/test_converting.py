@@ -128,7 +128,7 @@ def test_the_command_says_what_it_wrote_and_what_it_left_out(
     assert main(["convert", str(source), str(out), "--fps", "60", "--format", "csv"]) == 0
     said = capfd.readouterr().out
     assert "CSV with ARKit names, 120 frames at 60 fps" in said
-    assert "left out, being no channels: k, headX" in said
+    assert "left out because they are not channels: k, headX" in said
     assert open_take(out).clip.rate == 60
 
 

@@ -147,7 +147,7 @@ A2F = recordings.audio2face(np.full((4, 52), 0.25), indent=1)
         (A2F[:-40], 309, "is damaged"),
         (changed(A2F, '"jawOpen"', '"jawLeft"'), None, 'names the channel "jawLeft" twice'),
         (changed(A2F, "   0.25,\n", ""), 62, "frame 1 has 51 weights, there are 52 names"),
-        (changed(A2F, "0.25", '"x"'), None, "in place of a weight that is not a number"),
+        (changed(A2F, "0.25", '"x"'), None, "has a weight that is not a number"),
         (changed(A2F, "0.25", "1e30"), 62, "is 1e+30, where 1 is a full blendshape"),
         (
             changed(A2F, "0.25", "null"),

@@ -8,7 +8,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -203,12 +202,10 @@ def test_a_blender_that_hangs_is_stopped_with_its_display(
     monkeypatch.delenv("DISPLAY")
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     monkeypatch.setattr(references, "_BLENDER_SECONDS", 0.5)
-    programs("blender", "sleep 60")
+    programs("blender", "sleep 600")  # longer than a test may take
     programs("xvfb-run", 'shift 3; "$@"; true')  # waits for Blender, as the real one does
     told: list[str] = []
-    began = time.monotonic()
     assert references.blender(rig, 1, told.append) is None
-    assert time.monotonic() - began < 30.0
     assert told == ["blender: not done after 0.5 seconds"]
 
 

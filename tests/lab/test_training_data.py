@@ -154,4 +154,4 @@ def test_papers_recipe_is_the_papers() -> None:
     assert not paper.residual
     assert paper.adapt_statistics
     assert paper.variety is None
-    assert paper.velocity_loss == paper.distance_loss_regressor == paper.wild_windows == 0
+    assert paper.velocity_loss == paper.distance_loss_regressor == 0

@@ -12,7 +12,7 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.lab.training.data import cut_windows, region_windows
 from faceedit_app.lab.training.examples import Examples
-from faceedit_app.lab.training.losses import Batch, Losses, salt_and_pepper, wild_bursts
+from faceedit_app.lab.training.losses import Batch, Losses, salt_and_pepper
 
 LOWER = REGIONS[0]
 
@@ -113,21 +113,6 @@ def test_salt_and_pepper_hits_its_share_with_the_ends_of_the_range() -> None:
     assert float(hit.float().mean()) == pytest.approx(0.1, abs=0.02)
     for c in range(3):
         assert set(noisy[:, c].unique().tolist()) == {float(low[c]), 5.0, float(high[c])}
-
-
-def test_wild_bursts_push_one_control_for_some_frames() -> None:
-    controls = torch.full((200, 3, 64), 5.0)
-    low, high = torch.zeros(3), torch.full((3,), 10.0)
-    random = torch.Generator().manual_seed(1)
-    wild = wild_bursts(controls, low, high, tiny(wild_windows=1.0), random)
-    hit = wild != 5.0
-    assert hit.any(2).sum(1).max() == 1
-    assert hit.any(2).any(1).all()
-    assert hit.sum(2).max() <= 12
-    values = wild[hit]
-    assert bool(((values == 0) | (values >= 10)).all())
-    untouched = wild_bursts(controls, low, high, tiny(wild_windows=0.0), random)
-    assert torch.equal(untouched, controls)
 
 
 def test_lids_that_pass_each_other_count_as_shut() -> None:

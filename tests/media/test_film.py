@@ -94,7 +94,7 @@ def test_what_is_wrong_is_said_in_a_line(tmp_path: Path, film: Film) -> None:
             Film(path)
         assert "\n" not in str(caught.value)
     film.path.unlink()
-    with pytest.raises(FileError, match="is not there"):
+    with pytest.raises(FileError, match="is missing"):
         film.picture(0)
     with pytest.raises(FileError):
         Film(film.path, lambda: True)

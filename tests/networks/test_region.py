@@ -40,7 +40,7 @@ def complaint(path: Path) -> str:
 
 def refused(content: bytes) -> str:
     """Why a file is refused before the runtime sees it."""
-    with pytest.raises(FileError, match="is no FaceEdit model") as caught:
+    with pytest.raises(FileError, match="is not a FaceEdit model") as caught:
         RegionAnswer(content, Path("x.onnx"))
     assert isinstance(caught.value.__cause__, ValueError), caught.value.__cause__
     return str(caught.value.__cause__)
@@ -98,13 +98,13 @@ def test_file_that_is_no_model_is_refused(tmp_path: Path, content: bytes) -> Non
 
 def test_what_cannot_be_read_is_named(tmp_path: Path) -> None:
     assert "cannot be read" in complaint(tmp_path / "none.onnx")
-    assert "is no file" in complaint(tmp_path)
+    assert "is not a file" in complaint(tmp_path)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="named pipes are other things there")
 def test_named_pipe_does_not_keep_us_waiting(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "x.onnx")
-    assert "is no file" in complaint(tmp_path / "x.onnx")
+    assert "is not a file" in complaint(tmp_path / "x.onnx")
 
 
 def test_huge_file_is_refused_before_it_is_read(tmp_path: Path) -> None:

@@ -54,3 +54,8 @@ def session_by_networks(
     session = open_session(take, shipped_rig(), networks or engine())
     session.configure(replace(session.settings, **settings))
     return session
+
+
+def strengthen(session: EditSession, index: int, strength: float) -> None:
+    """Make one edit weaker or stronger, as one step."""
+    session.replace_edit(index, replace(session.edits[index], strength=strength), "Strength")

@@ -90,7 +90,7 @@ def test_the_suggested_name_is_taken_and_its_ending_added(parent: QWidget, tmp_p
 
 @pytest.mark.parametrize(
     ("gestures", "words"),
-    [(1, "1 step that was not saved"), (3, "3 steps that were not saved")],
+    [(1, "1 unsaved step"), (3, "3 unsaved steps")],
 )
 def test_recovery_counts_in_whole_sentences(
     parent: QWidget, tmp_path: Path, gestures: int, words: str
@@ -107,4 +107,4 @@ def test_recovery_counts_in_whole_sentences(
     pending = Pending(tmp_path / "journal", take, None, None, state, gestures, 0.0)
     assert dialogs.ask_recover(parent, pending) is dialogs.Recover.LATER
     assert said[0].startswith(words)
-    assert ("at once" in said[0]) == (gestures > 1)
+    assert ("single Undo" in said[0]) == (gestures > 1)

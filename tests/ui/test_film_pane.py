@@ -95,4 +95,4 @@ def test_a_film_that_vanishes_says_so(bench: Bench, devices: list[FakeOutput]) -
     screen._film._cache.clear()
     path.unlink()
     window.timeline.go_to_time(2.0)
-    bench.qtbot.waitUntil(lambda: "is not there" in screen._note, timeout=10_000)
+    bench.qtbot.waitUntil(lambda: "is missing" in screen._note, timeout=10_000)

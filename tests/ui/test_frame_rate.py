@@ -66,7 +66,7 @@ def test_a_take_without_times_is_asked_about_and_opens(
     wait_for(bench, window, untimed)
     (question,) = asked.questions
     assert question == (
-        "untimed.csv has no column with times. How many frames make a second?",
+        "untimed.csv has no column with times. What is its frame rate?",
         90,
         60.0,
     )

@@ -160,7 +160,7 @@ def test_esc_and_undo_drop_the_drag_of_a_slider(
     start = press(slider)  # it works as before
     move(slider, start, -30)
     release(slider, start, -30)
-    assert session.undo_name == ("Naturalness" if which == "natural" else "Strength")
+    assert session.undo_name == ("Naturalness" if which == "natural" else "Edit strength")
 
 
 @pytest.mark.parametrize("how", ["keys", "wheel"])
@@ -219,7 +219,7 @@ def test_strength_by_keys_is_one_step_for_the_edits_that_are_selected(window: Ma
     editor.edits.select(1)
     press_key(editor.edits.strength, Qt.Key.Key_Left, 2)
     assert [edit.strength for edit in session.edits] == pytest.approx([0.97, 0.98])
-    assert session.undo_name == "Strength"
+    assert session.undo_name == "Edit strength"
     trigger(window, "undo")
     assert [edit.strength for edit in session.edits] == pytest.approx([0.97, 1.0])
     trigger(window, "undo")
@@ -342,8 +342,8 @@ def test_a_name_of_the_users_cannot_break_the_menu(window: MainWindow) -> None:
 
 def test_the_shortcuts_keep_the_plain_names(window: MainWindow) -> None:
     texts = {keys: text for _, keys, text in help_rows()}
-    assert texts["Ctrl+Z"] == "Take the last step back"
-    assert window.actions_["undo"].toolTip() == "Take the last step back  (Ctrl+Z)"
+    assert texts["Ctrl+Z"] == "Undo the last step"
+    assert window.actions_["undo"].toolTip() == "Undo the last step  (Ctrl+Z)"
 
 
 # --- the one way from the session to the views ---------------------------------------------------

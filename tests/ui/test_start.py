@@ -94,8 +94,8 @@ def test_without_a_take_the_window_says_what_to_do(bench: Bench) -> None:
 def test_missing_networks_are_told_without_being_in_the_way(bench: Bench) -> None:
     window = bench.editing()
     assert window.banner.isVisible()
-    assert "rig alone" in window.banner.text.text()
-    assert "rig alone" in window.status.networks.text()
+    assert "face model could not be loaded" in window.banner.text.text()
+    assert "No face model" in window.status.networks.text()
     assert bench.errors == []
     drag_curve(window, OPENING, 1.0, 20)
     assert window.document.session is not None
@@ -109,7 +109,7 @@ def test_networks_answer_once_they_are_loaded(
     window = bench.editing()
     assert window.document.session is not None
     assert window.document.session.has_engine
-    assert window.status.networks.text() == "Networks: ready"
+    assert window.status.networks.text() == "Ready"
     assert not window.banner.isVisible()
 
 

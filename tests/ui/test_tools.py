@@ -102,7 +102,7 @@ def test_ctrl_snaps_to_zero_and_to_the_tracked_curve(panel: CurvesPanel) -> None
 def test_draw_goes_where_the_pointer_went(panel: CurvesPanel) -> None:
     panel.tools.choose(Tool.DRAW)
     plot, session = panel.plots[0], session_of(panel)
-    panel.timeline.set_falloff(0.05)
+    panel.timeline.set_falloffs(0.05, 0.05)
     drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 20))
     edit = only_edit(panel)
     assert edit.op is Op.DRAW
@@ -162,7 +162,7 @@ def test_back_to_tracked_erases(panel: CurvesPanel) -> None:
     session.add(Edit(("mouth_opening",), Op.OFFSET, 0.5, 2.5, 0.0, 4.0))
     panel.refresh()
     panel.tools.choose(Tool.RESTORE)
-    panel.timeline.set_falloff(0.1)
+    panel.timeline.set_falloffs(0.1, 0.1)
     drag(plot, place(plot, 1.0), place(plot, 2.0))
     frame = session.take.clip.frame_at(1.5)
     assert session.asked[frame, 0] == session.tracked[frame, 0]

@@ -64,9 +64,9 @@ def test_alt_drag_moves_the_sound_and_esc_takes_it_back(
     assert window.media.sound.offset == pytest.approx(66 * per_pixel, abs=1e-3)
     mouse(wave, QEvent.Type.MouseButtonPress, 50, alt)
     mouse(wave, QEvent.Type.MouseMove, 150, alt)
-    assert wave.is_moving
+    assert window.media.is_held
     QTest.keyClick(wave, Qt.Key.Key_Escape)
-    assert not wave.is_moving
+    assert not window.media.is_held
     assert window.media.sound.offset == pytest.approx(66 * per_pixel, abs=1e-3)
     strip.offset.setValue(-0.25)
     assert window.media.sound.offset == -0.25

@@ -76,7 +76,7 @@ def test_reset_without_a_selection_acts_around_the_playhead(bench: Bench) -> Non
     window = bench.editing()
     add_edit(window)
     window.timeline.go_to_time(1.2)
-    window.timeline.set_falloff(0.3)
+    window.timeline.set_falloffs(0.3, 0.3)
     trigger(window, "reset_range")
     session = window.document.session
     assert session is not None

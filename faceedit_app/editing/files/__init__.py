@@ -1,1 +1,3 @@
 """Project files, edits files, the journal, and fingerprints of takes."""
+
+PROJECT_SUFFIX = ".faceedit"

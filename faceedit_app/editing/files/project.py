@@ -28,7 +28,6 @@ from faceedit_app.editing.files.fingerprint import (
 from faceedit_app.editing.steps import EditState
 
 VERSION = 1
-SUFFIX = ".faceedit"
 
 
 @dataclass(frozen=True)

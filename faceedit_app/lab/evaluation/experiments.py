@@ -16,6 +16,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import EYELIDS, LOWER
 from faceedit_app.lab.evaluation.evaluate import Figures
+from faceedit_app.lab.evaluation.goals import goals_part
 from faceedit_app.lab.evaluation.report import (
     LABELS,
     NOTES,
@@ -148,8 +149,6 @@ it. `synthetic` is what `faceedit synthesize` writes; no person was recorded for
 
 def card(setting: Setting) -> Path:
     """Write the held-out figures into the model card, reached or not."""
-    from faceedit_app.lab.evaluation.goals import goals_part
-
     path = setting.models / CARD
     text = with_figures(path.read_text(encoding="utf-8"), goals_part(setting.figures))
     write_atomically(path, text.encode())

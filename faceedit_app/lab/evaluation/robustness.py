@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
@@ -105,8 +106,6 @@ def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place
 
 
 def _columns() -> list[int]:
-    from faceedit_app.core.arkit import ARKIT_INDEX
-
     return [ARKIT_INDEX[c] for c in LOWER.channels]
 
 

@@ -24,7 +24,7 @@ from faceedit_app.lab.training.architectures import ARCHITECTURES, Stacked
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import Examples
 from faceedit_app.lab.training.loop import Checkpoint, History, learn
-from faceedit_app.lab.training.losses import Batch, Losses, salt_and_pepper, wild_bursts
+from faceedit_app.lab.training.losses import Batch, Losses, salt_and_pepper
 from faceedit_app.lab.training.model_files import TrainedRegion
 from faceedit_app.lab.training.settings import FitSettings, as_json
 
@@ -178,8 +178,6 @@ def _forward(
             return networks.regress(controls)
         if random is not None:
             controls = salt_and_pepper(controls, low, high, settings, random)
-            if settings.wild_windows:
-                controls = wild_bursts(controls, low, high, settings, random)
         return networks.clean(networks.prepare(controls))
 
     return forward

@@ -12,10 +12,6 @@ from faceedit_app.core.rig import Distances
 from faceedit_app.lab.training.data import Windows
 from faceedit_app.lab.training.settings import FitSettings
 
-# A burst of a wild edit: so many frames at most, and so far beyond the range, in ranges.
-WILD_FRAMES = 12
-WILD_BEYOND = 3.0
-
 
 @dataclass(frozen=True)
 class Batch:
@@ -102,24 +98,3 @@ def salt_and_pepper(
     salt = torch.rand(controls.shape, generator=random) < 0.5
     extremes = torch.where(salt, high[:, None], low[:, None])
     return torch.where(noisy & hit, extremes, controls)
-
-
-def wild_bursts(
-    controls: Tensor, low: Tensor, high: Tensor, settings: FitSettings, random: torch.Generator
-) -> Tensor:
-    """Push one control (N, C, W) far beyond its range for some frames, in a share of the windows.
-
-    The push is up to `WILD_BEYOND` ranges above the highest value, or to 0.
-    """
-    n, c, w = controls.shape
-    wild = torch.rand(n, generator=random) < settings.wild_windows
-    which = torch.randint(c, (n,), generator=random)
-    first = torch.randint(w, (n,), generator=random)
-    length = torch.randint(1, WILD_FRAMES + 1, (n,), generator=random)
-    beyond = high + WILD_BEYOND * torch.rand(n, 1, generator=random) * (high - low)
-    up = torch.rand(n, 1, generator=random) < 0.75
-    value = torch.where(up, beyond, torch.zeros_like(beyond))
-    time = torch.arange(w)
-    here = (time >= first[:, None]) & (time < (first + length)[:, None])
-    hit = (wild[:, None] & here)[:, None, :] & (torch.arange(c) == which[:, None])[:, :, None]
-    return torch.where(hit, value[:, :, None], controls)

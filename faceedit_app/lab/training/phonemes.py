@@ -21,7 +21,6 @@ from faceedit_app.core.errors import Unavailable
 PAUSE = "_"
 """The symbol of silence."""
 
-BILABIALS = frozenset("pbm")
 VOWELS: dict[str, float] = {
     # Seconds when stressed, at normal tempo.
     "i": 0.105, "I": 0.075, "E": 0.090, "a": 0.130, "A": 0.135, "O": 0.130, "U": 0.080,
@@ -108,11 +107,6 @@ def transcribe(text: str, tempo: float = 1.0, voice: str = "en-us") -> tuple[Pho
         Unavailable: espeak-ng is not installed or cannot speak.
     """
     return with_durations(parse(_espeak(text, voice)), tempo)
-
-
-def available() -> bool:
-    """Whether espeak-ng is installed."""
-    return shutil.which("espeak-ng") is not None
 
 
 @functools.lru_cache(maxsize=1024)

@@ -65,7 +65,6 @@ class FitSettings:
     velocity_loss: float = 5.0  # of the squared error of the change per frame; 0 in the paper
     noise: float = 0.2  # share of control values set to salt or pepper (P) ...
     noisy_windows: float = 0.5  # ... in this share of the windows, 1 in the paper
-    wild_windows: float = 0.0  # share of the windows with a burst far beyond the range, see ADR 3
     residual: bool = True  # the autoencoder starts as the identity; False in the paper
     adapt_statistics: bool = False  # of the frozen regressor to the noise; True in the paper
     architecture: str = "unet"  # key of `ARCHITECTURES`; one with regressor and autoencoder

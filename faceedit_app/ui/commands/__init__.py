@@ -1,1 +1,1 @@
-"""What the menus do, one file a menu."""
+"""The menus' commands, one module per menu."""

@@ -1,18 +1,21 @@
-"""Asking the user. Each function is one question, so that tests answer it by replacing it."""
+"""Questions to the user. Each is one function, so that a test can answer by replacing it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import Enum, auto
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
-from faceedit_app.editing.files.journal import Pending
-from faceedit_app.editing.files.project import SUFFIX
+from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import ENDINGS
 from faceedit_app.ui.page.rate_dialog import RateDialog
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.files.journal import Pending
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
@@ -21,7 +24,7 @@ PICTURES = "Pictures (*.png);;All files (*)"
 
 
 class Unsaved(Enum):
-    """What to do about edits that are not exported."""
+    """What to do with edits that are neither saved nor exported."""
 
     EXPORT = auto()
     SAVE = auto()
@@ -30,7 +33,7 @@ class Unsaved(Enum):
 
 
 class Recover(Enum):
-    """What to do about edits that a crash left behind."""
+    """What to do with edits that a crash left behind."""
 
     RECOVER = auto()
     DISCARD = auto()
@@ -38,14 +41,14 @@ class Recover(Enum):
 
 
 def takes_pattern() -> str:
-    """The names of takes of all formats, for the filter of a file dialog."""
+    """File name patterns of all take formats, for a file dialog."""
     from faceedit_app.formats.registry import endings  # not needed before the window is up
 
     return " ".join(f"*{ending} *{ending.upper()}" for ending in endings())
 
 
 def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float | None:
-    """How many frames of a take make a second.
+    """The frame rate of a take.
 
     Args:
         frames: how many it has.
@@ -57,7 +60,7 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    kinds = f"Takes and projects ({takes_pattern()} *{SUFFIX});;All files (*)"
+    kinds = f"Takes and projects ({takes_pattern()} *{PROJECT_SUFFIX});;All files (*)"
     return _chosen(
         QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
     )
@@ -77,8 +80,8 @@ def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:
 def ask_take_of_project(
     parent: QWidget, message: str, choices: Sequence[Path], folder: Path
 ) -> Path | None:
-    """Which take a project is about, now that its own is changed or gone."""
-    box = _question(parent, message, "Which take shall the edits be applied to?")
+    """Which take a project's edits apply to, if its own has changed or is gone."""
+    box = _question(parent, message, "Which take should the edits be applied to?")
     role = QMessageBox.ButtonRole
     paths = {box.addButton(f"Use {path.name}", role.AcceptRole): path for path in choices[:3]}
     for button, path in paths.items():
@@ -95,15 +98,15 @@ def ask_take_of_project(
 
 
 def ask_recover(parent: QWidget, pending: Pending) -> Recover:
-    """What to do about edits of a session that ended without closing."""
+    """What to do with the edits of a session that ended in a crash."""
     one = pending.gestures == 1
-    steps = "1 step that was" if one else f"{pending.gestures} steps that were"
+    steps = "1 unsaved step" if one else f"{pending.gestures} unsaved steps"
     when = QDateTime.fromSecsSinceEpoch(int(pending.when)).toString("yyyy-MM-dd HH:mm")
     box = _question(
         parent,
-        f"FaceEdit ended unexpectedly while {pending.take.name} was edited.",
-        f"{steps} not saved can be brought back, up to {when}."
-        + ("" if one else " Undo then takes all of it back at once."),
+        f"FaceEdit closed unexpectedly while you were editing {pending.take.name}.",
+        f"{steps}, up to {when}, can be recovered."
+        + ("" if one else " A single Undo then takes them all back."),
     )
     role = QMessageBox.ButtonRole
     choices = {
@@ -123,7 +126,7 @@ def ask_save_edits(parent: QWidget, suggestion: Path) -> Path | None:
 
 
 def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
-    """Which edits to load."""
+    """Which edits file to load."""
     return _chosen(QFileDialog.getOpenFileName(parent, "Load edits", str(folder), EDITS))
 
 
@@ -138,17 +141,15 @@ def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
 
 
 def ask_preset_name(parent: QWidget) -> str | None:
-    """What a preset is to be called."""
-    name, ok = QInputDialog.getText(
-        parent, "Save as preset", "Name of the preset, as it stands in the menu:"
-    )
+    """A name for a preset."""
+    name, ok = QInputDialog.getText(parent, "Save as preset", "Name of the preset in the menu:")
     return name.strip() if ok and name.strip() else None
 
 
 def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
-    """What to do about edits before their take is closed."""
-    message = f"What you did to {name} is neither exported nor saved."
-    box = _question(parent, message, "It is lost if you discard it.")
+    """What to do with edits before their take is closed."""
+    message = f"Your edits to {name} are neither saved nor exported."
+    box = _question(parent, message, "If you discard them, they are lost.")
     role = QMessageBox.ButtonRole
     choices = {
         box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,
@@ -162,7 +163,7 @@ def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
 
 
 def show_error(parent: QWidget | None, error: Exception | str) -> None:
-    """Tell the user what went wrong, in one line."""
+    """Show an error, in one line."""
     box = QMessageBox(QMessageBox.Icon.Warning, "FaceEdit", "", parent=parent)
     box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
     box.setText(str(error))
@@ -183,7 +184,7 @@ def _question(parent: QWidget, message: str, more: str) -> QMessageBox:
 def _save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path | None:
     dialog = QFileDialog(parent, title, str(suggestion.parent), kinds)
     dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-    # Added before the question whether to replace a file, so that it asks about the right one.
+    # Added before Qt asks whether to replace a file, so that it asks about the right one.
     dialog.setDefaultSuffix(suggestion.suffix)
     dialog.selectFile(suggestion.name)
     return Path(dialog.selectedFiles()[0]) if dialog.exec() else None

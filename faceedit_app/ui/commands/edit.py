@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.editing.edits.settings import Mode
-from faceedit_app.editing.help.clipboard import Clipboard, Copied, copy_range
+from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
-if TYPE_CHECKING:  # comes with the page, after the first paint
+if TYPE_CHECKING:  # the window is there before the solver, and before the page
+    from faceedit_app.editing.help.clipboard import Clipboard, Copied
     from faceedit_app.ui.edits.panel import EditsPanel
 
 AROUND = 0.5  # seconds before and after the playhead that are selected
@@ -30,36 +31,36 @@ class EditCommands:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a step to take back."""
+        """Whether there is a step to undo."""
         session = self._document.session
         return session is not None and session.can_undo
 
     @property
     def can_redo(self) -> bool:
-        """Whether a step was taken back."""
+        """Whether there is a step to redo."""
         session = self._document.session
         return session is not None and session.can_redo
 
     @property
     def undo_name(self) -> str:
-        """The step that Undo takes back."""
+        """Name of the step that Undo undoes."""
         session = self._document.session
         return session.undo_name if session is not None else ""
 
     @property
     def redo_name(self) -> str:
-        """The step that Redo takes again."""
+        """Name of the step that Redo redoes."""
         session = self._document.session
         return session.redo_name if session is not None else ""
 
     def undo(self) -> None:
-        """Take the last step back; a drag in progress is the last step."""
+        """Undo the last step, or cancel the drag in progress."""
         if not self._workspace.drop_gesture():
             self._workspace.settle()
             self._document.undo()
 
     def redo(self) -> None:
-        """Take the step again."""
+        """Redo the step that was undone last."""
         if not self._workspace.drop_gesture():
             self._workspace.settle()
             self._document.redo()
@@ -71,11 +72,11 @@ class EditCommands:
         return session is not None and bool(session.edits)
 
     def reset_range(self) -> None:
-        """All curves back to the take in the selection, else around the playhead."""
+        """Reset all curves in the selection, or around the playhead if there is none."""
         self._reset(CONTROL_IDS)
 
     def reset_curve(self) -> None:
-        """The curve that has the focus back to the take."""
+        """Reset the focused curve there."""
         page = self._workspace.page
         control = page.curves.focused_control if page is not None else None
         self._reset((control,) if control else ())
@@ -87,7 +88,7 @@ class EditCommands:
             session.reset(*self._range_at_hand(), controls, self._timeline.falloff)
 
     def _range_at_hand(self) -> tuple[float, float]:
-        """The selection, else the playhead with the falloff to either side."""
+        """The selection, or the playhead with the falloff on either side."""
         line = self._timeline
         if line.selection is not None:
             return line.selection
@@ -95,31 +96,46 @@ class EditCommands:
 
     # --- clipboard ---------------------------------------------------------------------------
 
-    def copy(self, what: Copied) -> None:
-        """Keep what the face does in the selection, or only what the edits changed there."""
+    def copy(self) -> None:
+        """Keep what the face does in the selection."""
+        from faceedit_app.editing.help.clipboard import Copied
+
+        self._copy(Copied.CURVE)
+
+    def copy_changes(self) -> None:
+        """Keep what the edits changed in the selection."""
+        from faceedit_app.editing.help.clipboard import Copied
+
+        self._copy(Copied.CHANGE)
+
+    def _copy(self, what: Copied) -> None:
+        from faceedit_app.editing.help.clipboard import copy_range
+
         session, selection = self._document.session, self._selection("copy")
         if session is None or selection is None:
             return
         copied = copy_range(session, *selection, self._chosen_controls(), what)
         if copied.is_empty:
-            self._workspace.message.emit("There are no changes in the selection")
+            self._workspace.message.emit("The selection has no changes to copy")
             return
         self._clipboard = copied
         seconds, count = copied.seconds, len(copied.curves)
-        self._workspace.message.emit(f"Copied {seconds:.2f} s of {count} curves")
+        self._workspace.message.emit(f"Copied {seconds:.2f} s of {counted(count, 'curve')}")
 
     def paste(self) -> None:
-        """Put what was copied at the playhead."""
+        """Paste what was copied at the playhead."""
         if (copied := self._copied()) is not None:
             self._put(copied, self._timeline.time, "Pasted", "Paste")
 
     def paste_mirrored(self) -> None:
-        """Put what was copied at the playhead, left and right changing places."""
+        """Paste what was copied at the playhead, with left and right swapped."""
         if (copied := self._copied()) is not None:
             self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste mirrored")
 
     def mirror(self) -> None:
         """Let left and right change places in the selection."""
+        from faceedit_app.editing.help.clipboard import Copied, copy_range
+
         session, selection = self._document.session, self._selection("mirror")
         if session is None or selection is None:
             return
@@ -130,17 +146,17 @@ class EditCommands:
     def _selection(self, what: str) -> tuple[float, float] | None:
         selection = self._timeline.selection
         if selection is None:
-            self._workspace.message.emit(f"Select a range of time first, to {what} it")
+            self._workspace.message.emit(f"To {what} a time range, select it first")
         return selection
 
     def _chosen_controls(self) -> tuple[str, ...]:
-        """The curves that were chosen, else all."""
+        """The chosen curves, or all if none is chosen."""
         page = self._workspace.page
         return (page.curves.chosen_controls if page is not None else ()) or CONTROL_IDS
 
     def _copied(self) -> Clipboard | None:
         if self._clipboard is None:
-            self._workspace.message.emit("Nothing was copied yet")
+            self._workspace.message.emit("Nothing has been copied yet")
         return self._clipboard
 
     def _put(self, source: Clipboard, at: float, name: str, step: str) -> None:
@@ -159,7 +175,7 @@ class EditCommands:
         return page is not None and page.edits.current is not None
 
     def on_list(self, work: Callable[[EditsPanel], None]) -> None:
-        """Do something with the list of edits, when nothing else is in progress."""
+        """Do something with the list of edits, after any gesture in progress has ended."""
         page = self._workspace.page
         if page is not None:
             self._workspace.finish()
@@ -178,7 +194,7 @@ class EditCommands:
         line.select((max(first, 0.0), min(last, line.snap(line.duration))))
 
     def deselect(self) -> None:
-        """Drop what is in progress, else the selection."""
+        """Cancel the gesture in progress, or clear the selection if there is none."""
         if not self._workspace.drop_gesture():
             self._timeline.select(None)
             if self._workspace.page is not None:
@@ -200,58 +216,58 @@ class EditCommands:
 
 # fmt: off
 MENU: Menu[EditCommands] = Menu("Edit", (
-    Command("undo", "&Undo", EditCommands.undo, ("Ctrl+Z",), "Take the last step back", "undo",
+    Command("undo", "&Undo", EditCommands.undo, ("Ctrl+Z",), "Undo the last step", "undo",
             detail=lambda do: do.undo_name, enabled=lambda do: do.can_undo),
     Command("redo", "&Redo", EditCommands.redo, ("Ctrl+Shift+Z", "Ctrl+Y"),
-            "Take the step again", "redo", detail=lambda do: do.redo_name,
+            "Redo the step that was undone last", "redo", detail=lambda do: do.redo_name,
             enabled=lambda do: do.can_redo),
     Command("reset_range", "Reset r&ange", EditCommands.reset_range, ("Ctrl+R",),
-            "Back to the take as tracked: in the selection, else around the playhead", "reset",
+            "Go back to the take as tracked, in the selection or around the playhead", "reset",
             enabled=lambda do: do.has_edits, starts_group=True),
     Command("reset_curve", "Reset range of this &curve", EditCommands.reset_curve,
             ("Ctrl+Shift+R",),
-            "Back to the take as tracked, for the curve that has the focus only",
+            "Go back to the take as tracked for the focused curve only",
             enabled=lambda do: do.has_edits),
-    Command("copy", "&Copy range", lambda do: do.copy(Copied.CURVE), ("Ctrl+C",),
+    Command("copy", "&Copy range", EditCommands.copy, ("Ctrl+C",),
             "Copy what the face does in the selection", starts_group=True),
-    Command("copy_changes", "Copy changes only", lambda do: do.copy(Copied.CHANGE),
+    Command("copy_changes", "Copy changes only", EditCommands.copy_changes,
             ("Ctrl+Shift+C",),
-            "Copy what your edits changed in the selection, to add it elsewhere"),
+            "Copy only what your edits changed in the selection, to add it elsewhere"),
     Command("paste", "&Paste at playhead", EditCommands.paste, ("Ctrl+V",),
-            "Put there what was copied"),
+            "Paste what was copied at the playhead"),
     Command("paste_mirrored", "Paste mirrored", EditCommands.paste_mirrored, ("Ctrl+Shift+V",),
-            "Put there what was copied, left and right changing places"),
+            "Paste what was copied at the playhead, with left and right swapped"),
     Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
-            "Left and right change places in the selection"),
+            "Swap left and right in the selection"),
     Command("toggle_edit", "Switch edit &on / off",
             lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),
-            "Switch the edit that is selected in the list on or off",
+            "Switch the selected edit on or off",
             enabled=lambda do: do.has_selected_edit, starts_group=True),
     Command("rename_edit", "Re&name edit",
             lambda do: do.on_list(lambda edits: edits.rename()), ("F2",),
-            "Give the edit that is selected in the list another name",
+            "Rename the selected edit",
             enabled=lambda do: do.has_selected_edit),
     Command("edit_up", "Move edit up", lambda do: do.on_list(lambda edits: edits.bring(-1)),
-            ("Alt+Up",), "Move the edit that is selected up the list: it acts earlier",
+            ("Alt+Up",), "Move the selected edit up the list, to apply it earlier",
             enabled=lambda do: do.has_selected_edit),
     Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.bring(1)),
-            ("Alt+Down",), "Move the edit that is selected down the list: it acts later",
+            ("Alt+Down",), "Move the selected edit down the list, to apply it later",
             enabled=lambda do: do.has_selected_edit),
     Command("delete_edit", "&Delete edit",
             lambda do: do.on_list(lambda edits: edits.delete()), ("Del",),
-            "Delete the edit that is selected in the list", "trash",
+            "Delete the selected edit", "trash",
             enabled=lambda do: do.has_selected_edit),
     Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),
             "Select the whole take", starts_group=True),
     Command("select_around", "Select aro&und the playhead", EditCommands.select_around,
             tip="Select a second around the playhead; its edges can be dragged"),
     Command("deselect", "&Deselect", EditCommands.deselect, ("Esc",),
-            "Cancel the drag in progress, else drop the selection"),
+            "Cancel the drag in progress, or clear the selection"),
     Command("preserve", "&Preserve the take", lambda do: do.set_mode(Mode.PRESERVE),
-            tip="Change only what the edits reach",
+            tip="Change only the frames and curves that your edits affect",
             checked=lambda do: do.mode is Mode.PRESERVE, starts_group=True),
     Command("resynthesize", "Re&synthesize", lambda do: do.set_mode(Mode.RESYNTHESIZE),
-            tip="Answer the whole take by the networks",
+            tip="Generate the edited regions of the face for the whole take",
             checked=lambda do: do.mode is Mode.RESYNTHESIZE),
 ))
 # fmt: on

@@ -1,16 +1,19 @@
-"""The File menu: ask the user, then let document, opener and projects do it."""
+"""The File menu: ask the user, then let document, opener and projects do it.
+
+What comes with the solver is imported once it is needed: the window is there before it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
-from faceedit_app.editing.files.project import SUFFIX, Located, Project, Whereabouts
-from faceedit_app.ui.commands import dialogs, projects
+from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
@@ -46,46 +49,30 @@ class FileCommands:
         self.open_if_saved(path)
 
     def open_if_saved(self, path: Path) -> None:
-        """Open a file that the user pointed at, unless edits would be lost."""
+        """Open a file, after asking about edits that would be lost."""
         if self.may_close():
             self.open(path)
 
     def open(self, path: Path) -> None:
         """Read a take or a project in the background; on an error the present one stays open."""
-        if not projects.is_project(path):
+        if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return
+        from faceedit_app.ui.commands import projects
 
-        def found(project: Project, located: Located) -> None:
-            take = self._take_of(located, path.parent)
-            if take is None:
-                self._workspace.opener.reading.emit("")
-                return
-            as_it_was = located.where is Whereabouts.FOUND
-            projects.open_take(self._workspace, project, path, take, as_it_was)
-            self._preferences.add_recent(path)
+        def ask(message: str, likely: Sequence[Path]) -> Path | None:
+            return dialogs.ask_take_of_project(self._window, message, likely, path.parent)
 
-        projects.read(self._workspace, path, found, self._show_error)
-
-    def _take_of(self, located: Located, folder: Path) -> Path | None:
-        """The take of a project; the user is asked where that is in doubt."""
-        take = located.path
-        match located.where:
-            case Whereabouts.CHANGED | Whereabouts.MISSING:
-                choices = [*([take] if take is not None else []), *located.others]
-                return dialogs.ask_take_of_project(self._window, located.message, choices, folder)
-            case Whereabouts.MOVED:
-                self._workspace.warning.emit(located.message)
-        return take
+        projects.open_project(self._workspace, path, ask, self._show_error)
 
     def _remember(self, path: Path) -> None:
-        """Where a take was opened from, and which."""
+        """Remember the take and its folder."""
         self._preferences.set_folder("take", path.resolve().parent)
         if not is_demo_take(path) and self._document.project is None:
             self._preferences.add_recent(path)
 
     def fill_recent(self, menu: QMenu) -> None:
-        """List the takes and projects that were opened last and still exist."""
+        """List the takes and projects that were opened recently and still exist."""
         menu.clear()
         for path in self._preferences.recent():
             action = menu.addAction(path.name)
@@ -100,7 +87,7 @@ class FileCommands:
     # --- write -------------------------------------------------------------------------------
 
     def save(self) -> bool:
-        """Save the project; False if the user thought better of it, or it failed."""
+        """Save the project; False if the user cancels or it fails."""
         self._workspace.finish()
         path = self._document.project
         return self._save(path) if path is not None else self.save_as()
@@ -108,11 +95,15 @@ class FileCommands:
     def save_as(self) -> bool:
         """Save the project under a name that the user chooses; False as for `save`."""
         self._workspace.finish()
-        suggestion = self._document.project or self._workspace.suggest("project", "", SUFFIX)
+        suggestion = self._document.project or self._workspace.suggest(
+            "project", "", PROJECT_SUFFIX
+        )
         path = dialogs.ask_save_project(self._window, suggestion)
         return path is not None and self._save(path)
 
     def _save(self, path: Path) -> bool:
+        from faceedit_app.ui.commands import projects
+
         def save(path: Path) -> None:
             projects.save(self._workspace, path)
             self._preferences.add_recent(path)
@@ -120,7 +111,7 @@ class FileCommands:
         return self._write(save, path, "project", "Saved")
 
     def export(self) -> bool:
-        """Export the take; False if the user thought better of it, or it failed."""
+        """Export the take; False if the user cancels or it fails."""
         self._workspace.finish()
         take = self._document.path
         ending = take.suffix if take is not None else ""
@@ -129,20 +120,20 @@ class FileCommands:
         return path is not None and self._write(self._document.export, path, "export", "Exported")
 
     def save_edits(self) -> bool:
-        """Save the list of edits; False if the user thought better of it, or it failed."""
+        """Save the list of edits; False if the user cancels or it fails."""
         self._workspace.finish()
         suggestion = self._workspace.suggest("edits", "_edits", ".json")
         path = dialogs.ask_save_edits(self._window, suggestion)
         return path is not None and self._write(self._document.save_edits, path, "edits", "Saved")
 
     def ask_load_edits(self) -> None:
-        """Add the edits of a file that the user chooses."""
+        """Add the edits in a file that the user chooses."""
         path = dialogs.ask_load_edits(self._window, self._preferences.folder("edits"))
         if path is not None:
             self.load_edits(path)
 
     def load_edits(self, path: Path) -> None:
-        """Add the edits of a file."""
+        """Add the edits in a file."""
         self._write(self._document.load_edits, path, "edits", "Loaded")
 
     def _write(self, work: Callable[[Path], None], path: Path, kind: str, done: str) -> bool:
@@ -158,7 +149,7 @@ class FileCommands:
     # --- close -------------------------------------------------------------------------------
 
     def may_close(self) -> bool:
-        """Ask about edits that would be lost; False if the user wants to stay."""
+        """Ask about edits that would be lost; False if the user cancels."""
         if self._document.is_clean or self._document.path is None:
             return True
         match dialogs.ask_unsaved(self._window, self._document.path.name):
@@ -172,7 +163,7 @@ class FileCommands:
                 return False
 
     def quit(self) -> None:
-        """Close the window, which asks about edits."""
+        """Close the window, which asks about unsaved edits."""
         self._window.close()
 
 
@@ -184,16 +175,16 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Open the take that ships with FaceEdit", needs_take=False),
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),
     Command("save", "&Save project", FileCommands.save, ("Ctrl+S",),
-            "Save the take's edits, view, sound and film as a project", "save",
+            "Save your edits, the view, sound and film as a project", "save",
             starts_group=True),
     Command("save_as", "Save project &as…", FileCommands.save_as, ("Ctrl+Shift+S",),
             "Save the project under another name"),
     Command("export", "&Export…", FileCommands.export, ("Ctrl+E",),
-            "Write the edited take in the format of its source", "export", starts_group=True),
+            "Write the edited take in the format it was opened from", "export", starts_group=True),
     Command("save_edits", "Save list of edi&ts…", FileCommands.save_edits, (),
-            "Save the list of edits, to load it for another take or for “faceedit apply”"),
+            "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),
-            "Add the edits of a file to this take"),
+            "Add the edits in a file to this take"),
     Command("quit", "&Quit", FileCommands.quit, ("Ctrl+Q",), needs_take=False,
             starts_group=True),
 ))

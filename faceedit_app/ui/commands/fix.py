@@ -1,16 +1,15 @@
-"""The Fix menu: one-click fixes, the user's presets, and problems with what would mend them."""
+"""The Fix menu: one-click fixes, the user's presets, and problems with their fixes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
@@ -18,16 +17,19 @@ from faceedit_app.editing.help.presets import (
     save_preset,
     shipped_presets,
 )
-from faceedit_app.editing.help.problems import Problem
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
 from faceedit_app.ui.state.actions import Command, Menu
 
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.edits.edit import Edit
+    from faceedit_app.editing.help.problems import Problem
+
 
 class FixCommands:
-    """Makes edits for the user."""
+    """Applies fixes and presets, and steps through problems."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
@@ -36,13 +38,15 @@ class FixCommands:
     # --- fixes and presets -------------------------------------------------------------------
 
     def apply(self, preset: Preset) -> None:
-        """Make a preset's edits: one undo step. The last is ready to be weakened."""
+        """Make a preset's edits as one step and select them, ready for their strength to be set."""
         edits = self._edits_of(preset)
         if edits:
             self._workspace.add_edits(edits, preset.name)
 
     def _edits_of(self, preset: Preset) -> tuple[Edit, ...]:
         """What a preset would do now."""
+        from faceedit_app.editing.help.fixes import apply_preset
+
         session, line = self._document.session, self._timeline
         if session is None:
             return ()
@@ -50,14 +54,14 @@ class FixCommands:
         return apply_preset(session, preset, self._range_meant(), line.time, line.falloff)
 
     def _range_meant(self) -> tuple[float, float] | None:
-        """The selection; that of an edit in the list only while the playhead is in it."""
+        """The selection; if it is the selected edit's, only while the playhead is in it."""
         selection, page = self._timeline.selection, self._workspace.page
         if selection is None or page is None or not page.edits.is_tied:
             return selection
         return selection if selection[0] <= self._timeline.time <= selection[1] else None
 
     def expression(self) -> None:
-        """Let a slider from sad to smiling be tried out."""
+        """Show the slider from sad to smiling."""
         if self._document.session is None:
             return
         presets = {preset.id: preset for preset in shipped_presets()}
@@ -92,7 +96,7 @@ class FixCommands:
                 action.triggered.connect(lambda _checked=False, p=preset: self._delete(p))
 
     def save_preset(self) -> None:
-        """Keep the edits of the selection, else all of them, under a name."""
+        """Save the edits in the selection, or all of them if nothing is selected, as a preset."""
         session = self._document.session
         if session is None:
             return
@@ -118,18 +122,18 @@ class FixCommands:
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What was found."""
+        """All problems found."""
         page = self._workspace.page
         return page.problems.problems if page is not None else ()
 
     @property
     def problem(self) -> Problem | None:
-        """The one under the playhead."""
+        """The problem at the playhead."""
         page = self._workspace.page
         return page.problems.current_problem if page is not None else None
 
     def step(self, by: int) -> None:
-        """Go to the next problem, or the one before."""
+        """Go to the next problem, or to the previous one."""
         page = self._workspace.page
         if page is not None:
             index = page.problems.step(by)
@@ -145,15 +149,15 @@ class FixCommands:
             self._workspace.message.emit(page.problems.problems[index].message)
 
     def fix_problem(self) -> None:
-        """Show what would mend the problem under the playhead."""
+        """Preview a fix for the problem at the playhead."""
         page, problem = self._workspace.page, self.problem
         if page is not None and problem is not None and problem.fix:
             self._workspace.finish()
-            message = f"{problem.message}. Proposed fix is shown."
+            message = f"{problem.message}. The proposed fix is shown."
             page.proposal.offer(message, problem.fix, "Fix problem")
 
     def fix_all(self) -> None:
-        """Show what would mend all problems."""
+        """Preview fixes for all problems."""
         page = self._workspace.page
         if page is None:
             return
@@ -162,16 +166,16 @@ class FixCommands:
         edits = tuple(edit for problem in fixable for edit in problem.fix)
         if edits:
             count = counted(len(fixable), "problem")
-            page.proposal.offer(f"Proposed fixes of {count} are shown.", edits, f"Fix {count}")
+            page.proposal.offer(f"Proposed fixes for {count} are shown.", edits, f"Fix {count}")
 
     @property
     def has_proposal(self) -> bool:
-        """Whether something is proposed."""
+        """Whether there is a proposal."""
         page = self._workspace.page
         return page is not None and page.proposal.is_open
 
     def accept(self) -> None:
-        """Make what is proposed."""
+        """Accept the proposal."""
         page = self._workspace.page
         if page is not None:
             page.proposal.accept()
@@ -179,14 +183,14 @@ class FixCommands:
             page.problems.search()
 
     def discard(self) -> None:
-        """Drop what is proposed."""
+        """Discard the proposal."""
         page = self._workspace.page
         if page is not None:
             page.proposal.discard()
 
 
 def _fixes() -> Iterator[Command[FixCommands]]:
-    """A command for each preset that ships."""
+    """A command for each shipped preset."""
     groups = [preset.group for preset in shipped_presets()]
     starts = [False, *(one != other for one, other in pairwise(groups))]
     for preset, starts_group in zip(shipped_presets(), starts, strict=True):
@@ -204,28 +208,28 @@ def _fixes() -> Iterator[Command[FixCommands]]:
 # fmt: off
 MENU: Menu[FixCommands] = Menu("Fix", (
     *_fixes(),
-    Command("expression", "Smile or sad by a slider…", FixCommands.expression, ("Ctrl+0",),
-            "Set how happy the mouth is: in the selection, else in the whole take",
+    Command("expression", "S&mile or sad…", FixCommands.expression, ("Ctrl+0",),
+            "Set how happy the mouth looks, in the selection or the whole take",
             starts_group=True),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
-            tip="Keep the edits of the selection under a name, to use them elsewhere"),
+            tip="Save the edits in the selection under a name, to use them elsewhere"),
     Command("next_problem", "&Next problem", lambda do: do.step(1), ("Down",),
-            "Go to the next place that is probably wrong", "down",
+            "Go to the next problem", "down",
             enabled=lambda do: bool(do.problems), starts_group=True),
     Command("previous_problem", "Previous problem", lambda do: do.step(-1), ("Up",),
-            "Go to the place before that is probably wrong", "up",
+            "Go to the previous problem", "up",
             enabled=lambda do: bool(do.problems)),
     Command("fix_problem", "&Fix this problem", FixCommands.fix_problem, ("P",),
-            "Show what would mend the problem at the playhead, to accept or discard",
+            "Preview a fix for the problem at the playhead, to accept or discard",
             enabled=lambda do: do.problem is not None and bool(do.problem.fix)),
     Command("fix_all", "Fix all problems", FixCommands.fix_all, ("Ctrl+Shift+P",),
-            "Show what would mend all problems, to accept or discard",
+            "Preview fixes for all problems, to accept or discard",
             enabled=lambda do: any(problem.fix for problem in do.problems)),
     Command("accept_fix", "Accept the proposal", FixCommands.accept, ("Return", "Enter"),
-            "Make the edits that are proposed", "tick", enabled=lambda do: do.has_proposal),
+            "Make the proposed edits", "tick", enabled=lambda do: do.has_proposal),
     Command("discard_fix", "Discard the proposal", FixCommands.discard, (),
-            "Drop the edits that are proposed (Esc)", "close",
+            "Drop the proposed edits (Esc)", "close",
             enabled=lambda do: do.has_proposal),
 ))
 # fmt: on

@@ -1,4 +1,4 @@
-"""The Help menu: the first steps, the list of shortcuts, and whose work FaceEdit is."""
+"""The Help menu: the first steps, the list of shortcuts, and About."""
 
 from __future__ import annotations
 
@@ -17,12 +17,11 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app import __version__
-from faceedit_app.core.licences import libraries, texts_file
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.palette import ACCENT, MUTED, TEXT
 from faceedit_app.ui.state.actions import Command, Menu
 
-Rows = Iterable[tuple[str, str, str]]  # section, keys or gesture, what it does
+Rows = Iterable[tuple[str, str, str]]  # section, keys or gesture, effect
 
 ABOUT = (
     "Edit tracked facial animation by dragging eight plain curves.",
@@ -31,12 +30,12 @@ ABOUT = (
 )
 LICENCE = (
     "FaceEdit is free software under the MIT licence. It uses the libraries below, each under its"
-    " own licence; some of them, such as PySide6 with Qt and av with FFmpeg, contain others."
+    " own licence; some contain others, such as PySide6 (Qt) and av (FFmpeg)."
 )
 
 
 class HelpCommands:
-    """Shows how FaceEdit is used, and what it is.
+    """Shows how to use FaceEdit, and what it is.
 
     Args:
         rows: all shortcuts and gestures.
@@ -46,7 +45,7 @@ class HelpCommands:
         self._workspace, self._rows = workspace, rows
 
     def first_steps(self) -> None:
-        """Show where things are and what they are for."""
+        """Show the main parts of the window and what they are for."""
         if self._workspace.page is not None:
             self._workspace.page.hints.begin()
 
@@ -55,7 +54,7 @@ class HelpCommands:
         shortcuts_dialog(self._workspace.window, self._rows()).show()
 
     def about(self) -> None:
-        """Say what this is, and whose work is in it."""
+        """Show version, credits and licences."""
         rig = self._workspace.rig
         about_dialog(self._workspace.window, rig.attribution if rig is not None else "").show()
 
@@ -83,13 +82,18 @@ def shortcuts_dialog(parent: QWidget, rows: Rows) -> QDialog:
 
 def about_html(attribution: str) -> str:
     """What this is, whose work is in it, and under which licences."""
+    from faceedit_app.core.licences import (  # brings the standard e-mail parser
+        libraries,
+        texts_file,
+    )
+
     texts = texts_file()
     paragraphs = [
         f"<span style='font-size:18pt; font-weight:600'>FaceEdit</span> {escape(__version__)}",
         *map(escape, ABOUT),
         f"<b>Character.</b> {escape(attribution)}" if attribution else "",
         f"<b>Licences.</b> {escape(LICENCE)}",
-        f"All texts are in {escape(str(texts))}." if texts is not None else "",
+        f"The licence texts are in {escape(str(texts))}." if texts is not None else "",
     ]
     rows = [
         f"<tr><td style='color:{TEXT}'>{escape(library.name)} {escape(library.version)}</td>"
@@ -101,12 +105,12 @@ def about_html(attribution: str) -> str:
 
 
 def about_dialog(parent: QWidget, attribution: str) -> QDialog:
-    """What FaceEdit is."""
+    """The dialog About FaceEdit."""
     return _dialog(parent, "About FaceEdit", about_html(attribution), (580, 520))
 
 
 def _dialog(parent: QWidget, title: str, html: str, size: tuple[int, int]) -> QDialog:
-    """A text to be read, scrolled and copied."""
+    """A dialog with text that can be scrolled and copied."""
     label = QLabel(html)
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
     label.setWordWrap(True)
@@ -131,7 +135,7 @@ def _dialog(parent: QWidget, title: str, html: str, size: tuple[int, int]) -> QD
 # fmt: off
 MENU: Menu[HelpCommands] = Menu("Help", (
     Command("first_steps", "&First steps", HelpCommands.first_steps, (),
-            "Show where things are and what they are for"),
+            "Show the main parts of the window and what they are for"),
     Command("shortcuts", "&Shortcuts", HelpCommands.shortcuts, ("F1",), needs_take=False),
     Command("about", "&About FaceEdit", HelpCommands.about, needs_take=False),
 ))

@@ -1,4 +1,4 @@
-"""All menus of the window: what the menu bar, the shortcuts and docs/shortcuts.md are made from."""
+"""All menus: the source of the menu bar, the shortcuts and docs/shortcuts.md."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MENUS: tuple[Menu[Any], ...] = (
 
 
 class Commands:
-    """The objects that do the commands of one window, by the name of their menu."""
+    """The objects that carry out one window's commands, named after their menus."""
 
     def __init__(self, workspace: Workspace) -> None:
         self.file = file.FileCommands(workspace)
@@ -37,11 +37,11 @@ class Commands:
         self.help = help.HelpCommands(workspace, help_rows)
 
     def menus(self) -> list[tuple[Menu[Any], Any]]:
-        """Each menu, and the object that does its commands."""
+        """Each menu with the object that carries out its commands."""
         return [(menu, getattr(self, menu.name.lower())) for menu in MENUS]
 
 
 def help_rows() -> Iterator[tuple[str, str, str]]:
-    """(menu or place, keys or gesture, what it does) of all that the user can press."""
+    """(menu or place, keys or gesture, effect) of every shortcut and gesture."""
     yield from actions.help_rows(MENUS)
     yield from GESTURES

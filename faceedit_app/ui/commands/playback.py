@@ -19,7 +19,7 @@ class PlaybackCommands:
         self._playback.toggle()
 
     def play_around(self) -> None:
-        """Play the selection, else around the playhead, once; then return."""
+        """Play the selection, or around the playhead, once; then return."""
         self._playback.play_around()
 
     def shuttle(self, direction: int) -> None:
@@ -36,21 +36,21 @@ class PlaybackCommands:
         return self._playback.loop
 
     def loop(self) -> None:
-        """Repeat the selection, or the whole take; or no longer."""
+        """Switch looping of the selection, or of the whole take, on or off."""
         self._playback.set_loop(not self._playback.loop)
 
     @property
     def has_sound(self) -> bool:
-        """Whether there is something to be heard."""
+        """Whether the take has sound that can be heard."""
         return self._workspace.media.sound is not None
 
     @property
     def muted(self) -> bool:
-        """Whether the sound is silenced."""
+        """Whether the sound is muted."""
         return self._sound.muted
 
     def mute(self) -> None:
-        """Silence the take's sound, or let it be heard again."""
+        """Mute or unmute the take's sound."""
         self._sound.set_muted(not self._sound.muted)
 
     # --- the playhead ------------------------------------------------------------------------
@@ -72,7 +72,7 @@ class PlaybackCommands:
         self._timeline.go_to_frame(self._timeline.frames - 1)
 
     def type_time(self) -> None:
-        """Let the user type where to go."""
+        """Let the user type a time to go to."""
         if self._workspace.page is not None:
             self._workspace.page.transport.type_time()
 
@@ -93,34 +93,34 @@ class PlaybackCommands:
 MENU: Menu[PlaybackCommands] = Menu("Playback", (
     Command("play", "&Play / pause", PlaybackCommands.play, ("Space",), "Play or pause", "play"),
     Command("play_around", "Play a&round", PlaybackCommands.play_around, ("/",),
-            "Play the selection, else around the playhead, once; then return"),
+            "Play the selection, or around the playhead, once; then return"),
     Command("rewind", "Play bac&kwards", lambda do: do.shuttle(-1), ("J",),
-            "Play backwards; again: faster"),
+            "Play backwards; press again to go faster"),
     Command("stop", "&Stop", PlaybackCommands.stop, ("K",), "Pause"),
     Command("fast_forward", "Play for&wards", lambda do: do.shuttle(1), ("L",),
-            "Play forwards; again: faster"),
+            "Play forwards; press again to go faster"),
     Command("loop", "&Loop", PlaybackCommands.loop, ("Ctrl+L",),
             "Repeat the selection, or the whole take", "loop", checked=lambda do: do.loops),
     Command("mute", "&Mute sound", PlaybackCommands.mute, ("Ctrl+M",),
-            "Silence the take's sound", "sound", enabled=lambda do: do.has_sound,
+            "Mute the take's sound", "sound", enabled=lambda do: do.has_sound,
             checked=lambda do: do.muted),
-    Command("back", "Frame &back", lambda do: do.step_frames(-1), ("Left",), "One frame back",
+    Command("back", "Frame &back", lambda do: do.step_frames(-1), ("Left",), "Go one frame back",
             "back", starts_group=True),
     Command("forward", "Frame &forward", lambda do: do.step_frames(1), ("Right",),
-            "One frame forward", "forward"),
+            "Go one frame forward", "forward"),
     Command("second_back", "Second back", lambda do: do.step_seconds(-1), ("Shift+Left",),
-            "One second back"),
+            "Go one second back"),
     Command("second_forward", "Second forward", lambda do: do.step_seconds(1), ("Shift+Right",),
-            "One second forward"),
+            "Go one second forward"),
     Command("start", "Go to &start", PlaybackCommands.go_to_start, ("Home",),
             "Go to the first frame", "start"),
     Command("end", "Go to &end", PlaybackCommands.go_to_end, ("End",), "Go to the last frame",
             "end"),
     Command("go_to", "&Go to a time…", PlaybackCommands.type_time, ("G",),
-            "Type where to go: seconds, a frame or a timecode, as times are shown"),
-    Command("mark_start", "Selection starts &here", PlaybackCommands.mark_start, ("I",),
+            "Type a time to go to, in the unit in which times are shown"),
+    Command("mark_start", "Start selection &here", PlaybackCommands.mark_start, ("I",),
             "Start the selection at the playhead", starts_group=True),
-    Command("mark_end", "Selection ends here", PlaybackCommands.mark_end, ("O",),
+    Command("mark_end", "End selection here", PlaybackCommands.mark_end, ("O",),
             "End the selection at the playhead"),
 ))
 # fmt: on

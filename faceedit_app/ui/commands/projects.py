@@ -1,8 +1,8 @@
-"""Project files, saved and opened; what the File menu and the recovery do once all is asked."""
+"""Saving and opening project files, for the File menu and for recovery."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,10 +11,10 @@ from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.files.journal import Pending
 from faceedit_app.editing.files.project import (
-    SUFFIX,
     Located,
     Project,
     ViewState,
+    Whereabouts,
     locate_take,
     read_project,
 )
@@ -22,11 +22,6 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.clock import Unit
-
-
-def is_project(path: Path) -> bool:
-    """Whether a file is a project by its name."""
-    return path.suffix.lower() == SUFFIX
 
 
 def save(workspace: Workspace, path: Path) -> None:
@@ -39,7 +34,7 @@ def save(workspace: Workspace, path: Path) -> None:
 
 
 def view_of(workspace: Workspace) -> ViewState:
-    """How the take is being looked at."""
+    """The current view of the take."""
     line = workspace.timeline
     window = {
         "falloff_out": line.falloff_out,
@@ -50,7 +45,7 @@ def view_of(workspace: Workspace) -> ViewState:
 
 
 def restore_view(workspace: Workspace, view: ViewState) -> None:
-    """Look at the open take as it was looked at."""
+    """Restore the view of the open take."""
     line = workspace.timeline
     try:
         fade_out = Fields(view.ui).number("falloff_out", view.falloff, 0.0)
@@ -67,17 +62,37 @@ def restore_view(workspace: Workspace, view: ViewState) -> None:
     workspace.media.mirror(view.ui.get("mirror_film") is True)
 
 
-def read(
+def open_project(
     workspace: Workspace,
     path: Path,
-    found: Callable[[Project, Located], None],
+    ask: Callable[[str, Sequence[Path]], Path | None],
     failed: Callable[[FaceEditError], None],
 ) -> None:
-    """Read a project and look for its take, in the background."""
+    """Read a project in the background, look for its take, and open it.
 
-    def work() -> tuple[Project, Located]:
+    Args:
+        ask: which file is the take, where that is in doubt; given why it is, and likely ones.
+        failed: is given the error of a project that cannot be read.
+    """
+
+    def read() -> tuple[Project, Located]:
         project = read_project(path)
         return project, locate_take(project, path)
+
+    def found(both: tuple[Project, Located]) -> None:
+        project, located = both
+        take = located.path
+        match located.where:
+            case Whereabouts.CHANGED | Whereabouts.MISSING:
+                likely = [*([take] if take is not None else []), *located.others]
+                take = ask(located.message, likely)
+            case Whereabouts.MOVED:
+                workspace.warning.emit(located.message)
+        if take is None:
+            workspace.opener.reading.emit("")
+            return
+        _open_take(workspace, project, path, take, located.where is Whereabouts.FOUND)
+        workspace.preferences.add_recent(path)
 
     def report(error: Exception) -> None:
         workspace.opener.reading.emit("")
@@ -86,13 +101,13 @@ def read(
         failed(error)
 
     workspace.opener.reading.emit(f"Opening {path.name}…")
-    workspace.background.run(work, lambda both: found(*both), report)
+    workspace.background.run(read, found, report)
 
 
-def open_take(
+def _open_take(
     workspace: Workspace, project: Project, path: Path, take: Path, is_as_it_was: bool
 ) -> None:
-    """Open a project that was read.
+    """Open the take of a project.
 
     Args:
         path: the project's file.
@@ -114,7 +129,7 @@ def open_take(
 
 
 def recover(workspace: Workspace, pending: Pending) -> None:
-    """Open the take of a session that ended without closing, with all that was done to it."""
+    """Open the take of a session that ended in a crash, with its edits."""
 
     def prepare(session: EditSession) -> None:
         session.restore(pending.state)
@@ -123,7 +138,7 @@ def recover(workspace: Workspace, pending: Pending) -> None:
         pending.discard()
         steps = counted(pending.gestures, "step")
         workspace.message.emit(
-            f"Recovered {steps} of {pending.take.name}; Undo takes all back at once"
+            f"Recovered {steps} of {pending.take.name}; a single Undo takes them all back"
         )
         session = workspace.session
         if session is not None and session.fingerprint != pending.fingerprint:

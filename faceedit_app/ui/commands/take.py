@@ -1,14 +1,14 @@
-"""The Take menu: the frame rate of the open take, and the sound and film that belong to it."""
+"""The Take menu: the frame rate, sound and film of the open take."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.retiming import retimed
-from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
 from faceedit_app.formats.timing import RateNeeded
@@ -16,20 +16,23 @@ from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.session import EditSession
+
 
 class TakeCommands:
-    """Asks for frame rates; adds and removes sound and film, also those that are dropped."""
+    """Asks for frame rates; adds and removes sound and film, including dropped files."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._media = workspace, workspace.media
-        self._dropped: list[Path] = []  # to be added when the take that came with them is open
+        self._dropped: list[Path] = []  # to be added once the take dropped with them is open
         workspace.opener.rate_needed.connect(self._ask_needed_rate)
 
     # --- frame rate ----------------------------------------------------------------------------
 
     def _ask_needed_rate(self, needed: RateNeeded, open_at: Callable[..., None]) -> None:
         """Ask for the rate of a take that cannot be opened without one."""
-        question = f"{needed.path.name} {needed.problem}. How many frames make a second?"
+        question = f"{needed.path.name} {needed.problem}. What is its frame rate?"
         window, rate = self._workspace.window, needed.rate
         chosen = dialogs.ask_rate(window, question, needed.frames, rate)
         if chosen is not None:
@@ -40,13 +43,13 @@ class TakeCommands:
             self._workspace.opener.load_character()
 
     def change_rate(self) -> None:
-        """Play the take at another frame rate; its edits stay on their frames."""
+        """Change the take's frame rate; its edits stay on their frames."""
         self._workspace.finish()
         session = self._workspace.session
         if session is None:
             return
         clip, take = session.take.clip, session.take
-        question = f"How many frames of {take.path.name} make a second?"
+        question = f"What is the frame rate of {take.path.name}?"
         rate = dialogs.ask_rate(self._workspace.window, question, len(clip), clip.rate)
         if rate is None or rate == clip.rate:
             return
@@ -71,7 +74,7 @@ class TakeCommands:
 
     @property
     def has_sound(self) -> bool:
-        """Whether the take has a sound."""
+        """Whether the take has sound."""
         return self._media.sound is not None
 
     @property
@@ -80,29 +83,29 @@ class TakeCommands:
         return self._media.film is not None
 
     def remove_sound(self) -> None:
-        """Take the sound away from the take."""
+        """Remove the sound from the take."""
         self._media.remove_sound()
 
     def remove_film(self) -> None:
-        """Take the film away from the take, and the sound that it brought."""
+        """Remove the film from the take, with its sound."""
         self._media.remove_film()
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether the film is shown as in a mirror."""
+        """Whether the film is mirrored."""
         return self._media.mirrored
 
     def mirror_film(self) -> None:
-        """Show the film as in a mirror, or as it is."""
+        """Mirror the film, or show it as it is."""
         self._media.mirror(not self._media.mirrored)
 
-    # --- what comes with a take --------------------------------------------------------------
+    # --- with a take -------------------------------------------------------------------------
 
     def follow(self, take: Take, placement: Placement | None) -> None:
         """A take is open: add what belongs to it, then what was dropped with it.
 
         Args:
-            placement: what its project names; None = what lies beside it.
+            placement: the project's; None: the files found beside the take.
         """
         codes = take.clip.timecodes
         began = start_of_day(codes) if codes else None
@@ -131,16 +134,16 @@ class TakeCommands:
 # fmt: off
 MENU: Menu[TakeCommands] = Menu("Take", (
     Command("frame_rate", "&Frame rate…", TakeCommands.change_rate, (),
-            "How many frames make a second, if the file does not tell it, or tells it wrong"),
+            "Set the take's frame rate, if the file does not give it or gives a wrong one"),
     Command("add_media", "&Add sound or film…", TakeCommands.ask_add, ("Ctrl+Shift+O",),
-            "Put a recording beside the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),
+            "Add sound or film to the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),
     Command("mirror_film", "&Mirror film", TakeCommands.mirror_film,
-            tip="Show the film as in a mirror, where left and right are not those of the face",
+            tip="Flip the film, if its left and right do not match the face",
             enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
-            tip="Take the sound away from the take", enabled=lambda do: do.has_sound,
+            tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
             starts_group=True),
     Command("remove_film", "Remove &film", TakeCommands.remove_film,
-            tip="Take the film away from the take", enabled=lambda do: do.has_film),
+            tip="Remove the film from the take", enabled=lambda do: do.has_film),
 ))
 # fmt: on

@@ -1,4 +1,4 @@
-"""The Tools menu: what a drag on a curve does, and moving a curve by keys."""
+"""The Tools menu: what a drag on a curve does, and moving a curve with the keyboard."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ STEP, FINE_STEP = 0.5, 0.05  # mm
 
 
 class ToolCommands:
-    """Chooses tools; raises and lowers the curve that has the focus."""
+    """Chooses tools; raises and lowers the focused curve."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._tools = workspace, workspace.tools
 
     @property
     def tool(self) -> Tool:
-        """The present tool."""
+        """The current tool."""
         return self._tools.tool
 
     def choose(self, tool: Tool) -> None:
-        """Work with another tool."""
+        """Choose a tool."""
         self._tools.choose(tool)
 
     @property
@@ -30,7 +30,7 @@ class ToolCommands:
         return self._tools.linked
 
     def link(self) -> None:
-        """Edit left and right together, or each on its own."""
+        """Link or unlink left and right."""
         self._tools.link(not self._tools.linked)
 
     @property
@@ -45,7 +45,7 @@ class ToolCommands:
             self._workspace.page.curves.choose_focused()
 
     def nudge(self, millimetres: float) -> None:
-        """Move the curve that has the focus."""
+        """Move the focused curve."""
         page = self._workspace.page
         if page is not None:
             self._workspace.settle()
@@ -55,37 +55,37 @@ class ToolCommands:
 # fmt: off
 MENU: Menu[ToolCommands] = Menu("Tools", (
     Command("tool_move", "&Move", lambda do: do.choose(Tool.MOVE), ("M",),
-            "Drag a curve up or down: it moves there, softly to either side", "tool_move",
+            "Drag a curve up or down; the change fades out on either side", "tool_move",
             checked=lambda do: do.tool is Tool.MOVE),
     Command("tool_draw", "&Draw", lambda do: do.choose(Tool.DRAW), ("D",),
-            "Draw the curve freehand; Ctrl draws at 0: lips or lids touching", "tool_draw",
+            "Draw a curve freehand; hold Ctrl to draw at 0, where lips or lids touch", "tool_draw",
             checked=lambda do: do.tool is Tool.DRAW),
     Command("tool_smooth", "&Smooth", lambda do: do.choose(Tool.SMOOTH), ("S",),
-            "Paint over shaking to calm it: as strong as the slider beside it says",
+            "Paint over a shaky curve to smooth it; the slider sets the strength",
             "tool_smooth", checked=lambda do: do.tool is Tool.SMOOTH),
     Command("tool_scale", "S&cale", lambda do: do.choose(Tool.SCALE), ("X",),
-            "Drag up for larger movements, down for smaller ones", "tool_scale",
+            "Drag up to enlarge movements, down to reduce them", "tool_scale",
             checked=lambda do: do.tool is Tool.SCALE),
     Command("tool_flatten", "&Flatten", lambda do: do.choose(Tool.FLATTEN), ("H",),
-            "Paint to hold the curve where it was pressed", "tool_flatten",
+            "Paint to hold the curve at the value where you pressed", "tool_flatten",
             checked=lambda do: do.tool is Tool.FLATTEN),
     Command("tool_restore", "&Back to tracked", lambda do: do.choose(Tool.RESTORE), ("R",),
-            "Paint over edits to erase them: the face goes back to the recording",
+            "Paint over edits to erase them; the face goes back to the tracked take",
             "tool_restore", checked=lambda do: do.tool is Tool.RESTORE),
     Command("link", "&Left = right", ToolCommands.link, ("U",),
-            "Edit both sides of the face together; hold Alt for one side only", "link",
+            "Edit both sides of the face together; hold Alt to edit one side only", "link",
             checked=lambda do: do.linked, starts_group=True),
     Command("choose_curve", "Edit with &others", ToolCommands.choose_curve,
             tip="Edit the curve that has the focus together with others that are chosen; also: "
             "Ctrl and click its name", checked=lambda do: do.is_curve_chosen),
     Command("raise", "&Raise the curve", lambda do: do.nudge(STEP), ("Ctrl+Up",),
-            "Raise the curve that has the focus by 0.5 mm, at the playhead or in the selection",
+            "Raise the focused curve by 0.5 mm, at the playhead or in the selection",
             starts_group=True),
     Command("lower", "L&ower the curve", lambda do: do.nudge(-STEP), ("Ctrl+Down",),
-            "Lower the curve that has the focus by 0.5 mm"),
+            "Lower the focused curve by 0.5 mm"),
     Command("raise_fine", "Raise a little", lambda do: do.nudge(FINE_STEP), ("Ctrl+Shift+Up",),
-            "Raise the curve that has the focus by 0.05 mm"),
+            "Raise the focused curve by 0.05 mm"),
     Command("lower_fine", "Lower a little", lambda do: do.nudge(-FINE_STEP),
-            ("Ctrl+Shift+Down",), "Lower the curve that has the focus by 0.05 mm"),
+            ("Ctrl+Shift+Down",), "Lower the focused curve by 0.05 mm"),
 ))
 # fmt: on

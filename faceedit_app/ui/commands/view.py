@@ -1,4 +1,4 @@
-"""The View menu: what of the take is in view, how times are shown, and which face from where."""
+"""The View menu: the visible time range, the unit of time, the camera, and which face is shown."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from PySide6.QtGui import QGuiApplication, QImage
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.render import Aim
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
@@ -21,20 +20,20 @@ if TYPE_CHECKING:  # comes with the page, after the first paint
     from faceedit_app.ui.curves import CurvesPanel
     from faceedit_app.ui.face.pane import FacePane
 
-CAMERA, CURVES = "Ca&mera", "C&urves"  # menus inside the menu
+CAMERA, CURVES = "Ca&mera", "C&urves"  # submenus
 ZOOM = 0.7  # of the time in view, per step
 MARGIN = 0.1  # of the selection, on either side of it
 
 
 class ViewCommands:
-    """Acts on what is seen, never on the take."""
+    """Changes the view, never the take."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._timeline = workspace, workspace.timeline
 
     @property
     def face(self) -> FacePane | None:
-        """The picture of the face with its switches, once it is there."""
+        """The face pane, once it is built."""
         page = self._workspace.page
         return page.face if page is not None else None
 
@@ -47,32 +46,32 @@ class ViewCommands:
         return page.curves if page is not None else None
 
     def fit_values(self) -> None:
-        """Let each value axis fit its curve again, as far as that is in view."""
+        """Fit each value axis to the part of its curve in view."""
         if self.curves is not None:
             self.curves.fit_values()
 
     def enlarge_curve(self) -> None:
-        """Show even small movements of the curve that has the focus large, or no longer."""
+        """Enlarge small movements of the focused curve, or stop doing so."""
         if self.curves is not None:
             self.curves.enlarge_focused()
 
     @property
     def is_curve_enlarged(self) -> bool:
-        """Whether it is."""
+        """Whether small movements of the focused curve are enlarged."""
         return self.curves is not None and self.curves.is_focused_enlarged
 
     def show_only_curve(self) -> None:
-        """Hide the other curves."""
+        """Hide all curves but the focused one."""
         if self.curves is not None:
             self.curves.show_only_focused()
 
     def hide_curve(self) -> None:
-        """Hide the curve that has the focus."""
+        """Hide the focused curve."""
         if self.curves is not None:
             self.curves.hide_focused()
 
     def show_all_curves(self) -> None:
-        """Hide no curve."""
+        """Show the hidden curves again."""
         if self.curves is not None:
             self.curves.show_all()
 
@@ -84,7 +83,7 @@ class ViewCommands:
     # --- the time ----------------------------------------------------------------------------
 
     def fit(self) -> None:
-        """Show the selection if there is one that is not yet all there is to see."""
+        """Show the selection; if there is none or it is shown already, the whole take."""
         line = self._timeline
         chosen = line.selection
         if chosen is not None and chosen[1] > chosen[0]:
@@ -101,12 +100,12 @@ class ViewCommands:
         self.fit_values()
 
     def zoom(self, factor: float) -> None:
-        """Scale the time in view around the playhead."""
+        """Zoom in time around the playhead."""
         self._timeline.zoom(factor, self._timeline.time)
 
     @property
     def unit(self) -> Unit:
-        """How times are shown."""
+        """The unit in which times are shown."""
         return self._timeline.clock.unit
 
     def show_time_as(self, unit: Unit) -> None:
@@ -120,19 +119,19 @@ class ViewCommands:
         if self.face is not None:
             self.face.viewport.reset_camera()
 
-    def aim(self, aim: Aim) -> None:
-        """Point the camera at the face from a side, or at a part of it."""
+    def aim(self, aim: str) -> None:
+        """Point the camera at the face from a side, or at a part of it: see `render.Aim`."""
         if self.face is not None:
-            self.face.viewport.aim(aim)
+            self.face.aim(aim)
 
     def copy_picture(self) -> None:
-        """Put the picture of the face on the clipboard, as it is shown."""
+        """Copy the picture of the face to the clipboard, as shown."""
         if (picture := self._picture()) is not None:
             QGuiApplication.clipboard().setImage(picture)
             self._workspace.message.emit("Copied the picture of the face")
 
     def save_picture(self) -> None:
-        """Save the picture of the face, as it is shown."""
+        """Save the picture of the face, as shown."""
         workspace, frame = self._workspace, self._timeline.frame + 1
         picture = self._picture()
         if picture is None:
@@ -163,7 +162,7 @@ class ViewCommands:
             self.face.set_tracked(False)
 
     def show_tracked(self) -> None:
-        """Show the face as tracked, or as edited again."""
+        """Switch between the tracked and the edited face."""
         if self.face is not None:
             self.face.set_tracked(not self.face.shows_tracked)
 
@@ -173,7 +172,7 @@ class ViewCommands:
             self.face.show_both()
 
     def show_difference(self) -> None:
-        """Tint the edited face where it differs from the tracked one, or no longer."""
+        """Switch the tint that shows where the edited face differs from the tracked one."""
         if self.face is not None:
             wanted = not self.face.shows_difference
             self.face.show_difference(wanted)
@@ -187,12 +186,12 @@ class ViewCommands:
     # --- the keyboard ------------------------------------------------------------------------
 
     def focus_curve(self, index: int) -> None:
-        """Give the keyboard to a curve."""
+        """Focus a curve."""
         if self._workspace.page is not None:
             self._workspace.page.curves.focus_curve(index)
 
     def focus_face(self) -> None:
-        """Give the keyboard to the face."""
+        """Focus the viewport."""
         if self.face is not None:
             self.face.viewport.setFocus()
 
@@ -213,70 +212,69 @@ def _shows_edited(do: ViewCommands) -> bool:
 MENU: Menu[ViewCommands] = Menu("View", (
     Command("reset_camera", "&Reset camera", ViewCommands.reset_camera, ("0",),
             "Look at the face from the front", "camera", needs_take=False),
-    Command("camera_left", "&Left side", lambda do: do.aim(Aim.LEFT), ("Shift+L",),
+    Command("camera_left", "&Left side", lambda do: do.aim("left"), ("Shift+L",),
             "Look at the character's left side", submenu=CAMERA),
-    Command("camera_right", "&Right side", lambda do: do.aim(Aim.RIGHT), ("Shift+R",),
+    Command("camera_right", "&Right side", lambda do: do.aim("right"), ("Shift+R",),
             "Look at the character's right side", submenu=CAMERA),
-    Command("camera_mouth", "&Mouth", lambda do: do.aim(Aim.MOUTH), ("Shift+M",),
-            "Look at the mouth from near", submenu=CAMERA),
-    Command("camera_eyes", "&Eyes", lambda do: do.aim(Aim.EYES), ("Shift+E",),
-            "Look at the eyes from near", submenu=CAMERA),
+    Command("camera_mouth", "&Mouth", lambda do: do.aim("mouth"), ("Shift+M",),
+            "Look closely at the mouth", submenu=CAMERA),
+    Command("camera_eyes", "&Eyes", lambda do: do.aim("eyes"), ("Shift+E",),
+            "Look closely at the eyes", submenu=CAMERA),
     Command("fit", "&Zoom to fit", ViewCommands.fit, ("F",),
-            "Show the whole take, or the selection", "fit"),
+            "Show the selection or the whole take", "fit"),
     Command("fit_values", "Fit &values", lambda do: do.fit_values(), ("Shift+F",),
-            "Let each value axis show what is in view"),
+            "Fit each value axis to what is in view"),
     Command("view_all", "View &all", ViewCommands.view_all, ("Shift+A",),
-            "Show the whole take, with all of its values"),
+            "Show the whole take with all its values"),
     Command("zoom_in", "Zoom &in", lambda do: do.zoom(ZOOM), ("+", "="),
             "Show less time around the playhead", "zoom_in"),
     Command("zoom_out", "Zoom &out", lambda do: do.zoom(1 / ZOOM), ("-",),
             "Show more time around the playhead", "zoom_out"),
     Command("unit_seconds", "&Seconds", lambda do: do.show_time_as(Unit.SECONDS),
-            tip="Time in seconds", checked=lambda do: do.unit is Unit.SECONDS,
+            tip="Show times in seconds", checked=lambda do: do.unit is Unit.SECONDS,
             submenu="Show &time as"),
     Command("unit_frames", "&Frames", lambda do: do.show_time_as(Unit.FRAMES),
-            tip="Time in frames, counted from 1", checked=lambda do: do.unit is Unit.FRAMES,
+            tip="Show times in frames, counted from 1", checked=lambda do: do.unit is Unit.FRAMES,
             submenu="Show &time as"),
     Command("unit_timecode", "&Timecode", lambda do: do.show_time_as(Unit.TIMECODE),
-            tip="Time as the recording tells it", checked=lambda do: do.unit is Unit.TIMECODE,
+            tip="Show times as the take's timecode", checked=lambda do: do.unit is Unit.TIMECODE,
             submenu="Show &time as"),
     Command("show_edited", "Show &edited face", ViewCommands.show_edited,
             tip="Show the face with your edits", checked=_shows_edited, starts_group=True),
     Command("show_tracked", "Show &tracked face", ViewCommands.show_tracked, ("T",),
-            "Show the face as tracked instead of as edited; hold B for a glance",
+            "Show the tracked face instead of the edited one; hold B to show it briefly",
             checked=lambda do: do.face is not None and do.face.shows_tracked),
     Command("show_both", "Show &both faces", ViewCommands.show_both, ("Shift+T",),
             "Show the tracked face beside the edited one",
             checked=lambda do: do.face is not None and do.face.shows_both),
     Command("show_difference", "Show &difference", ViewCommands.show_difference, ("Ctrl+T",),
-            "Tint the edited face where and how far it is from the tracked one",
+            "Tint the edited face by its distance from the tracked one",
             checked=lambda do: do.face is not None and do.face.shows_difference),
     *(
         Command(f"curve_{index + 1}", f"&{index + 1} {control.label}",
                 partial(ViewCommands.focus_curve, index=index),
                 (control.key,) if control.key else (),
-                f"Give the keyboard to the curve “{control.label}”", submenu="Focus a &curve")
+                f"Focus the curve “{control.label}”", submenu="Focus a &curve")
         for index, control in enumerate(CONTROLS)
     ),
     Command("enlarge_curve", "&Enlarge small movements", ViewCommands.enlarge_curve,
-            tip="Show even small movements of the curve that has the focus large; also: "
-            "double-click its name", checked=lambda do: do.is_curve_enlarged, submenu=CURVES,
-            ),
+            tip="Enlarge small movements of the focused curve; or double-click its name",
+            checked=lambda do: do.is_curve_enlarged, submenu=CURVES),
     Command("show_only_curve", "Show &only this curve", ViewCommands.show_only_curve,
-            tip="Hide all curves but the one that has the focus, and those edited with it",
+            tip="Hide all curves but the focused one and those edited with it",
             enabled=lambda do: do.shown_curves > 1, submenu=CURVES),
     Command("hide_curve", "&Hide this curve", ViewCommands.hide_curve,
-            tip="Hide the curve that has the focus", enabled=lambda do: do.shown_curves > 1,
+            tip="Hide the focused curve", enabled=lambda do: do.shown_curves > 1,
             submenu=CURVES),
     Command("show_all_curves", "Show &all curves", ViewCommands.show_all_curves,
-            tip="Show the curves that were hidden",
+            tip="Show the hidden curves again",
             enabled=lambda do: do.shown_curves < len(CONTROLS), submenu=CURVES),
-    Command("focus_face", "Look around by &keys", ViewCommands.focus_face, ("9",),
-            "Give the keyboard to the face: arrows turn it, + and - zoom; Esc gives it back"),
+    Command("focus_face", "Move camera with &keys", ViewCommands.focus_face, ("9",),
+            "Move the camera: arrows orbit, + and - zoom; Esc returns to the curves"),
     Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,
-            tip="Put the picture of the face on the clipboard, as it is shown",
+            tip="Copy the picture of the face to the clipboard, as shown",
             enabled=lambda do: do.has_picture, starts_group=True),
-    Command("save_picture", "Sa&ve picture…", ViewCommands.save_picture,
+    Command("save_picture", "&Save picture…", ViewCommands.save_picture,
             tip="Save the picture of the face as PNG, as it is shown",
             enabled=lambda do: do.has_picture),
 ))

@@ -1,4 +1,4 @@
-"""What commands act on: the state of the window, and the page with the open take."""
+"""What commands act on: the window's state and its page."""
 
 from __future__ import annotations
 
@@ -9,9 +9,6 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.resources import is_demo_take
-from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.undo import MediaSteps
@@ -23,7 +20,10 @@ from faceedit_app.ui.state.take_opener import TakeOpener
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
-if TYPE_CHECKING:  # the page brings pyqtgraph along; the window is there before it
+if TYPE_CHECKING:  # the window is there before the solver, and before pyqtgraph with the page
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.edits.edit import Edit
+    from faceedit_app.editing.session import EditSession
     from faceedit_app.ui.page.editor import Editor
 
 
@@ -31,11 +31,11 @@ class Workspace(QObject):
     """All state of one window.
 
     Attributes:
-        window: questions are asked over it.
-        page: what shows the open take; None until it is built, after the first paint.
+        window: the parent of dialogs.
+        page: None until it is built, after the first paint.
 
     Signals:
-        message(str): something went well, or why nothing was done: for the status bar.
+        message(str): what was done, or why nothing was, for the status bar.
         warning(str): something the user should know, for the banner.
     """
 
@@ -58,7 +58,7 @@ class Workspace(QObject):
         self._keep_volume()
 
     def _keep_volume(self) -> None:
-        """Sound is as loud as it was last."""
+        """Restore the volume, and remember changes to it."""
         player, (volume, muted) = self.sound_player, self.preferences.volume()
         player.set_volume(volume)
         player.set_muted(muted)
@@ -66,7 +66,7 @@ class Workspace(QObject):
 
     @property
     def session(self) -> EditSession | None:
-        """The open take's."""
+        """The open take's session."""
         return self.document.session
 
     @property
@@ -75,7 +75,7 @@ class Workspace(QObject):
         return self.opener.rig
 
     def suggest(self, kind: str, tail: str, ending: str) -> Path:
-        """A file name beside the take; the demo's folder belongs to the installation.
+        """A file name beside the take; for the demo take, in another folder.
 
         Args:
             kind: of the file, see `Preferences.folder`.
@@ -87,22 +87,24 @@ class Workspace(QObject):
         return folder / f"{take.stem}{tail}{ending}"
 
     def add_edits(self, edits: tuple[Edit, ...], name: str, step: str = "") -> None:
-        """Make edits as one step. They are selected, ready to be weakened.
+        """Make edits as one step and select them, ready for their strength to be set.
 
         Args:
-            name: theirs, and the step's if that has none of its own.
-            step: what Undo and Redo call it.
+            name: of the edits, for the message, and of the step unless `step` is given.
+            step: its name in Undo and Redo.
         """
         self.document.act(lambda session: session.add(*edits, name=step or name))
         if self.page is not None:
             self.page.edits.select_new(len(edits))
         start, end = min(e.start for e in edits), max(e.end for e in edits)
-        self.message.emit(f"{name}: {start:.2f} to {end:.2f} s; its strength is beside the list")
+        self.message.emit(
+            f"{name}: {start:.2f} to {end:.2f} s; set its strength beside the list of edits"
+        )
 
     # --- gestures in progress ----------------------------------------------------------------
 
     def drop_gesture(self) -> bool:
-        """Drop a drag in progress, else hints or a proposal; False if there was none of them."""
+        """Cancel the drag in progress, or close hints or a proposal; False if there is none."""
         if self.page is None:
             return False
         if self.page.curves.is_dragging:
@@ -111,18 +113,18 @@ class Workspace(QObject):
         return self.page.drop()
 
     def settle(self) -> None:
-        """Bring gestures outside of the curves to their end."""
+        """Commit gestures in progress outside the curves."""
         self.media_steps.settle()
         if self.page is not None:
             self.page.settle()
 
     def finish(self) -> None:
-        """Drop a drag in progress and bring other gestures to their end."""
+        """Cancel a drag in progress and commit other gestures."""
         self.drop_gesture()
         self.settle()
 
     def close(self) -> None:
-        """Stop what is running and free the graphics memory."""
+        """Stop everything and free the graphics memory."""
         self.playback.pause()
         self.sound_player.close()
         self.media.clear()

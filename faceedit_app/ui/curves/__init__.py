@@ -1,6 +1,6 @@
-"""The curves panel: one pyqtgraph plot a control on one time axis, and editing by dragging.
+"""The curves panel: a pyqtgraph plot for each control on one time axis, edited by dragging.
 
-`CurvesPanel` is all that the window needs. Inside, from plain to Qt:
+`CurvesPanel` is all that the window uses. Inside, from pure functions to Qt:
 `scale`, `value_range`, `ticks`, `gestures`, `tools`, `edges` and `visible_curves` are pure
 functions and small objects that know no Qt; `time_view`, `axes`, `lines` and `marks` are small
 subclasses of pyqtgraph's items; `plot`, `ruler`, `range_bar`, `header` and `legend` are the

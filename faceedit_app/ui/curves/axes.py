@@ -1,4 +1,4 @@
-"""pyqtgraph's axes, as the curves panel numbers them: millimetres, times and frames."""
+"""The axes of the curves panel: millimetres, times and frames."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from faceedit_app.ui.state.clock import Clock, Unit, label
 Levels = list[tuple[float, list[float]]]  # spacing and values of each level of ticks
 
 _FRAME_SPACING = 34.0  # pixels between two frame numbers
-_FRAME_CLOSEST = 9.0  # pixels between two frames, below which they are not marked
+_FRAME_CLOSEST = 9.0  # least pixels between two marked frames
 _TICK_CLOSEST = 5.0
 _TICK, _FRAME_TICK = 9, 4  # pixels
 _TIME_OFFSET = 9  # pixels between the ticks of the times and their numbers
-_BEYOND = 10_000  # pixels over the ends at which pyqtgraph leaves a number out
+_BEYOND = 10_000  # pixels beyond the ends, where pyqtgraph omits a number
 
 
 class ValueAxis(pg.AxisItem):
-    """Millimetres left of a plot: numbers alone, none of them cut off."""
+    """Millimetres left of a plot: only numbers, none of them cut off."""
 
     def __init__(self) -> None:
         super().__init__("left", textPen=style.MUTED)
@@ -60,15 +60,15 @@ class ValueAxis(pg.AxisItem):
         return None if specs is None else (specs[0], [], specs[2])
 
     def tickSpacing(self, low: float, high: float, size: float) -> list[tuple[float, float]]:
-        """Round steps that leave room for the numbers."""
+        """Round steps, wide enough for the numbers."""
         return [(nice_step((high - low) * style.VALUE_SPACING / size), 0.0)]
 
 
 class GridLines(ViewItem):
     """A thin line across the plot at each number of an axis.
 
-    The axis can draw them itself, but paints and measures all of them for every change of a
-    curve: 30 ms for eight plots.
+    The axis could draw them itself, but would measure and paint all of them for every change of
+    a curve: 30 ms for eight plots.
     """
 
     def __init__(self, axis: ValueAxis) -> None:
@@ -77,7 +77,7 @@ class GridLines(ViewItem):
         super().__init__()
 
     def forget(self) -> None:
-        """The numbers are elsewhere."""
+        """Redraw: the numbers have moved."""
         self._lines = None
         super().forget()
 
@@ -96,12 +96,12 @@ class GridLines(ViewItem):
 
 
 class _InsideAxis(pg.AxisItem):
-    """A time axis in the view itself, whose first and last number are pushed inside.
+    """A time axis inside the view; keeps the first and last number inside, too.
 
     Args:
         color: of the numbers.
         tick: pixels of the ticks.
-        offset: pixels from the ends of the ticks to the numbers over them.
+        offset: pixels from the ends of the ticks to the numbers above them.
     """
 
     def __init__(self, color: str, tick: int, offset: int) -> None:
@@ -119,17 +119,17 @@ class _InsideAxis(pg.AxisItem):
         )
 
     def show_clip(self, clip: Clip | None) -> None:
-        """Count the frames of a clip."""
+        """Number the frames of a clip."""
         self.clip = clip
         self.renew()
 
     def renew(self) -> None:
-        """Number it again."""
+        """Recompute the numbers."""
         self.picture = None
         self.update()
 
     def generateDrawSpecs(self, painter: QPainter) -> Any:
-        """pyqtgraph's specifications, with every number inside and none over another."""
+        """pyqtgraph's specifications, with all numbers inside and none overlapping."""
         specs = super().generateDrawSpecs(painter)
         if specs is None:
             return None
@@ -142,20 +142,20 @@ class _InsideAxis(pg.AxisItem):
         return axis, ticks, kept
 
     def _at(self, frames: list[int]) -> list[float]:
-        """Seconds of frames."""
+        """The times of frames, in seconds."""
         assert self.clip is not None
         return [float(self.clip.times[frame]) for frame in frames]
 
 
 class TimeAxis(_InsideAxis):
-    """Times, in the unit that the user chose."""
+    """Times in the chosen unit."""
 
     def __init__(self, clock: Clock) -> None:
         super().__init__(style.LABEL, _TICK, _TIME_OFFSET)
         self._clock = clock
 
     def show_ticks(self, shown: bool) -> None:
-        """Whether it has ticks; the numbers stay where they are."""
+        """Show or hide the ticks; the numbers stay in place."""
         length = _TICK if shown else 0
         if self.style["tickLength"] != length:
             self.setStyle(tickLength=length, tickTextOffset=_TIME_OFFSET + _TICK - length)
@@ -177,7 +177,7 @@ class TimeAxis(_InsideAxis):
         return [(1.0, self._at(numbered)), (0.5, self._at(marked))]
 
     def tickStrings(self, values: list[float], scale: float, spacing: float) -> list[str]:
-        """What the times are called."""
+        """The labels of times."""
         unit = self._clock.unit
         if unit is Unit.SECONDS or self.clip is None:
             return [time_label(seconds, spacing) for seconds in values]
@@ -185,7 +185,7 @@ class TimeAxis(_InsideAxis):
 
 
 class FrameAxis(_InsideAxis):
-    """The frames under the times, where they are far enough apart."""
+    """Frame numbers under the times, if the frames are far enough apart."""
 
     def __init__(self) -> None:
         super().__init__(style.MUTED, _FRAME_TICK, 1)
@@ -197,7 +197,7 @@ class FrameAxis(_InsideAxis):
         return frame_spacing(self.clip.times, view, width) >= _FRAME_CLOSEST
 
     def tickValues(self, first: float, last: float, size: float) -> Levels:
-        """The times of the frames: those with a number, and the others."""
+        """The times of frames, with a number and without."""
         if self.clip is None:
             return []
         view, closest = (first, last), _FRAME_CLOSEST
@@ -205,6 +205,6 @@ class FrameAxis(_InsideAxis):
         return [(1.0, self._at(numbered)), (0.5, self._at(marked))]
 
     def tickStrings(self, values: list[float], scale: float, spacing: float) -> list[str]:
-        """The frames' numbers."""
+        """The frame numbers."""
         assert self.clip is not None
         return [label(self.clip, seconds, Unit.FRAMES) for seconds in values]

@@ -1,4 +1,4 @@
-"""The time selection's four edges: which one the pointer is at, and what dragging it does."""
+"""The selection's four edges: which one is under the pointer, and what dragging it does."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from enum import Enum
 from faceedit_app.ui.curves.gestures import FINE, Span, clamped
 from faceedit_app.ui.curves.scale import Interval, Scale
 
-GRASP = 5.0  # pixels to either side of an edge that grab it
+GRASP = 5.0  # pixels on either side of an edge within which it is grabbed
 
 
 class Edge(Enum):
-    """What of the selection is dragged; `BODY` is all of it."""
+    """A part of the selection that can be dragged; `BODY` is all of it."""
 
     FADE_IN = "fade in"
     START = "start"
@@ -22,7 +22,7 @@ class Edge(Enum):
 
 
 def edge_times(span: Span) -> dict[Edge, float]:
-    """Where the four edges stand, in seconds."""
+    """The times of the four edges, in seconds."""
     return {
         Edge.START: span.start,
         Edge.END: span.end,
@@ -32,9 +32,9 @@ def edge_times(span: Span) -> dict[Edge, float]:
 
 
 def edge_at(x: float, scale: Scale, span: Span) -> Edge | None:
-    """The edge under a pixel, the nearest if several are; of equals, the one to the pixel's side.
+    """The edge nearest to a pixel, if any; of equals, the one on the pixel's side.
 
-    Where a falloff is 0 its edge lies on the hold's; outside of both, the falloff is grabbed.
+    The edge of a falloff of 0 lies on the hold's; outside both, the falloff's is grabbed.
     """
     found = {edge: scale.x_of(at) - x for edge, at in edge_times(span).items()}
     near = {edge: apart for edge, apart in found.items() if abs(apart) <= GRASP}
@@ -59,8 +59,8 @@ class EdgeDrag:
         before: the selection at the press, for Esc.
         limits: first and last second of the take.
         span: the selection now.
-        at: seconds under the pointer now.
-        place: seconds where the edge is: the pointer, but for fine moves.
+        at: seconds under the pointer.
+        place: seconds of the edge; differs from the pointer after fine moves.
     """
 
     edge: Edge
@@ -71,7 +71,7 @@ class EdgeDrag:
     place: float
 
     def moved(self, seconds: float, fine: bool, frame: float | None = None) -> EdgeDrag:
-        """The pointer went to a time; `frame` is that of the nearest frame, to snap to."""
+        """The pointer moved to a time; `frame` is the time of the nearest frame, to snap to."""
         place = self.place + (seconds - self.at) * (FINE if fine else 1.0)
         target = place if frame is None else frame
         span = _dragged(self.edge, self.before, self.limits, target, self.press)
@@ -79,7 +79,7 @@ class EdgeDrag:
 
     @property
     def press(self) -> float:
-        """Seconds that the held edge, or the start of the selection, was at."""
+        """Seconds of the held edge, or of the selection's start, at the press."""
         return _place_of(self.edge, self.before)
 
 

@@ -1,7 +1,7 @@
-"""What the mouse means, without Qt: small frozen objects that say what should happen.
+"""The gestures of the mouse, without Qt: small frozen objects.
 
-A gesture begins with a press, takes each move by returning its next self, and is asked at the
-end what came of it. Widgets translate events into these calls and do as they are told.
+A gesture begins with a press, returns its next state for each move, and finally gives its edit.
+Widgets only translate events into these calls.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.scale import Interval
 
-CLICK_SLOP = 3.0  # pixels that a hand moves while it only means to click
-FINE = 0.1  # Shift makes the hand ten times as steady
-MAGNET = 9.0  # pixels from which a value snaps
+CLICK_SLOP = 3.0  # pixels that the pointer may move during a click
+FINE = 0.1  # factor on the pointer's movement, with Shift
+MAGNET = 9.0  # pixels within which a value snaps
 ZOOM_STEP = 0.85  # per notch of the wheel
 PAN_STEP = 0.1  # of the view, per notch
 FALLOFF_STEP = 1.2  # per notch
@@ -26,12 +26,12 @@ LEAST_FALLOFF = 0.02  # seconds; below, a falloff is 0
 
 @dataclass(frozen=True)
 class Pointer:
-    """Where the mouse is on a plot, in pixels, and what the keys held with it mean.
+    """The pointer on a plot, in pixels, with the modifier keys.
 
     Attributes:
-        fine: Shift: ten times as steady.
-        snap: Ctrl: to frames, to the tracked curve, to touching.
-        one_side: Alt: this side only, of the face or of the falloffs.
+        fine: Shift: move ten times finer.
+        snap: Ctrl: snap to frames, to the tracked curve, to touching.
+        one_side: Alt: only this side of the face, or only this falloff.
     """
 
     x: float
@@ -43,11 +43,11 @@ class Pointer:
 
 @dataclass(frozen=True)
 class Span:
-    """Where an edit acts: in full from `start` to `end` seconds, fading before and after.
+    """The time range of an edit: a hold from `start` to `end` seconds, and the falloffs around it.
 
     Attributes:
         falloff: seconds of fading in.
-        falloff_out: seconds of fading out; as long as fading in if it is None.
+        falloff_out: seconds of fading out; None: as long as fading in.
     """
 
     start: float
@@ -62,7 +62,7 @@ class Span:
 
     @property
     def ends(self) -> Interval:
-        """First and last second that the edit changes."""
+        """First and last second of the span."""
         return self.start - self.falloff, self.end + self.fade_out
 
     def edit(
@@ -72,7 +72,7 @@ class Span:
         value: float = 0.0,
         points: tuple[tuple[float, float], ...] = (),
     ) -> Edit:
-        """The edit that acts here."""
+        """An edit with this span."""
         fade_out = None if self.falloff_out == self.falloff else self.falloff_out
         times = self.start, self.end, self.falloff
         return Edit(controls, op, *times, value, falloff_out=fade_out, points=points)
@@ -81,7 +81,7 @@ class Span:
 def span_at(
     seconds: float, selection: Interval | None, falloff: float, falloff_out: float | None = None
 ) -> Span:
-    """What a press at a frame's time would edit: the selection it lies in, else that frame."""
+    """The span that a press edits: the selection if the press is inside it, else that frame."""
     if selection is not None:
         span = Span(*selection, falloff, falloff_out)
         if span.ends[0] <= seconds <= span.ends[1]:
@@ -90,22 +90,22 @@ def span_at(
 
 
 def clamped(value: float, limits: Interval) -> float:
-    """The value, or the limit that it is beyond."""
+    """The value, clamped to the limits."""
     return min(max(value, limits[0]), limits[1])
 
 
 class Held:
-    """A gesture that acts from the first to the last second of its hold."""
+    """A gesture with a hold."""
 
     hold: Interval
 
     def span(self, falloff: float, falloff_out: float | None = None) -> Span:
-        """Where the edit acts."""
+        """The span of the edit."""
         return Span(*self.hold, falloff, falloff_out)
 
 
 class VerticalDrag(Held):
-    """One that becomes an edit by going up or down."""
+    """A gesture that becomes an edit by moving up or down."""
 
     press: tuple[float, float]
     at: tuple[float, float]
@@ -113,27 +113,27 @@ class VerticalDrag(Held):
 
     @property
     def is_click(self) -> bool:
-        """Whether a release now is a click."""
+        """Whether a release now would be a click."""
         return not self.moving and abs(self.at[0] - self.press[0]) <= CLICK_SLOP
 
 
 @dataclass(frozen=True)
 class CurveDrag(VerticalDrag):
-    """Left press on a curve: an edit once the mouse has moved up or down, else a click.
+    """Left press on a curve: an edit once the pointer has moved up or down, until then a click.
 
     Attributes:
         control: id of the curve.
         time: seconds of the frame under the press.
-        hold: first and last second of the edit's full strength.
+        hold: first and last second of the hold.
         press: pixels of the press.
-        at: pixels of the pointer now.
-        mm_per_pixel: fixed at the press: the hand counts alike while an axis stretches.
-        limits: millimetres that it may move at most, down and up: what a face can do.
-        others: ids of the curves that move along.
-        magnets: millimetres of moving at which it snaps: back on the tracked curve, touching.
-        value: millimetres moved so far, by the hand.
+        at: pixels of the pointer.
+        mm_per_pixel: fixed at the press, so that a stretching axis does not change it.
+        limits: least and greatest move in millimetres, from what a face can do.
+        others: ids of the curves that move with it.
+        magnets: moves in millimetres that it snaps to: onto the tracked curve, to touching.
+        value: millimetres moved so far, before limits and snapping.
         moving: whether it has become an edit.
-        snapping: whether the magnets attract.
+        snapping: whether it snaps to the magnets.
     """
 
     control: str
@@ -150,7 +150,7 @@ class CurveDrag(VerticalDrag):
     snapping: bool = False
 
     def moved(self, x: float, y: float, fine: bool, snap: bool = False) -> CurveDrag:
-        """The pointer went to a pixel. Fine counts from here on only, so nothing jumps."""
+        """The pointer moved to a pixel; `fine` applies to this move only, so nothing jumps."""
         step = (self.at[1] - y) * self.mm_per_pixel * (FINE if fine else 1.0)
         moving = self.moving or abs(y - self.press[1]) > CLICK_SLOP
         value = self.value + step
@@ -158,7 +158,7 @@ class CurveDrag(VerticalDrag):
 
     @property
     def amount(self) -> float:
-        """Millimetres that the edit moves the curves: within limits, snapped if wanted."""
+        """Millimetres that the edit moves the curves by, after limits and snapping."""
         value = self.value
         if self.snapping and self.magnets:
             nearest = min(self.magnets, key=lambda magnet: abs(magnet - value))
@@ -168,24 +168,24 @@ class CurveDrag(VerticalDrag):
 
     @property
     def controls(self) -> tuple[str, ...]:
-        """Ids of all curves that move, in the order of the plots."""
+        """Ids of all curves that move, in plot order."""
         return tuple(c for c in CONTROL_IDS if c == self.control or c in self.others)
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
-        """The edit as it stands, or None while there is nothing to do."""
+        """The edit so far, or None while it changes nothing."""
         if not self.moving or self.amount == 0.0:
             return None
         return self.span(falloff, falloff_out).edit(self.controls, Op.OFFSET, self.amount)
 
     @property
     def words(self) -> str:
-        """How far it is."""
+        """The move, for the label beside the pointer."""
         return f"{self.amount:+.1f} mm"
 
 
 def moved_together(control: str, chosen: Iterable[str], linked: bool) -> tuple[str, ...]:
-    """The curves that a gesture on one edits: all chosen ones if it is one of them, and, where
-    left and right are linked, their mirrors; in the order of the plots."""
+    """The curves that a gesture on one edits, in plot order: all chosen ones if it is among them,
+    and their mirrors if left and right are linked."""
     mine = set(chosen) if control in chosen else {control}
     if linked:
         mine |= {MIRRORED_CONTROL[name] for name in mine}
@@ -194,7 +194,7 @@ def moved_together(control: str, chosen: Iterable[str], linked: bool) -> tuple[s
 
 @dataclass(frozen=True)
 class Pan:
-    """Middle press: the time under the pointer stays under it."""
+    """Middle press: pans, keeping the same time under the pointer."""
 
     press: float
     view: Interval
@@ -219,7 +219,7 @@ class RulerDrag:
 
 
 class WheelMeans(Enum):
-    """What a turn of the wheel is for."""
+    """What a turn of the wheel does."""
 
     FALLOFF = "falloff"
     ZOOM_TIME = "zoom time"
@@ -228,7 +228,7 @@ class WheelMeans(Enum):
 
 
 def wheel_means(dragging: bool, shift: bool, ctrl: bool) -> WheelMeans:
-    """During a drag the wheel sets the falloff; Shift pans, Ctrl zooms the values, else time."""
+    """The falloff during a drag; otherwise pan with Shift, zoom values with Ctrl, zoom time."""
     if dragging:
         return WheelMeans.FALLOFF
     if shift:
@@ -237,12 +237,12 @@ def wheel_means(dragging: bool, shift: bool, ctrl: bool) -> WheelMeans:
 
 
 def zoom_factor(notches: float) -> float:
-    """How the visible range scales; away from the user is closer."""
+    """Factor on the visible range; turning away from the user zooms in."""
     return float(ZOOM_STEP**notches)
 
 
 def stepped_falloff(falloff: float, notches: float) -> float:
-    """The falloff after a turn of the wheel; it gets down to 0 and up from it."""
+    """The falloff after a turn of the wheel; it can reach 0 and leave it."""
     if notches > 0:
         falloff = max(falloff, LEAST_FALLOFF / FALLOFF_STEP)
     stepped = falloff * float(FALLOFF_STEP**notches)

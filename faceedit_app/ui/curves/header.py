@@ -1,4 +1,4 @@
-"""The head of a plot's row: region, name, and value at the playhead."""
+"""The header of a plot: region colour, name, and value at the playhead."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _TEXT_LEFT = 12
 _WIDEST = "88.8 mm"  # of the values
 _APART = 3.0  # pixels between name and value
 _NAME_SIZES = (0.92, 0.86, 0.8, 0.74)  # of the widget's font
-# Pixels that three lines may move together: rows differ by a pixel, and should all look alike.
+# Pixels that three lines may move closer: rows differ by a pixel but should look the same.
 _SQUEEZE = 6.0
 _LEFT = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
 _RIGHT = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
@@ -32,15 +32,15 @@ _MIDDLE = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter | Qt.Te
 
 @dataclass(frozen=True)
 class Layout:
-    """Where name, value and remark are written; the name gets two lines if it needs them.
+    """Places of name, value and note; the name gets two lines if it needs them.
 
-    In a tall row they are one block, centred; the remark has its place whether there is one or
-    not: names must not hop in playback. In a low row the value stands right of the name.
+    In a tall row they form one centred block, always with room for the note, so that names do
+    not jump during playback. In a low row the value is right of the name.
 
     Attributes:
-        name_font, value_font: the remark is in the name's.
-        name, value, note: where each is written; no note if there is no room.
-        is_low: whether the value stands beside the name.
+        name_font, value_font: the note uses the name's.
+        name, value, note: their places; None for a note without room.
+        is_low: whether the value is beside the name.
     """
 
     name_font: QFont
@@ -59,7 +59,8 @@ class Layout:
         metrics, bold = QFontMetricsF(name), QFontMetricsF(value)
         name_height = metrics.boundingRect(room, _LEFT, label).height()
         text_height = name_height + bold.height()
-        if 2 * metrics.height() + bold.height() > height:  # for names of two lines: all alike
+        # Room for names of two lines, even if this one is shorter, so that all rows match.
+        if 2 * metrics.height() + bold.height() > height:
             return cls._low(widget, label, room)
         with_note = text_height + metrics.height() <= height + _SQUEEZE
         whole = text_height + (metrics.height() if with_note else 0.0)
@@ -71,7 +72,7 @@ class Layout:
 
     @classmethod
     def _low(cls, widget: QWidget, label: str, room: QRectF) -> Layout:
-        """Side by side; names get as small as they must."""
+        """Side by side; the name is made as small as necessary."""
         value = style.scaled_font(widget, 0.92, bold=True)
         wide = QFontMetricsF(value).horizontalAdvance(_WIDEST)
         beside = QRectF(room.right() - wide, 0.0, wide, room.height())
@@ -87,12 +88,12 @@ def _fits(text: str, font: QFont, room: QRectF) -> bool:
 
 
 class Header(QWidget):
-    """Stands left of a plot, as tall as it.
+    """Left of a plot, with the same height.
 
     Signals:
-        close_up_asked(): double click: show small movements large, or no longer.
-        picked(bool): a click: this curve has the focus; True: it is added to the chosen ones.
-        menu_asked(place): a right click, and where it was on the screen.
+        close_up_asked(): double click: switch the enlargement of small movements.
+        picked(bool): a click: focus this curve; True: add it to the chosen ones, or remove it.
+        menu_asked(place): a right click, and its place on the screen.
     """
 
     close_up_asked = Signal()
@@ -113,59 +114,59 @@ class Header(QWidget):
         self.show_missing("")
 
     def show_missing(self, why: str) -> None:
-        """Disable the row and say why, or enable it again if `why` is empty."""
+        """Disable the row and show why, or enable it if `why` is empty."""
         self.setEnabled(not why)
         self.setToolTip(
             why
             or f"{self.control.hint}\nDouble click: enlarge small movements.\n"
-            "Ctrl+click: choose several curves, to edit them together."
+            "Ctrl+click: choose several curves to edit together."
         )
 
     def show_value(self, value: str, note: str = "") -> None:
-        """Show the value at the playhead, and a remark on it."""
+        """Show the value at the playhead, and a note on it."""
         if (value, note) != (self.value, self.note):
             self.value, self.note = value, note
             self.setAccessibleDescription(f"{value} at the playhead. {self.control.hint}")
             self.update()
 
     def show_active(self, active: bool) -> None:
-        """Light up with the plot that the pointer is on."""
+        """Highlight the header together with the plot under the pointer."""
         if active != self._active:
             self._active = active
             self.update()
 
     def show_chosen(self, chosen: bool) -> None:
-        """Whether it is one of several curves that are edited together."""
+        """Mark the curve as one of those chosen to be edited together."""
         if chosen != self._chosen:
             self._chosen = chosen
             self.update()
 
     def _layout(self) -> Layout:
-        """Measured once for each size and font."""
+        """Computed once for each size and font."""
         key = self.width(), self.height(), self.font().key()
         if self._measured is None or self._measured[0] != key:
             self._measured = key, Layout.of(self, self.control.label)
         return self._measured[1]
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the focus; with Ctrl join the curves that are edited together."""
+        """Focus the curve; with Ctrl, choose it."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.picked.emit(bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier))
         event.accept()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Show small movements large."""
+        """Enlarge small movements."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.close_up_asked.emit()
         event.accept()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """What can be done with the curve."""
+        """Ask for the curve's menu."""
         self.menu_asked.emit(event.globalPos())
         event.accept()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Bar, name, value."""
+        """Paint bar, name and value."""
         layout = self._layout()
         color = self.control.color
         with QPainter(self) as painter:

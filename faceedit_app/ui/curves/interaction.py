@@ -1,4 +1,4 @@
-"""From gestures on the plots to edits of the session and moves of the timeline."""
+"""Turns gestures on the plots into edits of the session and changes of the timeline."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from faceedit_app.ui.curves.tools import Gesture, Press, begin, move
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool, Tools
 
-# Seconds between two previews: a mouse can report a thousand moves a second, a screen shows 60.
+# Seconds between two previews: a mouse may report 1000 moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016
-_NOTHING = 1e-9  # mm: nudges up and down that lead back
+_NOTHING = 1e-9  # mm: nudges up and down that cancel out
 CURSORS = {
     Tool.MOVE: Qt.CursorShape.SizeVerCursor,
     Tool.SCALE: Qt.CursorShape.SizeVerCursor,
@@ -38,10 +38,10 @@ CURSORS = {
 
 
 class Interaction(QObject):
-    """What the left button does on the plots.
+    """Handles the left button on the plots.
 
     Signals:
-        changed(): the pointer or the drag are elsewhere; nothing in the session changed.
+        changed(): the pointer or the drag moved; the session did not change.
     """
 
     changed = Signal()
@@ -57,12 +57,12 @@ class Interaction(QObject):
         self._timeline, self._tools, self._edges = timeline, tools, edges
         self.session: EditSession | None = None
         self.drag: Gesture | None = None
-        self.plot: CurvePlot | None = None  # that the pointer is on, or that is dragged
+        self.plot: CurvePlot | None = None  # under the pointer, or being dragged
         self.focused: str | None = None
-        self.chosen: frozenset[str] = frozenset()  # curves that are edited together
+        self.chosen: frozenset[str] = frozenset()  # ids of curves to edit together
         self._x = 0.0  # pixels of the pointer, in its plot
-        self._came_from = 0  # the playhead's frame before the drag
-        self._shown = 0.0  # seconds where the drag has put it
+        self._came_from = 0  # playhead's frame before the drag
+        self._shown = 0.0  # seconds to which the drag moved the playhead
         self._last_preview = 0.0
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
@@ -76,7 +76,7 @@ class Interaction(QObject):
 
     @property
     def hover_time(self) -> float | None:
-        """Seconds of the frame under the pointer, or of the one that is dragged."""
+        """Seconds of the frame under the pointer, or of the one being dragged."""
         if self.drag is not None:
             return self._timeline.snap(self.drag.time)
         if self.plot is None or self.session is None or self._edges.is_dragging:
@@ -85,7 +85,7 @@ class Interaction(QObject):
 
     @property
     def span(self) -> Span | None:
-        """Where the drag acts, or a press now would."""
+        """The span of the drag, or of a press now."""
         line = self._timeline
         if self.drag is not None:
             return self.drag.span(line.falloff, line.falloff_out)
@@ -117,19 +117,19 @@ class Interaction(QObject):
             self._begin(plot, pointer)
 
     def drag_to(self, plot: CurvePlot, pointer: Pointer) -> None:
-        """Go on with the gesture."""
+        """Continue the gesture."""
         if self._edges.is_dragging:
             self._edges.move(plot.current_scale, pointer)
             self.changed.emit()
         elif self.drag is not None:
             self._drag_to(pointer)
             if self.is_dragging:
-                self._preview_soon()  # and marks with it: all plots are painted once, not twice
+                self._preview_soon()  # and marks with it, so that plots are painted once, not twice
             else:
                 self.changed.emit()
 
     def release(self, plot: CurvePlot, pointer: Pointer) -> None:
-        """Keep the edit, or take a press that never moved for a click."""
+        """Commit the edit, or treat a press that never moved as a click."""
         if self._edges.is_dragging:
             self._edges.release()
         elif self.drag is not None:
@@ -151,7 +151,7 @@ class Interaction(QObject):
         self.changed.emit()
 
     def let_go(self) -> None:
-        """The button went up where nobody saw it: keep what was dragged until then."""
+        """The release was lost: end the gesture and keep its result."""
         self._edges.release()
         if self.drag is None:
             return
@@ -161,7 +161,7 @@ class Interaction(QObject):
             self.cancel()
 
     def turn(self, plot: CurvePlot, pointer: Pointer, notches: float) -> None:
-        """Both falloffs; with Alt (which some systems turn sideways) the pointer's side only."""
+        """Change both falloffs; with Alt (sideways on some systems) only the pointer's side."""
         line, span = self._timeline, self.span
         fade_in = stepped_falloff(line.falloff, notches)
         fade_out = stepped_falloff(line.falloff_out, notches)
@@ -172,13 +172,13 @@ class Interaction(QObject):
         line.set_falloffs(fade_in, fade_out)
 
     def leave(self, plot: CurvePlot) -> None:
-        """The pointer went elsewhere."""
+        """The pointer left the plot."""
         if not self.is_held and self.plot is plot:
             self.plot = None
             self.changed.emit()
 
     def cancel(self) -> None:
-        """Drop the drag in progress: curves, edges and playhead go back to where they were."""
+        """Cancel the drag in progress, and restore curves, edges and playhead."""
         drag, self.drag = self.drag, None
         self._timer.stop()
         self._edges.cancel()
@@ -205,7 +205,7 @@ class Interaction(QObject):
     def _press(
         self, plot: CurvePlot, time: float, at: tuple[float, float], one_side: bool = False
     ) -> Press:
-        """What a gesture needs to know of the curve at a time."""
+        """What a gesture needs to know about the curve at a time."""
         session, control = self.session, plot.control.id
         assert session is not None
         frame, column = session.take.clip.frame_at(time), CONTROL_INDEX[control]
@@ -224,7 +224,7 @@ class Interaction(QObject):
     # --- the keyboard ----------------------------------------------------------------------
 
     def nudge(self, plot: CurvePlot, millimetres: float) -> None:
-        """Move a curve at the playhead, or the selection it stands in; nudges in a row are one."""
+        """Move a curve at the playhead, or in the selection around it; a run is one step."""
         session, line = self.session, self._timeline
         if session is None or self.is_held:
             return
@@ -246,7 +246,7 @@ class Interaction(QObject):
             self._show_edited_frame()
 
     def _show_edited_frame(self) -> None:
-        """The face beside the curves must show the frame that is being changed."""
+        """Make the viewport show the frame being changed."""
         assert self.drag is not None
         self._came_from = self._timeline.frame
         self._shown = self.drag.time
@@ -278,14 +278,14 @@ class Interaction(QObject):
             self._preview_soon()
 
     def _preview_soon(self) -> None:
-        """At most one preview per frame of the screen; the timer brings the last one."""
+        """Preview at most once per screen refresh; the timer delivers the last one."""
         if not self._timer.isActive():
             wait = self._last_preview + PREVIEW_INTERVAL - monotonic()
             self._timer.start(max(0, round(1000 * wait)))
 
     def _preview(self) -> None:
         if self.drag is not None and self.session is not None:
-            if self.drag.time != self._shown:  # a pen or brush went on
+            if self.drag.time != self._shown:  # a pen or brush has moved on
                 self._shown = self.drag.time
                 self._timeline.go_to_time(self._shown)
             self.session.preview(self._edit())

@@ -1,4 +1,4 @@
-"""One line over the plots: what the lines are, and what the mouse would do just now."""
+"""A row over the plots: a legend of the lines, and a hint on what the mouse would do now."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from faceedit_app.ui.curves import style
 _SAMPLE = 22.0  # pixels of line
 _SPACE = 16.0
 _EXPLANATION = (
-    "Thin grey: the curve as tracked. Dashed white: what your edits ask for. "
+    "Thin grey: the curve as tracked. Dashed white: what you asked for. "
     "Solid: what the face does; blue is the lower face, orange the eyelids."
 )
 
 
 class Legend(QWidget):
-    """Explains the three lines in words."""
+    """Explains the three lines."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -29,13 +29,13 @@ class Legend(QWidget):
         self.setAccessibleDescription(_EXPLANATION)
 
     def show_hint(self, hint: str) -> None:
-        """Say what the mouse would do."""
+        """Show what the mouse would do."""
         if hint != self.hint:
             self.hint = hint
             self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Samples with their words, then the hint in what room is left."""
+        """Paint samples with labels, then the hint in the remaining room."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), style.color(style.BACKGROUND))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
@@ -56,7 +56,7 @@ class Legend(QWidget):
         painter.drawText(room, flags, hint)
 
     def _sample(self, painter: QPainter, x: float, pens: tuple[QPen, ...], words: str) -> float:
-        """One line and its words; returns where the next one starts."""
+        """Paint one line and its label; returns where the next one starts."""
         middle = 0.5 * self.height()
         for i, pen in enumerate(pens):
             painter.setPen(pen)

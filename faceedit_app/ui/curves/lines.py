@@ -14,13 +14,13 @@ from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.view_item import ViewItem
 from faceedit_app.ui.curves.visible_curves import EMPTY, Lines, Polyline
 
-_EDGE = 5.0  # pixels at most from the middle of a line to its edge
+_EDGE = 5.0  # greatest pixels from the centre of a line to its edge
 
 
 class CurveLines(ViewItem):
-    """Draws tracked, face and asked; repaints only between the moments that changed.
+    """Draws the tracked, face and asked-for lines; repaints only between the times that changed.
 
-    pyqtgraph's own curve items cost three times as much: one each, and wide pens (see `Stroke`).
+    pyqtgraph's own curve items take three times as long: one per line, and wide pens (`Stroke`).
     """
 
     def __init__(self, color: str) -> None:
@@ -33,7 +33,7 @@ class CurveLines(ViewItem):
         self._asked = Stroke(style.asked_pen())
 
     def show_lines(self, lines: Lines) -> None:
-        """Draw these."""
+        """Set the lines to draw."""
         self.lines = lines
         changed = (
             self._tracked.show_line(lines.tracked),
@@ -62,7 +62,7 @@ class CurveLines(ViewItem):
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Draw the lines, the face over the take and what is asked for over the face."""
+        """Draw the lines, from back to front: tracked, face, asked for."""
         ratio = painter.device().devicePixelRatioF()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
         for stroke in (self._tracked, self._face, self._asked):
@@ -70,11 +70,11 @@ class CurveLines(ViewItem):
 
 
 class Stroke:
-    """Draws a hairline several times, fractions of a pixel apart.
+    """Draws a wide line as several hairlines, fractions of a pixel apart.
 
-    Qt has a fast path for antialiased lines up to one pixel wide. Any wider, it computes the
-    outline with all its joints, which takes 20 times as long for 200 points and 200 times for
-    2,000; drawn as single segments instead, the joints show as beads.
+    Qt draws antialiased lines up to one pixel wide on a fast path. For wider ones it computes the
+    outline with all its joints, which takes 20 times as long for 200 points and 200 times as
+    long for 2,000. Drawn as single segments, the joints would show as beads.
 
     Args:
         pen: colour, dashes, and the width in pixels of a screen with 96 dots per inch.
@@ -86,7 +86,7 @@ class Stroke:
         self._hair: tuple[float, QPen] = (0.0, pen)
 
     def show_line(self, line: Polyline) -> Interval | None:
-        """Draw other points; returns between which seconds that can be seen, None for nowhere."""
+        """Set the points; returns first and last second of the visible change, None if none."""
         changed = line.changed_from(self._line)
         if changed is not None:
             self._line = line
@@ -99,10 +99,10 @@ class Stroke:
         return changed
 
     def paint(self, painter: QPainter, ratio: float) -> None:
-        """Draw it, in its full width unless it fills its pixel columns anyway.
+        """Draw the line, in full width unless it fills its pixel columns anyway.
 
         Args:
-            ratio: dots of the screen to a pixel.
+            ratio: screen dots per pixel.
         """
         if len(self._line.x) < 2:
             return
@@ -129,7 +129,7 @@ def _polygon(line: Polyline) -> QPolygonF:
 
 
 def _hairline(pen: QPen, ratio: float) -> QPen:
-    """The pen, one dot of the screen wide, with dashes that look as long as on any other."""
+    """The pen, one screen dot wide, with dashes of the same length on every screen."""
     hair = QPen(pen.color(), 1.0)
     hair.setCosmetic(True)
     if pen.dashPattern():
@@ -139,7 +139,7 @@ def _hairline(pen: QPen, ratio: float) -> QPen:
 
 @lru_cache(maxsize=8)
 def offsets(width: float) -> list[tuple[float, float]]:
-    """Where to draw a line of 1 pixel so that it looks `width` pixels wide in any direction."""
+    """Offsets of 1-pixel lines that together look `width` pixels wide in any direction."""
     if width <= 1:
         return [(0.0, 0.0)]
     radius = 0.5 * (width - 1)

@@ -1,4 +1,4 @@
-"""What stands on the time axis besides curves: selection, gaps, playhead, handles."""
+"""Items on the time axis other than curves: selection, gaps, playhead, handles."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ from faceedit_app.ui.curves.view_item import ViewItem
 
 LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is in view
 _NONE = QPen(Qt.PenStyle.NoPen)
-_FAINTEST = 0.12  # of a span's strength, at the ends of its falloffs
+_FAINTEST = 0.12  # factor on a span's opacity at the ends of its falloffs
 
 
 class SpanRegion(pg.LinearRegionItem):
     """A span of time with four edges: its hold, and the falloffs on either side.
 
-    Its fill fades as an edit there fades. pyqtgraph's own two lines stay hidden: as items of
-    their own, four edges take as long to paint as the curves.
+    Its fill fades as the edit does. pyqtgraph's own two lines stay hidden: as separate items, four
+    edges would take as long to paint as the curves.
 
     Args:
         color: of the fill.
@@ -61,7 +61,7 @@ class SpanRegion(pg.LinearRegionItem):
         self.hide()
 
     def show_span(self, span: Span | None, alpha: int) -> None:
-        """Show it, or nothing; the fill's strength is 0..255."""
+        """Show a span, or None; `alpha` is the opacity of the fill, 0..255."""
         if (span, alpha) == self._shown:
             return
         self._shown = span, alpha
@@ -75,7 +75,7 @@ class SpanRegion(pg.LinearRegionItem):
         self.update()
 
     def viewRangeChanged(self) -> None:
-        """Other seconds or millimetres are in view."""
+        """Fit the height of the view, and stay at least one pixel wide."""
         self._rect = None
         self.prepareGeometryChange()
 
@@ -85,7 +85,7 @@ class SpanRegion(pg.LinearRegionItem):
         self.viewRangeChanged()
 
     def boundingRect(self) -> QRectF:
-        """From the first to the last second that an edit changes, as high as the view."""
+        """The whole span, hold and falloffs."""
         if self._rect is None:
             view = self.getViewBox()
             if view is None:
@@ -132,25 +132,25 @@ class SpanRegion(pg.LinearRegionItem):
 @lru_cache(maxsize=16)
 def _stops(span: Span, first: float, last: float) -> list[tuple[float, float]]:
     """(position 0..1, strength 0..1) along one of a span's falloffs."""
-    # The edit's own mask, so that the picture cannot tell another story than the result.
+    # The edit's own mask, so that the picture always matches the result.
     ramp = np.linspace(0.0, 1.0, 7)
     mask = span.edit((LIP_OPENING,), Op.OFFSET).mask(first + ramp * (last - first))
     return [(float(p), float(s)) for p, s in zip(ramp, mask, strict=True)]
 
 
 def selection_region() -> SpanRegion:
-    """The selection: edges that can be seen on any curve."""
+    """The selection: its edges are visible on any curve."""
     falloff = QPen(style.color(style.SELECTION, 90), 0, Qt.PenStyle.DashLine)
     return SpanRegion(style.SELECTION, style.hairline(style.SELECTION, 190), falloff)
 
 
 def edit_region() -> SpanRegion:
-    """Where an edit acts, or would act."""
+    """The span of an edit, actual or possible."""
     return SpanRegion(style.EDITED, falloff=style.hairline(style.EDITED, 100))
 
 
 class Gaps(ViewItem):
-    """Hatches what the recording lost."""
+    """Hatches the gaps."""
 
     def __init__(self, alpha: int) -> None:
         super().__init__()
@@ -159,7 +159,7 @@ class Gaps(ViewItem):
         self._fill = style.color(style.GAP, alpha // 6)
 
     def show_gaps(self, gaps: Sequence[Interval]) -> None:
-        """From the last second before each gap to the first after it."""
+        """Hatch from the last frame before each gap to the first after it."""
         self._gaps = gaps
         self.setVisible(bool(gaps))
         self.update()
@@ -167,7 +167,7 @@ class Gaps(ViewItem):
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Hatch in pixels: a pattern would be stretched with the seconds."""
+        """Hatch in pixels: a pattern in seconds would be stretched."""
         view, place = self.boundingRect(), painter.transform()
         painter.resetTransform()
         for first, last in self._gaps:
@@ -214,10 +214,10 @@ class Playhead(pg.InfiniteLine):
 
 
 class Marker(QGraphicsPathItem):
-    """A small shape that is as large at any scale.
+    """A small shape with the same size at any scale.
 
     Args:
-        shape: around where it stands, in pixels.
+        shape: around its position, in pixels.
         fill, edge: colours.
     """
 
@@ -243,7 +243,7 @@ def dot(radius: float, fill: str, edge: str) -> Marker:
 
 
 def grip() -> Marker:
-    """What one grabs to scrub, with its point on the playhead's foot."""
+    """The handle for scrubbing, pointing at the playhead."""
     shape = QPainterPath()
     corners = [(0.5, 0.0), (-4.5, -5.0), (-4.5, -10.0), (5.5, -10.0), (5.5, -5.0)]
     shape.addPolygon(QPolygonF([QPointF(x, y) for x, y in corners]))
@@ -254,7 +254,7 @@ def grip() -> Marker:
 class Numbers(QGraphicsItem):
     """Lines of numbers beside a point, kept inside the plot.
 
-    pyqtgraph's text items lay out a document for each change, which takes longer than the curves.
+    pyqtgraph's text items lay out a document for each change, which is slower than the curves.
     """
 
     def __init__(self, font: QFont) -> None:
@@ -277,11 +277,11 @@ class Numbers(QGraphicsItem):
         self.setPos(point)
 
     def boundingRect(self) -> QRectF:
-        """Where they stand, from the point."""
+        """Their box, relative to the point."""
         return self._box.adjusted(-1.0, -1.0, 1.0, 1.0)
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Draw them on their ground."""
+        """Draw them on their background."""
         draw_tag(painter, self._box, self._lines, self._font)

@@ -1,4 +1,4 @@
-"""What strips on the time axis that are no pyqtgraph plots paint as the plots show it."""
+"""Painting for strips on the time axis that are not pyqtgraph plots, to match the plots."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _APART = 14.0  # pixels between a point and its numbers
 
 
 def draw_selection(painter: QPainter, scale: Scale, span: Span) -> None:
-    """The selected range, with edges that can be seen on any curve, and its falloffs."""
+    """Draw the selection, with its edges and falloffs."""
     first, last = (scale.x_of(t) for t in (span.start, span.end))
     painter.fillRect(
         QRectF(first, 0.0, max(last - first, 1.0), scale.height), style.color(style.SELECTION, 34)
@@ -32,7 +32,7 @@ def draw_selection(painter: QPainter, scale: Scale, span: Span) -> None:
 
 
 def draw_playhead(painter: QPainter, scale: Scale, seconds: float) -> None:
-    """The line of the frame on screen, on whole pixels so that it is crisp."""
+    """Draw the playhead, on whole pixels so that it is crisp."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     painter.setPen(style.hairline(style.PLAYHEAD, 215))
     x = round(scale.x_of(seconds))
@@ -40,7 +40,7 @@ def draw_playhead(painter: QPainter, scale: Scale, seconds: float) -> None:
 
 
 def tag_box(at: QPointF, scale: Scale, lines: tuple[str, ...], font: QFont) -> QRectF:
-    """Where lines of numbers stand beside a pixel: right of it, or left if there is no room."""
+    """The box for lines of numbers: right of a pixel, or left of it if there is no room."""
     metrics = QFontMetricsF(font)
     width = max(metrics.horizontalAdvance(line) for line in lines) + 12.0
     height = metrics.height() * len(lines) + 6.0
@@ -52,7 +52,7 @@ def tag_box(at: QPointF, scale: Scale, lines: tuple[str, ...], font: QFont) -> Q
 
 
 def draw_tag(painter: QPainter, box: QRectF, lines: tuple[str, ...], font: QFont) -> None:
-    """Lines of numbers on a ground of their own."""
+    """Draw lines of numbers on their own background."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(style.color(style.TAG, 225))
@@ -63,7 +63,7 @@ def draw_tag(painter: QPainter, box: QRectF, lines: tuple[str, ...], font: QFont
 
 
 def turn_wheel(timeline: Timeline, seconds: float, event: QWheelEvent) -> WheelMeans:
-    """Zoom or pan the time axis as a wheel event over `seconds` says; returns what it meant."""
+    """Zoom or pan the time axis for a wheel event over `seconds`; returns which it was."""
     modifiers = event.modifiers()
     across, notches = event.angleDelta().x() / 120.0, event.angleDelta().y() / 120.0
     shift = bool(modifiers & Qt.KeyboardModifier.ShiftModifier)

@@ -1,4 +1,4 @@
-"""The curves panel: legend, ruler and plots, kept in step with timeline and session."""
+"""The curves panel: legend, ruler and plots, in sync with timeline and session."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool, Tools
 
-_APART = 0.05  # mm between two lines from which on the header mentions it
+_APART = 0.05  # least mm between two lines for a note in the header
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
 _IDLE_HINTS = {
     Tool.MOVE: "Drag a curve up or down to change the face",
     Tool.DRAW: "Draw a curve freehand",
-    Tool.SMOOTH: "Paint over a curve to calm its shaking",
-    Tool.SCALE: "Drag a curve up for larger movements, down for smaller ones",
-    Tool.FLATTEN: "Paint over a curve to hold it where you pressed",
-    Tool.RESTORE: "Paint over edits to go back to the take as tracked",
+    Tool.SMOOTH: "Paint over a shaky curve to smooth it",
+    Tool.SCALE: "Drag a curve up to enlarge movements, down to reduce them",
+    Tool.FLATTEN: "Paint over a curve to hold it at the value where you pressed",
+    Tool.RESTORE: "Paint over edits to go back to the tracked take",
 }
 
 
 class CurvesPanel(QWidget):
     """The controls' curves on one time axis; dragging them edits the session.
 
-    The window opens the clip on the timeline and gives the session; the panel shows both. Call
-    `refresh` when the session announces that it shows something else, in a drag as well.
+    The page opens the clip on the timeline and sets the session; the panel shows both. Call
+    `refresh` whenever the session changes, also during a drag.
 
     Signals:
         reshaped(): an edge of the selection is being dragged.
         reshape_ended(): it was released.
-        curve_menu_asked(place): a right click on the curve that has the focus now.
+        curve_menu_asked(place): a right click on a curve, which now has the focus.
         name_menu_asked(place): on its name.
         time_menu_asked(place): on the ruler, or on the bar under it.
     """
@@ -65,10 +65,10 @@ class CurvesPanel(QWidget):
         self.timeline = timeline
         self.tools = tools or Tools(self)
         self.session: EditSession | None = None
-        self._impossible: dict[str, str] | None = None  # why, by control; None = not shown yet
+        self._impossible: dict[str, str] | None = None  # why, by control; None: not shown yet
         self._width = 0.0  # seconds in view
         self._curves: VisibleCurves | None = None
-        self._columns = 0  # of the screen's dots
+        self._columns = 0  # screen dots across a plot
         self._shown: frozenset[str] = frozenset(CONTROL_IDS)  # rows
         self._edges = SelectionMouse(timeline, self)
         self._mouse = Interaction(timeline, self.tools, self._edges, self)
@@ -133,7 +133,7 @@ class CurvesPanel(QWidget):
         self._edges.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
 
-    # --- what the window uses --------------------------------------------------------------
+    # --- for the page ----------------------------------------------------------------------
 
     @property
     def is_dragging(self) -> bool:
@@ -142,16 +142,16 @@ class CurvesPanel(QWidget):
 
     @property
     def chosen_controls(self) -> tuple[str, ...]:
-        """Ids of the curves that are edited together by name; empty for one at a time."""
+        """Ids of the curves chosen to be edited together; empty if none."""
         return tuple(c for c in CONTROL_IDS if c in self._mouse.chosen)
 
     @property
     def focused_control(self) -> str | None:
-        """Id of the control whose curve was last hovered, clicked or reached by Tab."""
+        """Id of the control whose curve was last hovered, clicked or reached with Tab."""
         return self._mouse.focused
 
     def focus_curve(self, index: int) -> None:
-        """Give the keyboard to one of the curves."""
+        """Focus a curve; if it is hidden, show it."""
         control = self.plots[index].control.id
         if control in self._possible - self._shown:
             self._show_rows(self._shown | {control})
@@ -164,16 +164,16 @@ class CurvesPanel(QWidget):
         return self.plots[CONTROL_INDEX.get(self._mouse.focused or "", 0)]
 
     def nudge(self, millimetres: float) -> None:
-        """Move the curve that has the focus, at the playhead or in the selection there."""
+        """Move the focused curve, at the playhead or in the selection around it."""
         self._mouse.nudge(self._focused, millimetres)
 
     @property
     def is_focused_chosen(self) -> bool:
-        """Whether the curve that has the focus is edited together with others."""
+        """Whether the focused curve is chosen, to be edited together with others."""
         return self._focused.control.id in self._mouse.chosen
 
     def choose_focused(self) -> None:
-        """Edit the curve that has the focus together with other chosen ones, or no longer."""
+        """Choose the focused curve, or remove it from the chosen ones."""
         self._choose(self._mouse.chosen ^ {self._focused.control.id})
 
     def _choose(self, chosen: frozenset[str]) -> None:
@@ -196,36 +196,36 @@ class CurvesPanel(QWidget):
         return frozenset(CONTROL_IDS) - frozenset(missing)
 
     def show_only_focused(self) -> None:
-        """Hide all curves but the one that has the focus, and those edited with it."""
+        """Hide all curves but the focused one and those edited with it."""
         self._show_rows(frozenset(self._mouse.edited_from(self._focused.control.id)))
 
     def hide_focused(self) -> None:
-        """Hide the curve that has the focus; one always stays."""
+        """Hide the focused curve, unless it is the last one."""
         self._show_rows(self._shown - {self._focused.control.id} or self._shown)
 
     def show_all(self) -> None:
-        """Hide no curve."""
+        """Show all curves that the character has."""
         self._show_rows(self._possible)
 
     def _show_rows(self, shown: frozenset[str]) -> None:
-        """What is hidden is not edited along either, unless it is a mirror."""
+        """Show these rows; hidden curves are no longer chosen."""
         self._shown = shown
         self._rows.show_rows(shown)
         self._choose(self._mouse.chosen & shown)
 
     @property
     def is_reshaping(self) -> bool:
-        """Whether an edge of the selection is being put elsewhere."""
+        """Whether an edge of the selection is being moved."""
         return self._edges.is_changing
 
     def add_row(self, head: QWidget, strip: QWidget) -> None:
-        """Put another strip on the time axis, under the curves."""
+        """Add a strip on the time axis, under the curves."""
         row = self._grid.rowCount()
         self._grid.addWidget(head, row, 0)
         self._grid.addWidget(strip, row, 1)
 
     def cancel_drag(self) -> None:
-        """Drop the drag in progress, if any."""
+        """Cancel the drag in progress, if any."""
         self.range_bar.cancel()
         self._mouse.cancel()
 
@@ -252,7 +252,7 @@ class CurvesPanel(QWidget):
         self._show_view()
 
     def _show_impossible_curves(self) -> None:
-        """Curves that the character or the take cannot have take no mouse, and say why."""
+        """Disable curves that the character or the take lacks, and show why."""
         why: dict[str, str] = {}
         if self.session is not None:
             why = {control: str(lack) for control, lack in self.session.lacks.items()}
@@ -266,29 +266,29 @@ class CurvesPanel(QWidget):
             header.show_missing(reason)
 
     def refresh(self) -> None:
-        """The session's arrays changed: draw them; axes fit once no gesture is in progress."""
+        """Draw the session again; axes fit once no gesture is in progress."""
         if self._curves is not None:
             self._curves.refresh()
-        self._show_impossible_curves()  # networks that arrive know better what a take can do
+        self._show_impossible_curves()  # the engine, once loaded, knows what the take lacks
         self._show_lines()
         self._fit_axes()
         self._show_state()
 
     def fit_values(self) -> None:
-        """Let all value axes fit what is in view, also where the user chose other values."""
+        """Fit all value axes to what is in view, also those that the user set."""
         self._axes.release(self.plots)
 
     @property
     def is_focused_enlarged(self) -> bool:
-        """Whether the curve that has the focus is shown as large as makes sense."""
+        """Whether small movements of the focused curve are enlarged."""
         return self._focused.close_up
 
     def enlarge_focused(self) -> None:
-        """Show even small movements of the curve that has the focus large, or no longer."""
+        """Enlarge small movements of the focused curve, or stop doing so."""
         self._axes.toggle_close_up(self._focused)
 
     def let_go(self) -> None:
-        """The mouse is lost to another window: what was dragged until then is kept."""
+        """The mouse is lost to another window: end drags and keep their result."""
         for part in (self._mouse, self.range_bar, self.ruler):
             part.let_go()
 
@@ -300,12 +300,12 @@ class CurvesPanel(QWidget):
         self._show_state()
 
     def _pick(self, plot: CurvePlot, add: bool) -> None:
-        """A click on a name gives the focus; with Ctrl curves are chosen, or no longer."""
+        """A click on a name focuses its curve; with Ctrl it chooses the curve, or removes it."""
         self._take_focus(plot)
         self._choose(self._mouse.chosen ^ {plot.control.id} if add else frozenset())
 
     def _ask_curve_menu(self, plot: CurvePlot, seconds: float, place: QPoint) -> None:
-        """The menu acts here: on this curve, at this moment, unless that is selected."""
+        """Make the menu act on this curve at this time, or on the selection around it."""
         self._take_focus(plot)
         selection = self._edges.span
         if selection is None or not selection.start <= seconds <= selection.end:
@@ -321,7 +321,7 @@ class CurvesPanel(QWidget):
         self._mouse.focused = plot.control.id
 
     def _show_view(self) -> None:
-        """Value axes follow a zoom; a pan only makes them room, so that it does not shake."""
+        """Fit value axes after a zoom; a pan only extends them, so that curves do not shake."""
         first, last = self.timeline.view
         zoomed = abs((last - first) - self._width) > 1e-6
         self._width = last - first
@@ -333,7 +333,7 @@ class CurvesPanel(QWidget):
         self._show_state()
 
     def _show_columns(self) -> None:
-        """More or fewer dots show more or fewer points."""
+        """Show as many points as there are screen dots."""
         if self.plots[0].columns != self._columns:
             self._look()
 
@@ -349,7 +349,7 @@ class CurvesPanel(QWidget):
             plot.show_lines(curves.lines(i) if curves is not None else Lines())
 
     def _fit_axes(self) -> None:
-        """While something floats or is still computed, axes only make room."""
+        """Fit the axes; during a preview or computation, only extend them."""
         session = self.session
         if session is None:
             return
@@ -361,7 +361,7 @@ class CurvesPanel(QWidget):
             self._axes.fit()
 
     def _follow_hand(self, session: EditSession) -> None:
-        """Tools that paint stand where the pointer is: under them an axis never changes."""
+        """Keep a moved curve in sight; under a painting tool, the axis never changes."""
         drag = self._mouse.drag
         if isinstance(drag, CurveDrag | ScaleDrag):
             frame = session.take.clip.frame_at(drag.time)
@@ -373,7 +373,7 @@ class CurvesPanel(QWidget):
         session, mouse, timeline = self.session, self._mouse, self.timeline
         if session is None:
             return
-        # A window that changes take tells timeline and panel one after the other.
+        # When another take opens, timeline and panel are updated one after the other.
         frame = min(timeline.frame, len(session.tracked) - 1)
         arrays = session.tracked, session.asked, session.achieved
         values = zip(*(array[frame].tolist() for array in arrays), strict=True)
@@ -395,7 +395,7 @@ class CurvesPanel(QWidget):
         self.legend.show_hint(self._hint())
 
     def _handle(self, session: EditSession, control: int) -> Handle | None:
-        """The dot under the pointer: on what was asked for, since that is what a drag moves."""
+        """The dot under the pointer, on the curve as asked for, since a drag moves that."""
         time, drag = self._mouse.hover_time, self._mouse.drag
         if time is None:
             return None
@@ -411,19 +411,19 @@ class CurvesPanel(QWidget):
         mouse = self._mouse
         if mouse.is_dragging:
             seconds = self.timeline.falloff
-            return f"Falloff {seconds:.2f} s (wheel) · Shift fine · Ctrl snap · Esc cancel"
+            return f"Falloff {seconds:.2f} s (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
         return _IDLE_HINTS[self.tools.tool]
 
 
 def _note(tracked: float, asked: float, face: float) -> str:
-    """What else to know about a value: that the face fell short, or moved along unasked."""
+    """A note if the face differs from what was asked for, or else from the tracked value."""
     if abs(asked - tracked) > _APART:
         return f"asked {asked:.1f}" if _read_apart(asked, face) else ""
     return f"tracked {tracked:.1f}" if _read_apart(tracked, face) else ""
 
 
 def _read_apart(one: float, other: float) -> bool:
-    """Whether two values differ, and can be seen to in one decimal."""
+    """Whether two values differ visibly and in one decimal."""
     return abs(one - other) > _APART and f"{one:.1f}" != f"{other:.1f}"

@@ -1,4 +1,4 @@
-"""The plot of one control: a pyqtgraph plot with the curve's three lines and what marks it."""
+"""The plot of one control: a pyqtgraph plot with the curve's three lines and its marks."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _GAP_ALPHA = 90
 
 
 class CurveMouse(Protocol):
-    """What the mouse does on any of the plots; see `time_view.Mouse`."""
+    """Handles the mouse on all plots; see `time_view.Mouse`."""
 
     @property
     def is_held(self) -> bool:
@@ -43,19 +43,19 @@ class CurveMouse(Protocol):
         """The left button went down."""
 
     def drag_to(self, plot: CurvePlot, pointer: Pointer) -> None:
-        """The pointer moved since then."""
+        """The pointer moved with the button down."""
 
     def release(self, plot: CurvePlot, pointer: Pointer) -> None:
         """The left button went up."""
 
     def let_go(self) -> None:
-        """It went up where nobody saw it."""
+        """The release was lost."""
 
     def hover(self, plot: CurvePlot, pointer: Pointer) -> None:
         """The pointer moved without a button."""
 
     def leave(self, plot: CurvePlot) -> None:
-        """The pointer went elsewhere."""
+        """The pointer left the plot."""
 
     def turn(self, plot: CurvePlot, pointer: Pointer, notches: float) -> None:
         """The wheel was turned during a gesture."""
@@ -66,7 +66,7 @@ class CurveMouse(Protocol):
 
 @dataclass(frozen=True)
 class Handle:
-    """The point that would be or is dragged, and the numbers beside it."""
+    """The point that is dragged, or would be, with the numbers beside it."""
 
     time: float
     value: float
@@ -76,12 +76,12 @@ class Handle:
 
 @dataclass(frozen=True)
 class Marks:
-    """What stands on the time axis besides curves and playhead.
+    """Marks on the time axis, other than the playhead.
 
     Attributes:
-        selection: the selected range with its falloffs, if any.
-        edit: where an edit would act or acts, if it is to be shown.
-        alpha: how strongly that is drawn, 0..255.
+        selection: with its falloffs, if any.
+        edit: span of an edit, actual or possible, if it is to be shown.
+        alpha: opacity of `edit`, 0..255.
     """
 
     selection: Span | None = None
@@ -95,8 +95,8 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
     A `PlotItem` would bring three more axes, and 45 widgets of options that nobody sees.
 
     Signals:
-        focus_changed(): the keyboard's focus came or went.
-        menu_asked(seconds, place): a right click, and where it was on the screen.
+        focus_changed(): the plot gained or lost the focus.
+        menu_asked(seconds, place): a right click: its time, and its place on the screen.
     """
 
     focus_changed = Signal()
@@ -118,7 +118,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self.setAccessibleName(f"{control.label} curve")
         self.setAccessibleDescription(control.hint)
         self.setMinimumHeight(style.ROW_HEIGHT)
-        self.setAcceptDrops(False)  # files are the window's
+        self.setAcceptDrops(False)  # dropped files go to the window
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
         self.view.setCursor(Qt.CursorShape.SizeVerCursor)
         self.view.values_chosen.connect(self._choose_values)
@@ -156,7 +156,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         ):
             self.view.addItem(item, ignoreBounds=True)
 
-    # --- what it shows ---------------------------------------------------------------------
+    # --- contents --------------------------------------------------------------------------
 
     @property
     def current_scale(self) -> Scale:
@@ -180,16 +180,16 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         return self._lines.lines
 
     def show_lines(self, lines: Lines) -> None:
-        """Draw these."""
+        """Set the lines to draw."""
         self._lines.show_lines(lines)
 
     def show_gaps(self, gaps: Sequence[Interval]) -> None:
-        """Mark what the recording lost."""
+        """Mark the gaps."""
         self._gaps.show_gaps(gaps)
 
     @property
     def columns(self) -> int:
-        """Of the screen's dots, across."""
+        """Width in screen dots."""
         dots: int = round(self.view.width() * self.devicePixelRatioF())
         return dots
 
@@ -228,11 +228,11 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
     def _choose_values(self) -> None:
         self.values_chosen = True
 
-    # --- events: translated, nothing else --------------------------------------------------
+    # --- events ----------------------------------------------------------------------------
 
     @property
     def takes_wheel(self) -> bool:
-        """During a gesture."""
+        """During a gesture, the wheel sets the falloff."""
         return self._mouse.is_held
 
     def pressed(self, pointer: Pointer) -> None:
@@ -240,7 +240,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self._mouse.press(self, pointer)
 
     def dragged(self, pointer: Pointer) -> None:
-        """The pointer moved since then."""
+        """The pointer moved with the button down."""
         self._mouse.drag_to(self, pointer)
 
     def released(self, pointer: Pointer) -> None:
@@ -248,7 +248,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self._mouse.release(self, pointer)
 
     def let_go(self) -> None:
-        """The left button went up where nobody saw it."""
+        """The release of the left button was lost."""
         self._mouse.let_go()
 
     def hovered(self, pointer: Pointer) -> None:
@@ -256,7 +256,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self._mouse.hover(self, pointer)
 
     def left(self) -> None:
-        """The pointer went elsewhere."""
+        """The pointer left the plot."""
         self._mouse.leave(self)
 
     def turned(self, pointer: Pointer, notches: float) -> None:
@@ -271,7 +271,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self.menu_asked.emit(self.current_scale.time_at(x), place)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """The menu key asks for the menu at the playhead; a right click is the view's."""
+        """Ask for the menu at the playhead, for the menu key; the view handles right clicks."""
         event.accept()
         if event.reason() == QContextMenuEvent.Reason.Keyboard:
             seconds = self._timeline.time
@@ -280,20 +280,20 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
             self.menu_asked.emit(seconds, place)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc drops the drag in progress; all other keys are the window's."""
+        """Esc cancels the drag in progress; all other keys go to the window."""
         if event.key() == Qt.Key.Key_Escape:
             self._mouse.cancel()
         event.ignore()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Who came by keyboard sees where; a click's place needs no mark."""
+        """Show the focus if it came by keyboard; after a click it is obvious."""
         reason = Qt.FocusReason
         keyboard = reason.TabFocusReason, reason.BacktabFocusReason, reason.ShortcutFocusReason
         self._show_focus(event.reason() in keyboard)
         event.accept()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """The keyboard went elsewhere."""
+        """Hide the focus."""
         self._show_focus(False)
         event.accept()
 
@@ -304,5 +304,5 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self.focus_changed.emit()
 
     def sizeHint(self) -> QSize:
-        """Room for a curve; plots then share what there is."""
+        """A preferred size; the plots share the actual room."""
         return QSize(400, 3 * style.ROW_HEIGHT)

@@ -1,4 +1,4 @@
-"""The bar under the ruler that holds the time selection, with a handle on each of its edges."""
+"""The bar under the ruler that shows the selection, with a handle on each edge."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 17
 _TIP = (
-    "Drag here to select a range of time; drag its middle to move it, a handle to change it.\n"
-    "The outer handles are the falloffs: how softly an edit fades in and out (also: wheel).\n"
-    "Shift: fine. Ctrl: snap to frames. Esc: as it was. Double click: select nothing."
+    "Drag to select a time range; drag its middle to move it, or a handle to change it.\n"
+    "The outer handles set the falloffs, over which an edit fades in and out; so does the wheel.\n"
+    "Shift: fine. Ctrl: snap to frames. Esc: cancel. Double click: clear the selection."
 )
-_HINT = "drag here to select time"
-_HANDLE = 7.0  # pixels at most from an edge to the side of its handle
+_HINT = "Drag here to select a time range"
+_HANDLE = 7.0  # greatest pixels from an edge to the side of its handle
 _HOLD = (Edge.START, Edge.END)
 
 
 class SelectionHandles(SpanRegion):
-    """The selection as a shape: as high as an edit is strong there, with four handles."""
+    """The selection as a shape whose height is the edit's strength, with four handles."""
 
     def __init__(self) -> None:
         super().__init__(style.SELECTION)
         self._lit: Edge | None = None
 
     def light(self, edge: Edge | None) -> None:
-        """Mark what is held, or would be."""
+        """Highlight the edge that is held, or would be."""
         if edge is not self._lit:
             self._lit = edge
             self.update()
 
     def boundingRect(self) -> QRectF:
-        """With room for the handles."""
+        """The shape, with room for the handles."""
         rect: QRectF = super().boundingRect()
         room = _HANDLE * self.getViewBox().viewPixelSize()[0]
         return rect.adjusted(-room, 0.0, room, 0.0)
@@ -49,7 +49,7 @@ class SelectionHandles(SpanRegion):
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Draw it in pixels."""
+        """Draw shape and handles."""
         place = painter.transform()
         painter.resetTransform()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
@@ -69,7 +69,7 @@ class SelectionHandles(SpanRegion):
 
 
 def _paint_handle(painter: QPainter, x: float, is_hold: bool, lit: bool) -> None:
-    """The hold's edges are bars, the falloffs' are diamonds at the foot."""
+    """Draw a handle: a bar for the hold, a diamond at the foot for a falloff."""
     painter.setPen(QPen(style.color(style.BACKGROUND), 1.0))
     painter.setBrush(style.color(style.TEXT if lit else style.SELECTION))
     if is_hold:
@@ -84,7 +84,7 @@ class RangeBar(pg.GraphicsView, Mouse):
     """Selects a range by dragging, and shows its hold and falloffs as a shape.
 
     Signals:
-        menu_asked(place): a right click, and where it was on the screen.
+        menu_asked(place): a right click, and its place on the screen.
     """
 
     menu_asked = Signal(QPoint)
@@ -93,7 +93,7 @@ class RangeBar(pg.GraphicsView, Mouse):
         super().__init__(background=style.PLOT)
         self._timeline, self._edges = timeline, edges
         self._selecting: RulerDrag | None = None
-        self._before: Interval | None = None  # what was selected until then
+        self._before: Interval | None = None  # selection before the drag
         self._hovered: Edge | None = None
         self.view = TimeView(timeline, self, has_values=False)
         self.setCentralItem(self.view)
@@ -148,7 +148,7 @@ class RangeBar(pg.GraphicsView, Mouse):
         return edge
 
     def pressed(self, pointer: Pointer) -> None:
-        """Grab what is there, else begin a new selection."""
+        """Grab an edge, or begin a new selection if there is none."""
         seconds = self.current_scale.time_at(pointer.x)
         part = self._part_at(pointer.x)
         if part is not None:
@@ -158,7 +158,7 @@ class RangeBar(pg.GraphicsView, Mouse):
             self._selecting = RulerDrag(self._timeline.snap(seconds), selecting=True)
 
     def dragged(self, pointer: Pointer) -> None:
-        """Go on with it."""
+        """Continue the gesture."""
         scale = self.current_scale
         if self._selecting is not None:
             seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
@@ -167,11 +167,11 @@ class RangeBar(pg.GraphicsView, Mouse):
             self._edges.move(scale, pointer)
 
     def released(self, _pointer: Pointer) -> None:
-        """The end of it."""
+        """End the gesture."""
         self.let_go()
 
     def let_go(self) -> None:
-        """Keep what was dragged; a click on nothing selects nothing."""
+        """End the gesture and keep its result; a click outside clears the selection."""
         if self._selecting is not None:
             selection = self._timeline.selection
             if selection is not None and selection[0] == selection[1]:
@@ -180,7 +180,7 @@ class RangeBar(pg.GraphicsView, Mouse):
         self._edges.release()
 
     def double_clicked(self, _pointer: Pointer) -> None:
-        """Select nothing."""
+        """Clear the selection."""
         self._timeline.select(None)
 
     def hovered(self, pointer: Pointer) -> None:
@@ -196,18 +196,18 @@ class RangeBar(pg.GraphicsView, Mouse):
         self._show()
 
     def left(self) -> None:
-        """Nothing is about to be grabbed."""
+        """Remove the highlight."""
         self._hovered = None
         self._show()
 
     def turned(self, _pointer: Pointer, notches: float) -> None:
-        """The falloffs."""
+        """Change both falloffs."""
         line = self._timeline
         fades = (stepped_falloff(f, notches) for f in (line.falloff, line.falloff_out))
         line.set_falloffs(*fades)
 
     def cancel(self) -> None:
-        """Drop the drag in progress."""
+        """Cancel the drag in progress."""
         if self._selecting is not None:
             self._selecting = None
             self._timeline.select(self._before)

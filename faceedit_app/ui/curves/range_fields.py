@@ -1,4 +1,4 @@
-"""The selection in numbers: start and end of the hold, and the two falloffs."""
+"""The selection in numbers: start and end of the hold, and both falloffs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class RangeFields(QWidget):
     """Four number fields, in two rows beside the ruler.
 
     Signals:
-        left(): Enter was pressed, or the focus went elsewhere: a gesture on a number is over.
+        left(): Enter was pressed or the focus was lost, which ends a gesture on a number.
     """
 
     left = Signal()
@@ -27,9 +27,11 @@ class RangeFields(QWidget):
     ) -> None:
         super().__init__(parent)
         self._timeline, self._edges = timeline, edges
-        self.start = self._field("Selection start", "Second at which the selection starts")
-        self.end = self._field("Selection end", "Second at which the selection ends")
-        fades = "Seconds over which an edit fades {}.\nAlso: turn the wheel while dragging."
+        self.start = self._field("Selection start", "Start of the selection, in seconds")
+        self.end = self._field("Selection end", "End of the selection, in seconds")
+        fades = (
+            "Time over which an edit fades {}, in seconds.\nThe wheel changes it while you drag."
+        )
         self.fade_in = self._field("Falloff in", fades.format("in"), FALLOFF_RANGE[1])
         self.fade_out = self._field("Falloff out", fades.format("out"), FALLOFF_RANGE[1])
         self.setFixedWidth(style.HEADER_WIDTH)
@@ -61,7 +63,7 @@ class RangeFields(QWidget):
     def _field(self, name: str, tip: str, most: float = _LONGEST) -> QDoubleSpinBox:
         box = QDoubleSpinBox(decimals=2, singleStep=0.05)
         box.setObjectName("small")
-        box.setKeyboardTracking(False)  # half-typed numbers are nobody's wish
+        box.setKeyboardTracking(False)  # ignore half-typed numbers
         box.setAlignment(Qt.AlignmentFlag.AlignCenter)
         box.setRange(0.0, most)
         box.setToolTip(tip)
@@ -69,12 +71,12 @@ class RangeFields(QWidget):
         box.setFont(style.scaled_font(self, 0.88))
         box.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         box.editingFinished.connect(self.left)
-        # Enter hands the keys back to the curves.
+        # Enter returns the focus to the curves.
         box.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
         return box
 
     def sync(self) -> None:
-        """Show the timeline's selection; without one, the range fields are empty."""
+        """Show the timeline's selection; without one, start and end are empty."""
         line = self._timeline
         chosen = line.selection
         values = (*(chosen or (0.0, 0.0)), line.falloff, line.falloff_out)
@@ -83,7 +85,7 @@ class RangeFields(QWidget):
             with QSignalBlocker(box):
                 box.setValue(value)
         for box in (self.start, self.end):
-            # A minimum's special text stands for “nothing selected”.
+            # The special text for the minimum means “nothing selected”.
             box.setMinimum(0.0 if chosen is not None else -0.01)
             box.setSpecialValueText("" if chosen is not None else "–")
             if chosen is None:

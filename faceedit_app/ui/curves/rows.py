@@ -1,4 +1,4 @@
-"""The rows of the curves panel: they share the height, and scroll once they would be too low."""
+"""The rows of the curves panel: they share the height, and scroll if it is too small."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from faceedit_app.ui.curves.plot import CurvePlot
 class Rows(QScrollArea):
     """A header and a plot for each control; any of them may be hidden.
 
-    The scroll bar, when there is one, takes the place of the margin on the right: plots stay as
-    wide as the ruler.
+    The scroll bar, if there is one, replaces the margin on the right, so that plots stay as wide
+    as the ruler.
     """
 
     def __init__(self, headers: Sequence[Header], plots: Sequence[CurvePlot]) -> None:

@@ -20,7 +20,7 @@ from faceedit_app.ui.curves.time_view import Mouse, TimeView
 from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.timeline import Timeline
 
-_NEAR_GAP = 4.0  # pixels from a gap at which its tip is shown
+_NEAR_GAP = 4.0  # pixels from a gap within which its tooltip is shown
 _GAP_ALPHA = 150
 
 
@@ -28,7 +28,7 @@ class Ruler(pg.GraphicsView, Mouse):
     """Time axis over the plots, as wide as they are.
 
     Signals:
-        menu_asked(place): a right click, and where it was on the screen.
+        menu_asked(place): a right click, and its place on the screen.
     """
 
     menu_asked = Signal(QPoint)
@@ -65,7 +65,9 @@ class Ruler(pg.GraphicsView, Mouse):
         self.setObjectName("ruler")
         self.setAccessibleName("Time ruler")
         self.setAccessibleDescription("Drag to scrub; Shift and drag to select a time range.")
-        self.setToolTip("Drag to scrub. Shift+drag selects, double click clears the selection.")
+        self.setToolTip(
+            "Drag to scrub. Shift+drag selects a range, double click clears the selection."
+        )
 
     @property
     def current_scale(self) -> Scale:
@@ -98,7 +100,7 @@ class Ruler(pg.GraphicsView, Mouse):
         self._show_frames()
 
     def _show_frames(self) -> None:
-        """Where frames are marked, those take the place of the ticks."""
+        """If frames are marked, hide the ticks of the times."""
         scale = self.current_scale
         counted = self._timeline.clock.unit is Unit.FRAMES
         shown = not counted and self.frames.has_room(scale.view, scale.width)
@@ -119,10 +121,10 @@ class Ruler(pg.GraphicsView, Mouse):
             self._timeline.go_to_time(seconds)
 
     def dragged(self, pointer: Pointer) -> None:
-        """Go on with what the press began."""
+        """Continue the gesture."""
         if self._drag is None:
             return
-        # Beyond the edges it stays in view, so that scrubbing does not turn pages.
+        # Clamped to the view, so that scrubbing does not turn pages.
         scale = self.current_scale
         seconds = self._timeline.snap(scale.time_at(clamped(pointer.x, (0.0, scale.width))))
         if self._drag.selecting:
@@ -131,24 +133,24 @@ class Ruler(pg.GraphicsView, Mouse):
             self._timeline.go_to_time(seconds)
 
     def released(self, pointer: Pointer) -> None:
-        """The end of it."""
+        """End the gesture."""
         self.dragged(pointer)
         self.let_go()
 
     def double_clicked(self, _pointer: Pointer) -> None:
-        """Select nothing."""
+        """Clear the selection."""
         self._timeline.select(None)
 
     def let_go(self) -> None:
-        """Keep what was dragged."""
+        """End the gesture and keep its result."""
         drag, self._drag = self._drag, None
         if drag is not None and drag.selecting:
             selection = self._timeline.selection
             if selection is not None and selection[0] == selection[1]:
-                self._timeline.select(None)  # one frame is what an edit without a selection acts on
+                self._timeline.select(None)  # without a selection, an edit acts on one frame anyway
 
     def viewportEvent(self, event: QEvent) -> bool:
-        """Over a gap the tooltip says what is missing."""
+        """Over a gap, show in the tooltip what is missing."""
         if isinstance(event, QHelpEvent) and self._clip is not None:
             x, scale = event.pos().x(), self.current_scale
             for gap, (first, last) in zip(self._clip.gaps, self._gaps, strict=True):

@@ -24,12 +24,12 @@ class Scale:
 
     @property
     def seconds_per_pixel(self) -> float:
-        """Seconds that one pixel to the right stands for."""
+        """Seconds per pixel."""
         return (self.view[1] - self.view[0]) / max(self.width, 1.0)
 
     @property
     def mm_per_pixel(self) -> float:
-        """Millimetres that one pixel up stands for."""
+        """Millimetres per pixel."""
         return (self.values[1] - self.values[0]) / max(self.height, 1.0)
 
     def time_at(self, x: float) -> float:

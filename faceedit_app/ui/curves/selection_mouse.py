@@ -14,9 +14,9 @@ class SelectionMouse(QObject):
     """Drags the selection's edges: start and end of the hold, and the falloffs around it.
 
     Signals:
-        taken(): an edge is held from now on.
-        moved(): an edge is elsewhere.
-        ended(): it was released, or is back where it was.
+        taken(): an edge was grabbed.
+        moved(): an edge moved.
+        ended(): it was released, or the drag cancelled.
     """
 
     taken = Signal()
@@ -44,11 +44,11 @@ class SelectionMouse(QObject):
 
     @property
     def is_changing(self) -> bool:
-        """Whether an edge is held, or is just being put somewhere by numbers."""
+        """Whether an edge is held, or is just being set by numbers."""
         return self.is_dragging or self._placing
 
     def place(self, span: Span) -> None:
-        """Put all edges somewhere, as numbers say."""
+        """Set all edges by numbers."""
         self._placing = True
         self._show(span)
         self.ended.emit()
@@ -72,7 +72,7 @@ class SelectionMouse(QObject):
         return edge is not None
 
     def grab(self, edge: Edge, seconds: float) -> None:
-        """Hold an edge, or the whole selection, at a time."""
+        """Grab an edge, or the whole selection, at a time."""
         span = self.span
         if span is not None:
             limits = 0.0, self._timeline.snap(self._timeline.duration)
@@ -80,7 +80,7 @@ class SelectionMouse(QObject):
             self.taken.emit()
 
     def move(self, scale: Scale, pointer: Pointer) -> None:
-        """Bring the edge along; it may snap to frames."""
+        """Move the edge; it may snap to frames."""
         if self._drag is None:
             return
         seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
@@ -89,13 +89,13 @@ class SelectionMouse(QObject):
         self._show(self._drag.span)
 
     def release(self) -> None:
-        """Keep it."""
+        """Release the edge where it is."""
         if self._drag is not None:
             self._drag = None
             self.ended.emit()
 
     def cancel(self) -> None:
-        """Put it back to where it was."""
+        """Put the edge back."""
         if self._drag is not None:
             self._show(self._drag.before)
             self._drag = None

@@ -1,7 +1,7 @@
-"""How the curves panel looks: every colour and measure in one place.
+"""Colours and sizes of the curves panel.
 
-Sky blue and orange (Okabe and Ito) are told apart with any kind of colour blindness, and the
-three lines differ in weight and pattern too, so no meaning hangs on colour alone.
+Sky blue and orange (Okabe and Ito) can be distinguished with any kind of colour blindness, and
+the three lines differ in width and pattern too, so nothing depends on colour alone.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from faceedit_app.ui.look import palette
 
 BACKGROUND = palette.BACKGROUND
 PLOT = "#23272c"
-PLOT_ACTIVE = "#272c32"  # under the pointer, or with the keyboard's focus
+PLOT_ACTIVE = "#272c32"  # under the pointer, or focused
 TICK = "#5c626b"
 GRID = "#30353c"
 TEXT = palette.TEXT
@@ -28,8 +28,8 @@ PLAYHEAD = "#ffffff"
 FOCUS = palette.ACCENT
 SELECTION = palette.ACCENT
 EDITED = "#a9c4de"  # where an edit acts
-GAP = "#d08a6a"  # frames that the recording lost
-TAG = "#14161a"  # behind numbers that stand on the curves
+GAP = "#d08a6a"  # gaps
+TAG = "#14161a"  # behind numbers on the curves
 
 FACE_WIDTH = 1.8  # pixels
 HEADER_WIDTH = 168  # left of everything on the time axis
@@ -43,14 +43,14 @@ VALUE_SPACING = 19  # pixels between the numbers of the value axis
 TIME_SPACING = 74  # pixels between the numbers of the time axis
 TIMECODE_SPACING = 106
 
-# Strength of the spans, 0..255: an edit in its own plot, in the others, and what hovering would
-# edit; the selection.
+# Opacity of spans, 0..255: of an edit in its own plot, in the others, and while hovering; of the
+# selection.
 STRONG, WEAK, HOVER, SELECTED = 72, 34, 40, 34
 
 
 @lru_cache(maxsize=256)
 def color(name: str, alpha: int = 255) -> QColor:
-    """A colour with some transparency; not to be changed."""
+    """A colour with some transparency; do not modify it."""
     out = QColor(name)
     out.setAlpha(alpha)
     return out
@@ -58,7 +58,7 @@ def color(name: str, alpha: int = 255) -> QColor:
 
 @lru_cache(maxsize=64)
 def hairline(name: str, alpha: int = 255) -> QPen:
-    """A pen one dot of the screen wide; not to be changed."""
+    """A pen one dot of the screen wide; do not modify it."""
     return QPen(color(name, alpha), 0)
 
 
@@ -71,22 +71,22 @@ def _pen(name: str, width: float, dashes: tuple[float, ...] = ()) -> QPen:
 
 
 def tracked_pen() -> QPen:
-    """The take as tracked: thin and grey."""
+    """The curve as tracked: thin and grey."""
     return _pen(TRACKED, 1.0)
 
 
 def asked_pen() -> QPen:
-    """What the user asked for: dashed."""
+    """The curve as asked for: dashed."""
     return _pen(ASKED, 1.0, (4.0, 3.0))
 
 
 def face_pen(color: str) -> QPen:
-    """What the face does: solid, in the control's colour."""
+    """The curve as the face shows it: solid, in the control's colour."""
     return _pen(color, FACE_WIDTH)
 
 
 def scaled_font(widget: QWidget, factor: float, bold: bool = False) -> QFont:
-    """The widget's own font in another size, whether it was set in points or in pixels."""
+    """The widget's font in another size, whether it is set in points or in pixels."""
     font = QFont(widget.font())
     if font.pointSizeF() > 0:
         font.setPointSizeF(font.pointSizeF() * factor)

@@ -1,4 +1,4 @@
-"""Where the numbers of the axes stand, and what they say."""
+"""The ticks of the axes: their positions and labels."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from faceedit_app.ui.curves.scale import Interval
 
 Values = NDArray[np.floating]
 
-# Seconds between labelled times, and between the marks that divide them.
+# Seconds between labelled times, and between the marks in between.
 _TIME_STEPS = {
     **{0.01: 0.002, 0.02: 0.005, 0.05: 0.01, 0.1: 0.02, 0.2: 0.05, 0.5: 0.1, 1.0: 0.2, 2.0: 0.5},
     **{5.0: 1.0, 10.0: 2.0, 15.0: 5.0, 30.0: 10.0, 60.0: 10.0, 120.0: 30.0, 300.0: 60.0},
@@ -55,9 +55,9 @@ def frame_spacing(times: Values, view: Interval, width: float) -> float:
 def frame_ticks(
     times: Values, view: Interval, width: float, spacing: float, closest: float
 ) -> tuple[list[int], list[int]]:
-    """The frames that are numbered, and those that are marked between them.
+    """The numbered frames, and the marked ones between them.
 
-    People count frames from 1, and the numbers are round: 10, 20, 30.
+    Frames count from 1, and the numbers are round: 10, 20, 30.
 
     Args:
         times: (T,) seconds of the frames.

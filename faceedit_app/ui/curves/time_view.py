@@ -1,4 +1,4 @@
-"""The view box of everything on the time axis: pyqtgraph's, kept in step with the timeline."""
+"""The view box of everything on the time axis: pyqtgraph's, in sync with the timeline."""
 
 from __future__ import annotations
 
@@ -30,34 +30,34 @@ _TIME, _VALUES = 0, 1  # pyqtgraph's numbers of the axes
 
 
 class Mouse:
-    """What the left button, the wheel and the hovering pointer do in a `TimeView`: nothing yet."""
+    """What left button, wheel and pointer do in a `TimeView`: nothing, until overridden."""
 
     @property
     def takes_wheel(self) -> bool:
-        """Whether the wheel is turned for it, not for the view."""
+        """Whether it handles the wheel, instead of the view."""
         return False
 
     def pressed(self, pointer: Pointer) -> None:
         """The left button went down."""
 
     def double_clicked(self, pointer: Pointer) -> None:
-        """It went down twice."""
+        """The left button was double-clicked."""
         self.pressed(pointer)
 
     def dragged(self, pointer: Pointer) -> None:
-        """The pointer moved since then."""
+        """The pointer moved with the button down."""
 
     def released(self, pointer: Pointer) -> None:
         """The left button went up."""
 
     def let_go(self) -> None:
-        """It went up where nobody saw it."""
+        """The release was lost."""
 
     def hovered(self, pointer: Pointer) -> None:
         """The pointer moved without a button."""
 
     def left(self) -> None:
-        """The pointer went elsewhere."""
+        """The pointer left the view."""
 
     def turned(self, pointer: Pointer, notches: float) -> None:
         """The wheel was turned."""
@@ -67,15 +67,15 @@ class Mouse:
 
 
 class TimeView(pg.ViewBox):
-    """Shows the seconds that the timeline shows; the left button belongs to gestures.
+    """Shows the timeline's visible range; the left button is for gestures.
 
-    pyqtgraph zooms and pans: by the wheel, the right and the middle button, and by all of them on
-    the axes. Time is linked through the timeline: pyqtgraph's `setXLink` lines views up by their
-    place on the screen, and so shifts those that are hidden, or that have no value axis.
+    pyqtgraph zooms and pans with the wheel, the right and the middle button, and with all of them
+    on the axes. Time is linked through the timeline: pyqtgraph's `setXLink` aligns views by their
+    position on the screen, and so shifts hidden ones and those without a value axis.
 
     Signals:
         values_chosen(): the user zoomed or moved the values.
-        menu_asked(x, y, place): a right click at a pixel, and where that is on the screen.
+        menu_asked(x, y, place): a right click: its pixel, and its place on the screen.
     """
 
     values_chosen = Signal()
@@ -110,7 +110,7 @@ class TimeView(pg.ViewBox):
         self.setXRange(*self._timeline.view, padding=0)
 
     def _lead(self, changed: list[bool]) -> None:
-        """The user moved it; the timeline has the last word on what can be seen."""
+        """The user moved the view; the timeline decides what is visible."""
         if changed[_TIME]:
             self._timeline.show_range(*self.viewRange()[0])
             self._follow()
@@ -120,7 +120,7 @@ class TimeView(pg.ViewBox):
     # --- the mouse: the left button -----------------------------------------------------------
 
     def mousePressEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """Take the left button; what is not accepted becomes pyqtgraph's drag or click."""
+        """Handle the left button; events not accepted become pyqtgraph's drag or click."""
         if event.button() == LEFT:
             self._is_held = True
             self._mouse.pressed(_pointer(event))
@@ -130,7 +130,7 @@ class TimeView(pg.ViewBox):
             self._mouse.cancel()
 
     def mouseDoubleClickEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """The second press of two."""
+        """Handle a double click."""
         if event.button() == LEFT:
             self._is_held = True
             self._mouse.double_clicked(_pointer(event))
@@ -138,17 +138,17 @@ class TimeView(pg.ViewBox):
             self.mousePressEvent(event)
 
     def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """Go on with what the press began."""
+        """Continue the gesture."""
         self._mouse.dragged(_pointer(event))
 
     def mouseReleaseEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """The end of it."""
+        """End the gesture."""
         if event.button() == LEFT:
             self._is_held = False
             self._mouse.released(_pointer(event))
 
     def ungrabMouseEvent(self, event: QEvent) -> None:
-        """Qt noticed that the button is up although no release came."""
+        """Qt noticed that the button is up, although no release arrived."""
         if self._is_held:
             self._is_held = False
             self._mouse.let_go()
@@ -159,13 +159,13 @@ class TimeView(pg.ViewBox):
         self._mouse.hovered(_pointer(event))
 
     def hoverLeaveEvent(self, _event: QGraphicsSceneHoverEvent) -> None:
-        """Show it no longer."""
+        """The pointer left."""
         self._mouse.left()
 
     # --- the mouse: pyqtgraph's part ----------------------------------------------------------
 
     def wheelEvent(self, event: QGraphicsSceneWheelEvent, axis: int | None = None) -> None:
-        """During a gesture the falloff; else zoom and pan. `axis` is the one under the pointer."""
+        """Set the falloff during a gesture, else zoom or pan; `axis` is under the pointer."""
         event.accept()
         self.updateMatrix()
         notches = event.delta() / _NOTCH
@@ -186,7 +186,7 @@ class TimeView(pg.ViewBox):
     def mouseDragEvent(
         self, event: pg.GraphicsScene.mouseEvents.MouseDragEvent, axis: int | None = None
     ) -> None:
-        """The middle button pans the time, the right one scales: along the way it goes first."""
+        """The middle button pans time; the right one zooms along its first direction."""
         if event.isStart():
             way = event.pos() - event.buttonDownPos()
             upwards = event.button() == RIGHT and abs(way.y()) > abs(way.x())
@@ -207,7 +207,7 @@ class TimeView(pg.ViewBox):
 def _pointer(
     event: QGraphicsSceneMouseEvent | QGraphicsSceneHoverEvent | QGraphicsSceneWheelEvent,
 ) -> Pointer:
-    """The event's place and keys."""
+    """The event's position and keys."""
     keys, key = event.modifiers(), Qt.KeyboardModifier
     return Pointer(
         event.pos().x(),

@@ -1,4 +1,4 @@
-"""What the tools besides Move do with the mouse, without Qt; see `gestures`."""
+"""The gestures of the tools other than Move, without Qt; see `gestures`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from faceedit_app.ui.curves.gestures import (
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.state.tools import Tool
 
-DOUBLING = 90.0  # pixels upwards that double a scale
+DOUBLING = 90.0  # pixels upwards that double a movement
 LARGEST_SCALE = 4.0
 
 
@@ -29,7 +29,7 @@ class Gesture(Protocol):
 
     @property
     def time(self) -> float:
-        """Seconds of the frame that the face shows meanwhile."""
+        """Seconds of the frame that the viewport shows during the gesture."""
 
     @property
     def moving(self) -> bool:
@@ -37,38 +37,38 @@ class Gesture(Protocol):
 
     @property
     def is_click(self) -> bool:
-        """Whether a release now is a click."""
+        """Whether a release now would be a click."""
 
     @property
     def controls(self) -> tuple[str, ...]:
-        """Ids of the curves that it edits."""
+        """Ids of the edited curves."""
 
     @property
     def words(self) -> str:
-        """How much it does, beside the pointer."""
+        """The amount, for the label beside the pointer."""
 
     def moved(self, x: float, y: float, fine: bool, snap: bool = False) -> Gesture:
-        """The pointer went to a pixel."""
+        """The pointer moved to a pixel."""
 
     def span(self, falloff: float, falloff_out: float | None = None) -> Span:
-        """Where the edit acts."""
+        """The span of the edit."""
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
-        """The edit as it stands, or None while there is nothing to do."""
+        """The edit so far, or None while it changes nothing."""
 
 
 @dataclass(frozen=True)
 class ScaleDrag(VerticalDrag):
-    """Up makes a movement larger, down smaller: about the take's median.
+    """Enlarges or reduces movements around the take's median, by dragging up or down.
 
     Attributes:
         controls: ids of the curves.
         time: seconds of the frame under the press.
-        hold: first and last second of the edit's full strength.
-        press, at: pixels of the press, and of the pointer now.
-        pixels: upwards so far, fine moves counted as such.
+        hold: first and last second of the hold.
+        press, at: pixels of the press, and of the pointer.
+        pixels: moved upwards so far, with fine moves scaled.
         moving: whether it has become an edit.
-        snapping: whether the factor goes in tenths.
+        snapping: whether the factor is rounded to tenths.
     """
 
     controls: tuple[str, ...]
@@ -81,25 +81,25 @@ class ScaleDrag(VerticalDrag):
     snapping: bool = False
 
     def moved(self, x: float, y: float, fine: bool, snap: bool = False) -> ScaleDrag:
-        """The pointer went to a pixel."""
+        """The pointer moved to a pixel."""
         pixels = self.pixels + (self.at[1] - y) * (FINE if fine else 1.0)
         moving = self.moving or abs(y - self.press[1]) > CLICK_SLOP
         return replace(self, at=(x, y), pixels=pixels, moving=moving, snapping=snap)
 
     @property
     def factor(self) -> float:
-        """What distances from the median are multiplied by: 0 when dragged down far enough."""
+        """Factor on distances from the median; 0 when dragged down far enough."""
         way = clamped(self.pixels / DOUBLING, (-1.0, math.log2(LARGEST_SCALE)))
         factor = 2.0**way if way > 0 else 1.0 + way
         return round(factor, 1) if self.snapping else factor
 
     @property
     def words(self) -> str:
-        """How much it does."""
+        """The amount."""
         return f"× {self.factor:.2f}"
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
-        """The edit as it stands, or None while there is nothing to do."""
+        """The edit so far, or None while it changes nothing."""
         if not self.moving or self.factor == 1.0:
             return None
         return self.span(falloff, falloff_out).edit(self.controls, Op.SCALE, self.factor)
@@ -107,16 +107,16 @@ class ScaleDrag(VerticalDrag):
 
 @dataclass(frozen=True)
 class PaintDrag(Held):
-    """A brush that acts where it passes: from the press to the pointer, or in the selection.
+    """A brush that acts where it is drawn, or in the whole selection.
 
     Attributes:
-        op: what it does there.
-        value: how strongly, see `Op`.
+        op: what the brush does.
+        value: of the edit, see `Op`.
         controls: ids of the curves.
-        time: seconds under the pointer; in a selection those of the press.
+        time: seconds under the pointer; in a selection, of the press.
         hold: first and last second painted so far.
         scale: of the plot at the press.
-        selected: it acts on the selection, wherever the pointer goes.
+        selected: whether it acts on the selection, wherever the pointer is.
     """
 
     op: Op
@@ -130,7 +130,7 @@ class PaintDrag(Held):
     is_click: bool = False
 
     def moved(self, x: float, y: float, fine: bool, snap: bool = False) -> PaintDrag:
-        """The pointer went to a pixel; what was painted stays painted."""
+        """The pointer moved to a pixel; what has been painted stays."""
         if self.selected:
             return self
         seconds = self.scale.time_at(min(max(x, 0.0), self.scale.width))
@@ -139,7 +139,7 @@ class PaintDrag(Held):
 
     @property
     def words(self) -> str:
-        """How much it does."""
+        """The amount."""
         match self.op:
             case Op.SMOOTH:
                 return f"smooth {1000 * self.value:.0f} ms"
@@ -149,21 +149,21 @@ class PaintDrag(Held):
                 return "as tracked"
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
-        """The edit as it stands."""
+        """The edit so far."""
         return self.span(falloff, falloff_out).edit(self.controls, self.op, self.value)
 
 
 @dataclass(frozen=True)
 class DrawDrag:
-    """Freehand: the curve goes where the pointer went.
+    """Freehand drawing: the curve follows the pointer.
 
     Attributes:
         controls: ids of the curves.
         time: seconds under the pointer.
         scale: of the plot at the press.
         limits: lowest and highest millimetre that a face can do.
-        at: seconds and millimetres of the pointer now.
-        points: what was drawn, in order of time.
+        at: seconds and millimetres of the pointer.
+        points: drawn so far, in order of time.
         moving: whether it has become an edit.
     """
 
@@ -176,7 +176,7 @@ class DrawDrag:
     moving: bool = False
 
     def moved(self, x: float, y: float, fine: bool, snap: bool = False) -> DrawDrag:
-        """The pointer went to a pixel; what lies between there and before is drawn over."""
+        """The pointer moved to a pixel; draw over everything on the way."""
         step = 1.0 / max(self.scale.width, 1.0) * (self.scale.view[1] - self.scale.view[0])
         value = clamped(0.0 if snap else self.scale.value_at(y), self.limits)
         now = self.scale.time_at(min(max(x, 0.0), self.scale.width)), value
@@ -190,20 +190,20 @@ class DrawDrag:
 
     @property
     def is_click(self) -> bool:
-        """Whether a release now is a click."""
+        """Whether a release now would be a click."""
         return not self.moving
 
     @property
     def words(self) -> str:
-        """Where the pen is."""
+        """The value under the pen."""
         return f"{self.at[1]:.1f} mm"
 
     def span(self, falloff: float, falloff_out: float | None = None) -> Span:
-        """Where the edit acts."""
+        """The span of the edit."""
         return Span(self.points[0][0], self.points[-1][0], falloff, falloff_out)
 
     def edit(self, falloff: float, falloff_out: float | None = None) -> Edit | None:
-        """The edit as it stands, or None while there is nothing to do."""
+        """The edit so far, or None while it changes nothing."""
         if not self.moving:
             return None
         span = self.span(falloff, falloff_out)
@@ -212,15 +212,15 @@ class DrawDrag:
 
 @dataclass(frozen=True)
 class Press:
-    """A left press on a curve, and what it needs to become a tool's gesture.
+    """A left press on a curve, with what a tool needs to begin a gesture.
 
     Attributes:
         control: id of the curve.
-        controls: ids of all curves that are edited with it.
+        controls: ids of all curves edited with it.
         at: pixels.
         time: seconds of the frame there.
         scale: of the plot.
-        span: what would be edited.
+        span: of the edit.
         asked, tracked: millimetres of the curve at that frame.
         limits: lowest and highest millimetre that a face can do with this control.
     """
@@ -237,7 +237,7 @@ class Press:
 
 
 def begin(tool: Tool, press: Press, smooth: float) -> Gesture:
-    """The tool's gesture that a press begins; `smooth` is the strength of smoothing, seconds."""
+    """The tool's gesture for a press; `smooth` is the brush strength of Smooth, in seconds."""
     hold, time, scale = (press.span.start, press.span.end), press.time, press.scale
     selected = press.span.end > press.span.start
     # Values in mm suit a curve and its mirror, not curves of another kind.
@@ -269,7 +269,7 @@ def move(press: Press) -> CurveDrag:
         press=press.at,
         at=press.at,
         mm_per_pixel=press.scale.mm_per_pixel,
-        # Where it is beyond what faces do, it may stay there or come back.
+        # A curve beyond what faces do may stay there or come back.
         limits=(min(press.limits[0] - press.asked, 0.0), max(press.limits[1] - press.asked, 0.0)),
         others=tuple(name for name in press.controls if name != press.control),
         magnets=(press.tracked - press.asked, -press.asked),

@@ -1,4 +1,4 @@
-"""Keeps the value axes of all plots fitting: after each gesture, and still during one."""
+"""Fits the value axes of all plots after each gesture, and keeps them still during one."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from faceedit_app.ui.curves.visible_curves import VisibleCurves
 
 
 class ValueAxes:
-    """Chooses the millimetres that plots show, unless the user chose them.
+    """Chooses the range of millimetres of each plot, unless the user did.
 
     Args:
-        plots: in the order of the curves.
+        plots: in curve order.
     """
 
     def __init__(self, plots: Sequence[CurvePlot]) -> None:
         self._plots = plots
         self.curves: VisibleCurves | None = None
-        self._resting: tuple[Interval, ...] = ()  # as they were before the gesture
+        self._resting: tuple[Interval, ...] = ()  # ranges before the gesture
 
     def fit(self) -> None:
-        """Fit all to what is in view: no gesture is in progress."""
+        """Fit all axes to what is in view; call it when no gesture is in progress."""
         self._resting = ()
         if self.curves is None:
             return
@@ -34,7 +34,7 @@ class ValueAxes:
                 plot.show_values(fitted(*self.curves.extent(index), least))
 
     def make_room(self) -> None:
-        """Extend those that a curve has left."""
+        """Extend the axes that a curve has left."""
         if self.curves is None:
             return
         for index, plot in enumerate(self._plots):
@@ -42,11 +42,11 @@ class ValueAxes:
                 plot.show_values(grown(plot.values, *self.curves.extent(index)))
 
     def follow(self, values: Iterable[tuple[float, float]], held: CurvePlot | None) -> None:
-        """Keep in sight what a gesture moves up or down; what stays inside leaves axes still.
+        """Keep in sight what a gesture moves; axes that already include it stay still.
 
         Args:
-            values: of each curve at the frame that is changed: asked for, and the face's.
-            held: the plot under the hand, which must not lose its curve.
+            values: asked for and the face's, of each curve at the frame being changed.
+            held: the plot being dragged, which must not lose its curve.
         """
         self._resting = self._resting or tuple(plot.values for plot in self._plots)
         for plot, shown, (asked, face) in zip(self._plots, self._resting, values, strict=True):
@@ -56,12 +56,12 @@ class ValueAxes:
             plot.show_values(shown if plot is held else stretched(shown, face))
 
     def release(self, plots: Iterable[CurvePlot]) -> None:
-        """Fit these again although the user chose what they show."""
+        """Fit these plots again, although the user chose their range."""
         for plot in plots:
             plot.values_chosen = False
         self.fit()
 
     def toggle_close_up(self, plot: CurvePlot) -> None:
-        """Fit an axis as closely as makes sense, or no longer."""
+        """Switch the enlargement of small movements."""
         plot.close_up = not (plot.close_up or plot.values_chosen)
         self.release((plot,))

@@ -1,22 +1,22 @@
 """How many millimetres a plot shows.
 
-pyqtgraph's own automatic range fits all data at each change. Ours must stand still under a hand,
-and must not magnify what is only noise.
+pyqtgraph's automatic range fits all data at each change. This one stays fixed during a drag, and
+does not magnify noise.
 """
 
 from __future__ import annotations
 
 from faceedit_app.ui.curves.scale import Interval
 
-LEAST = 2.0  # mm: below this, tracking noise would look like acting
+LEAST = 2.0  # mm: with less, tracking noise would look like movement
 # Of the whole take's height: a quiet passage in view is drawn larger, but still looks quiet.
 LEAST_SHARE = 0.2
 MARGIN = 0.12  # of the data's height, above and below
-SMALLEST, LARGEST = 0.2, 1000.0  # mm that the user may zoom to
+SMALLEST, LARGEST = 0.2, 1000.0  # mm: limits for the user's zoom
 
 
 def fitted(low: float, high: float, least: float = LEAST) -> Interval:
-    """The range for values from `low` to `high`: a margin, and at least `least` mm of values."""
+    """The range for values from `low` to `high`, at least `least` mm, with a margin."""
     height = max(high - low, least, LEAST)
     middle = 0.5 * (low + high)
     half = height * (0.5 + MARGIN)
@@ -24,7 +24,7 @@ def fitted(low: float, high: float, least: float = LEAST) -> Interval:
 
 
 def grown(shown: Interval, low: float, high: float) -> Interval:
-    """`shown`, extended to hold values from `low` to `high`; it never shrinks, nor jumps."""
+    """`shown`, extended to include `low` and `high`; it never shrinks or jumps."""
     room = 0.5 * MARGIN * (shown[1] - shown[0])
     first = shown[0] if low >= shown[0] else low - room
     last = shown[1] if high <= shown[1] else high + room
@@ -32,10 +32,10 @@ def grown(shown: Interval, low: float, high: float) -> Interval:
 
 
 def stretched(shown: Interval, value: float) -> Interval:
-    """`shown`, stretched as far as holds a dragged value with a margin, and no further.
+    """`shown`, stretched just enough to include a dragged value with a margin.
 
-    It starts where the value comes near the edge, and gives back all as the value comes back: a
-    curve moves steadily under the hand, and never jumps.
+    Stretching starts near the edge, and is undone as the value returns, so that a dragged curve
+    moves steadily and never jumps.
     """
     margin = 0.5 * MARGIN
     first, last = shown

@@ -1,4 +1,4 @@
-"""What of a take's curves is in view: the few points that a screen can show, for all plots."""
+"""The visible part of a take's curves, reduced to the points that a screen can show."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from faceedit_app.ui.curves.scale import Interval
 Values = NDArray[np.floating]
 Mask = NDArray[np.bool_]
 
-BASE = 16  # frames in the smallest bin that is kept
-# Below this many frames per pixel column all are drawn: thinning would cost more than it saves.
+BASE = 16  # frames in the smallest bin
+# With fewer frames per pixel column, all are drawn: thinning would cost more than it saves.
 DENSE = 3
-# Millimetres by which lines must differ to be drawn apart: less is not visible on any screen.
+# Millimetres by which lines must differ to be drawn separately: less is not visible.
 SAME = 0.005
 _LINES, _FACE = 3, 1  # tracked, face, asked
 
@@ -38,7 +38,7 @@ class Polyline:
     thinned: bool = False
 
     def changed_from(self, before: Polyline) -> Interval | None:
-        """First and last second between which they are drawn otherwise; None if nowhere."""
+        """First and last second of the visible change; None if there is none."""
         if self is before:
             return None
         if self.x is before.x:
@@ -47,7 +47,7 @@ class Polyline:
                 return None
             first, last = max(rows[0] - 1, 0), min(rows[-1] + 1, len(self.x) - 1)
             return float(self.x[first]), float(self.x[last])
-        # With where a line begins all of its dashes move.
+        # If the start of a line moves, so do all its dashes.
         ends = [float(x[i]) for x in (self.x, before.x) for i in (0, -1) if len(x)]
         return (min(ends), max(ends)) if ends else None
 
@@ -57,7 +57,7 @@ EMPTY = Polyline(np.empty(0), np.empty(0))
 
 @dataclass(frozen=True)
 class Lines:
-    """A curve's three lines, as they are drawn."""
+    """A curve's three lines, as drawn."""
 
     tracked: Polyline = EMPTY
     face: Polyline = EMPTY
@@ -65,12 +65,12 @@ class Lines:
 
 
 class VisibleCurves:
-    """The curves of a session as they are seen, C of them.
+    """The visible part of a session's C curves.
 
-    A line that is drawn as before stays the same object: what shows it has nothing to do.
+    A line that has not changed stays the same object, so that it need not be drawn again.
 
-    Few frames are drawn one by one; of many, what each column of pixels shows is read from
-    `Extremes` that are kept up to date with what edits change.
+    A few frames are drawn one by one; for many, each pixel column shows the lowest and highest
+    value from `Extremes`, which are updated as edits change.
 
     Attributes:
         low, high: (C,) mm, of the take as tracked.
@@ -86,11 +86,11 @@ class VisibleCurves:
         self.look((0.0, 0.0), 1)
 
     def look(self, view: Interval, columns: int) -> None:
-        """Say what is in view.
+        """Set the visible range.
 
         Args:
             view: first and last visible second.
-            columns: of pixels.
+            columns: number of pixel columns.
         """
         self._rows = visible_rows(self._times, *view)
         self._size = bin_size(self._rows, columns)
@@ -124,14 +124,14 @@ class VisibleCurves:
         y = low if low is high else _alternating(low, high)
         c = self._curves
         self._y = np.ascontiguousarray(y[:, : _LINES * c].T).reshape(_LINES, c, -1)
-        # A frame next to one that differs is drawn too, so that runs join what lies beside them.
+        # Neighbours of differing frames are drawn too, so that runs join the line beside them.
         near = _widened(high[:, _LINES * c :] > SAME)
         if low is not high:
             near = near.repeat(2, axis=0)
         self._near = near.T.reshape(2, c, -1)
 
     def lines(self, curve: int) -> Lines:
-        """The three lines of one of the curves."""
+        """The three lines of a curve."""
         return Lines(*(self._line(line, curve) for line in range(_LINES)))
 
     def _line(self, line: int, curve: int) -> Polyline:
@@ -141,7 +141,7 @@ class VisibleCurves:
             if line == _FACE:
                 known = Polyline(self._x, y, None, thinned)
             else:
-                # Where lines coincide only the face is drawn: without edits, one calm line.
+                # Where lines coincide, only the face is drawn: without edits, a single line.
                 known = run_of(self._x, y, self._near[line // 2, curve], thinned)
             self._known[line, curve] = known
         return known
@@ -152,7 +152,7 @@ class VisibleCurves:
         return float(y.min()), float(y.max())
 
     def _read(self, rows: slice) -> Values:
-        """(N, 5 C): the three lines, and how far the face and the asked one are from tracked."""
+        """(N, 5 C): the three lines, and the differences of face and asked for from tracked."""
         live = self._live
         tracked, face, asked = live.tracked[rows], live.achieved[rows], live.asked[rows]
         apart = np.abs(face - tracked), np.abs(asked - tracked)
@@ -160,10 +160,10 @@ class VisibleCurves:
 
     @property
     def _bins(self) -> tuple[int, int]:
-        """The first in view, and the one after the last.
+        """The first bin in view, and the one after the last.
 
-        Bins start at multiples of their size in the take, not at the edge of the view: peaks then
-        do not flicker while the view is panned.
+        Bins start at multiples of their size in the take, not at the edge of the view, so that
+        peaks do not flicker while panning.
         """
         return self._rows.start // self._size, -(-self._rows.stop // self._size)
 
@@ -176,7 +176,7 @@ class VisibleCurves:
         return middles
 
     def _read_bins(self) -> tuple[Values, Values]:
-        """Lowest and highest values (N, 5 C) of each bin; of single frames both are the same."""
+        """Lowest and highest values (N, 5 C) of each bin; equal for single frames."""
         size, frames, (first, last) = self._size, len(self._times), self._bins
         if size == 1:
             values = self._read(self._rows)
@@ -188,20 +188,20 @@ class VisibleCurves:
 
 
 def visible_rows(times: Values, first: float, last: float) -> slice:
-    """The frames from `first` to `last` seconds and one beyond each edge, so lines run off."""
+    """The frames from `first` to `last` seconds, and one beyond each edge."""
     start = int(np.searchsorted(times, first)) - 1
     stop = int(np.searchsorted(times, last, side="right")) + 1
     return slice(max(start, 0), min(stop, len(times)))
 
 
 def bin_size(rows: slice, columns: int) -> int:
-    """Frames that share a pixel column; 1 where all of them are drawn."""
+    """Frames per pixel column; 1 if all are drawn."""
     count = rows.stop - rows.start
     return 1 if count <= DENSE * max(columns, 1) else -(-count // max(columns, 1))
 
 
 def run_of(x: Values, y: Values, shown: Mask, thinned: bool) -> Polyline:
-    """The points (N,) of a curve that are shown, those next to each other joined."""
+    """The shown points (N,) of a curve, with neighbours joined."""
     if shown.all():
         return Polyline(x, y, None, thinned)
     if not shown.any():
@@ -218,7 +218,7 @@ def _alternating(low: Values, high: Values) -> Values:
 
 
 def _widened(mask: Mask) -> Mask:
-    """(N, C) mask with the neighbours in time of what it holds."""
+    """(N, C) mask, extended by neighbours in time."""
     wide = mask.copy()
     wide[1:] |= mask[:-1]
     wide[:-1] |= mask[1:]

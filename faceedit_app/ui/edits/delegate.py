@@ -1,4 +1,4 @@
-"""How a row of the list of edits looks: switch, name, curves, range, strength."""
+"""Draws the rows of the list of edits."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from faceedit_app.ui.look.palette import (
 
 ROW = 25
 _BOX = 14.0
-_LEFT = 32.0  # where the name starts
+_LEFT = 32.0  # pixels left of the name
 _RIGHT = 8.0
 _STRENGTH = 50.0
 _RANGE = 116.0
@@ -39,14 +39,14 @@ Index = QModelIndex | QPersistentModelIndex
 
 
 class EditsDelegate(QStyledItemDelegate):
-    """Paints rows, and takes clicks on their switch."""
+    """Paints rows, and handles clicks on their switches."""
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
         """One line."""
         return QSize(200, ROW)
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
-        """Switch, name, curves, range, strength."""
+        """Paint switch, name, curves, range and strength."""
         edit = index.data(Qt.ItemDataRole.UserRole)
         rect, state = QRectF(option.rect), option.state
         painter.save()
@@ -54,7 +54,7 @@ class EditsDelegate(QStyledItemDelegate):
             painter.fillRect(rect, QColor(ACCENT_DEEP))
         elif state & QStyle.StateFlag.State_MouseOver:
             painter.fillRect(rect, QColor(HOVER))
-        # Only now: rows that end between two pixels of the screen would leave a line behind.
+        # Rows that end between two pixels of the screen would leave a line behind.
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if state & QStyle.StateFlag.State_HasFocus:
             painter.setPen(QPen(QColor(ACCENT), 1))
@@ -99,7 +99,7 @@ class EditsDelegate(QStyledItemDelegate):
         option: QStyleOptionViewItem,
         index: Index,
     ) -> bool:
-        """A click on the switch switches."""
+        """A click on the switch toggles it."""
         if (
             isinstance(event, QMouseEvent)
             and event.type() == QEvent.Type.MouseButtonRelease
@@ -116,14 +116,14 @@ class EditsDelegate(QStyledItemDelegate):
     def updateEditorGeometry(
         self, editor: QWidget, option: QStyleOptionViewItem, index: Index
     ) -> None:
-        """The name is typed over the name."""
+        """Put the text field over the name."""
         editor.setGeometry(option.rect.adjusted(int(_LEFT) - 5, 0, -int(_STRENGTH), 0))
 
 
 def cells(row: QRectF, name: str, when: str, what: str, strength: str) -> list[tuple[str, QRectF]]:
-    """What stands in a row and where, the name first.
+    """The texts of a row and their places, the name first.
 
-    A name that says itself which curve it is of takes that column's room as well.
+    A name that contains its curve also takes the column of the curve.
     """
     right = row.right() - _RIGHT
     out = []
@@ -139,5 +139,5 @@ def cells(row: QRectF, name: str, when: str, what: str, strength: str) -> list[t
 
 
 def switch_rect(row: QRectF) -> QRectF:
-    """Where a row's switch is."""
+    """The place of a row's switch."""
     return QRectF(row.x() + 9, row.center().y() - _BOX / 2, _BOX, _BOX)

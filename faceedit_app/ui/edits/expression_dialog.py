@@ -1,4 +1,4 @@
-"""The slider from sad to smiling, tried out live before it becomes an edit."""
+"""The slider from sad to smiling, previewed before it becomes an edit."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
 
 STRONGEST = 150
 _LIVE_MS = 40
-_LIVE_COST = 0.1  # seconds; when an answer takes longer, it waits for the end of the gesture
+_LIVE_COST = 0.1  # seconds; slower answers wait for the end of the gesture
 
 
 class ExpressionDialog(QDialog):
-    """Sad at the left, smiling at the right; the face follows.
+    """Sad on the left, smiling on the right; the face follows.
 
     Args:
-        edits_of: the edits of the shipped preset with an id, for the range that is meant.
+        edits_of: the edits of the shipped preset with a given id, in the range that applies.
         where: that range in words.
-        accepted_edits: is given the edits that are to be made.
+        accepted_edits: called with the edits to make.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class ExpressionDialog(QDialog):
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
-        column.addWidget(QLabel(f"How happy the mouth is {where}:"))
+        column.addWidget(QLabel(f"How happy the mouth looks {where}:"))
         column.addLayout(row)
         column.addWidget(self.words)
         column.addWidget(buttons)
@@ -84,14 +84,14 @@ class ExpressionDialog(QDialog):
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        """What the slider asks for."""
+        """The edits for the slider's value."""
         value = self.slider.value()
         source = self._sources["smile" if value > 0 else "sad_mouth"]
         strength = abs(value) / 100
         return tuple(replace(edit, strength=strength) for edit in source) if value else ()
 
     def _moved(self, value: int) -> None:
-        self.words.setText("as it is" if not value else f"{abs(value)} % {_word(value)}")
+        self.words.setText("unchanged" if not value else f"{abs(value)} % {_word(value)}")
         if self._cost < _LIVE_COST or not self.slider.isSliderDown():
             self._timer.start()
 
@@ -102,7 +102,7 @@ class ExpressionDialog(QDialog):
         self._cost = time.perf_counter() - began
 
     def done(self, result: int) -> None:
-        """Make the edits, or leave the take as it was."""
+        """Make the edits, or leave the take unchanged."""
         self._timer.stop()
         edits = self.edits
         if result == QDialog.DialogCode.Accepted and edits:

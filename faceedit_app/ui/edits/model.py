@@ -1,9 +1,9 @@
-"""The list of edits as Qt's views want it: names, switches, and rows that can be dragged."""
+"""The list of edits as a Qt model: names, switches, and rows that can be dragged."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import (
     QAbstractListModel,
@@ -14,10 +14,9 @@ from PySide6.QtCore import (
     Signal,
 )
 
+from faceedit_app.editing.edits.describe import describe, describe_controls
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.state.document import Document
-
-if TYPE_CHECKING:
-    from faceedit_app.editing.edits.edit import Edit
 
 _MIME = "application/x-faceedit-row"
 Index = QModelIndex | QPersistentModelIndex
@@ -25,13 +24,13 @@ _ROOT = QModelIndex()
 
 
 class EditsModel(QAbstractListModel):
-    """Rows are the session's edits, the first that was made on top.
+    """Rows are the session's edits, the oldest on top.
 
     Signals:
-        bringing(int): an edit is about to be moved to a row.
+        moving(int): an edit is about to be moved to a row.
     """
 
-    bringing = Signal(int)
+    moving = Signal(int)
 
     def __init__(self, document: Document) -> None:
         super().__init__(document)
@@ -44,18 +43,16 @@ class EditsModel(QAbstractListModel):
         return session.edits if session is not None else ()
 
     def refresh(self) -> None:
-        """The list is another one."""
+        """The list of edits changed."""
         self.beginResetModel()
         self.endResetModel()
 
     def rowCount(self, parent: Index = _ROOT) -> int:
-        """How many edits there are."""
+        """The number of edits."""
         return 0 if parent.isValid() else len(self.edits)
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
         """Name, switch, and all of it in words for tooltips and screen readers."""
-        from faceedit_app.editing.edits.describe import describe
-
         if not 0 <= index.row() < len(self.edits):
             return None
         edit = self.edits[index.row()]
@@ -104,11 +101,11 @@ class EditsModel(QAbstractListModel):
         return Qt.DropAction.MoveAction
 
     def mimeTypes(self) -> list[str]:
-        """Our own rows only."""
+        """Only rows of this list."""
         return [_MIME]
 
     def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
-        """The row that is dragged."""
+        """The dragged row."""
         data = QMimeData()
         data.setData(_MIME, str(indexes[0].row()).encode())
         return data
@@ -116,27 +113,25 @@ class EditsModel(QAbstractListModel):
     def dropMimeData(
         self, data: QMimeData, action: Qt.DropAction, row: int, column: int, parent: Index
     ) -> bool:
-        """Bring the dragged edit to the row it was dropped before."""
+        """Move the dragged edit before the row it was dropped on."""
         if not data.hasFormat(_MIME):
             return False
         source = int(bytes(data.data(_MIME).data()).decode())
         to = row if row >= 0 else len(self.edits)
         self.bring(source, to - 1 if to > source else to)
-        # Qt would take the source's row away; the session has moved it already.
+        # Qt would remove the source row, but the session has moved it already.
         return False
 
     def bring(self, row: int, to: int) -> None:
         """Move an edit to another row."""
         to = min(max(to, 0), len(self.edits) - 1)
         if row != to:
-            self.bringing.emit(to)
+            self.moving.emit(to)
             self._document.act(lambda session: session.move(row, to))
 
 
 def columns(edit: Edit) -> tuple[str, str, str]:
     """When it acts, on what, and how strongly."""
-    from faceedit_app.editing.edits.describe import describe_controls
-
     start, end = (f"{max(seconds, 0.0):.2f}" for seconds in (edit.start, edit.end))
     return (
         f"{start} s" if start == end else f"{start} – {end} s",

@@ -1,10 +1,9 @@
-"""The panel of edits: what was done, and how strongly; each can be changed at any time."""
+"""The panel with the list of edits, and their strength."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent
@@ -19,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.edits.delegate import EditsDelegate
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.look.gesture_slider import GestureSlider
@@ -28,22 +28,19 @@ from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
-if TYPE_CHECKING:
-    from faceedit_app.editing.edits.edit import Edit
-
 STRONGEST = 150  # per cent
 _EMPTY = (
-    "No edits yet. Drag a curve, or press one of the fixes above.\n"
-    "Everything you do is listed here, and can be weakened, switched off or deleted."
+    "No edits yet. Drag a curve, or click one of the fixes above.\n"
+    "Every edit is listed here; you can change its strength, switch it off or delete it."
 )
 MENU = ("toggle_edit", "rename_edit", "edit_up", "edit_down", "delete_edit")
 
 
 class EditsPanel(QWidget):
-    """List and strength; the edit that is selected shows its range on the curves.
+    """List and strength; the selected edit shows its range on the curves.
 
     Signals:
-        selected(): perhaps other edits are selected.
+        selected(): the selected edits may have changed.
     """
 
     selected = Signal()
@@ -56,10 +53,10 @@ class EditsPanel(QWidget):
         self.strength = self._slider()
         self.percent, self.title = QLabel(), QLabel()
         self._pages = QStackedWidget()
-        self._showing = False  # our own selection of the range, not the user's
-        self._is_dragged = False  # the strength: what is previewed is the slider's
-        self._is_reshaped = False  # the selected edit: what is previewed is its other range
-        self._brought: int | None = None  # row to which the selected edit is being moved
+        self._showing = False  # the panel is changing the range, not the user
+        self._is_dragged = False  # the strength; the preview is the slider's
+        self._is_reshaped = False  # the selected edit; the preview is its new range
+        self._moved_to: int | None = None  # row to which the selected edit is being moved
         self.is_tied = False  # the range on the curves is the selected edit's
         self._own_falloffs: tuple[float, float] | None = None  # the user's, while it is tied
         self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
@@ -69,7 +66,7 @@ class EditsPanel(QWidget):
         selection.selectionChanged.connect(self._sync)
         timeline.selection_changed.connect(self._other_range)
         timeline.falloff_changed.connect(self._other_falloff)
-        self.model.bringing.connect(self._bring)
+        self.model.moving.connect(self._bring)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
         self.refresh()
@@ -104,7 +101,7 @@ class EditsPanel(QWidget):
         bar.setSpacing(GAP // 2)
         bar.addWidget(self.title)
         bar.addStretch()
-        bar.addWidget(caption("Strength", self.strength))
+        bar.addWidget(caption("Edit strength", self.strength))
         bar.addWidget(self.strength)
         bar.addWidget(self.percent)
         bar.addSpacing(GAP)
@@ -117,7 +114,7 @@ class EditsPanel(QWidget):
 
     def _slider(self) -> GestureSlider:
         slider = GestureSlider(0, STRONGEST, 130)
-        slider.setToolTip("How much of the selected edit is made. 100 %: as you made it.")
+        slider.setToolTip("Edit strength: how much of the edit is applied.\n100 %: as you made it.")
         slider.dragged.connect(self._drag_strength)
         slider.sliderReleased.connect(self._released)
         slider.stepped.connect(self._step_strength)
@@ -128,13 +125,13 @@ class EditsPanel(QWidget):
 
     @property
     def current(self) -> int | None:
-        """Row of the edit that is selected."""
+        """Row of the selected edit."""
         row = self.list.currentIndex().row()
         return row if 0 <= row < len(self.model.edits) else None
 
     @property
     def rows(self) -> list[int]:
-        """Rows of all edits that are selected."""
+        """Rows of all selected edits."""
         chosen = {index.row() for index in self.list.selectionModel().selectedIndexes()}
         return sorted(row for row in chosen if row < len(self.model.edits))
 
@@ -147,22 +144,22 @@ class EditsPanel(QWidget):
             self.list.setCurrentIndex(self.model.index(row))
 
     def select_new(self, count: int = 1) -> None:
-        """Select the newest edits, to be weakened; the range on the curves stays the user's."""
+        """Select the newest edits; the range on the curves stays the user's."""
         self._select_quietly(range(max(len(self.model.edits) - count, 0), len(self.model.edits)))
 
     def _select_quietly(self, rows: Sequence[int]) -> None:
-        """Select edits, and leave range and view as they are."""
+        """Select edits without changing range or view."""
         with QSignalBlocker(self.list.selectionModel()):
             self._select_rows(list(rows))
         self._untie()
-        if rows:  # a view that hears of nothing does not scroll either
+        if rows:  # without its signals the view does not scroll
             self.list.scrollTo(self.model.index(rows[-1]))
             self.list.scrollTo(self.model.index(rows[0]))
         self._sync()
         self.list.viewport().update()
 
     def _select_rows(self, rows: list[int]) -> None:
-        """Select these rows, the first of which is the current one."""
+        """Select rows, and make the first the current one."""
         if not rows:
             return
         self.list.setCurrentIndex(self.model.index(rows[0]))
@@ -177,17 +174,17 @@ class EditsPanel(QWidget):
         self.list.selectionModel().select(spans, flag.ClearAndSelect)
 
     def refresh(self) -> None:
-        """Show the list as it is now; a new edit is not selected, a changed one stays so."""
+        """Update the list; a new edit is not selected, a changed one stays selected."""
         row, rows = self.current, self.rows
-        if self._brought is not None:  # who moves an edit goes on with that edit
-            row, rows, self._brought = self._brought, [self._brought], None
+        if self._moved_to is not None:  # a moved edit stays selected
+            row, rows, self._moved_to = self._moved_to, [self._moved_to], None
         focus = QApplication.focusWidget()
         typed = focus is not None and self.list.viewport().isAncestorOf(focus)
         with QSignalBlocker(self.list.selectionModel()):
             self.model.refresh()
             if row is not None and row < len(self.model.edits):
                 self._select_rows([row] if row not in rows else rows)
-        if typed:  # the field for a name is gone, and Qt would go on to what stands next
+        if typed:  # the text field is gone, and Qt would focus the next widget
             self.list.setFocus()
         if self.current is None:
             self._untie()
@@ -195,7 +192,7 @@ class EditsPanel(QWidget):
         self.title.setText(f"Edits  {count}" if count else "Edits")
         self._pages.setCurrentIndex(1 if count else 0)
         self._sync()
-        if self.current is not None and self.is_tied:  # undo may have given it another range
+        if self.current is not None and self.is_tied:  # undo may have changed its range
             self.show_range(self.model.edits[self.current])
 
     def _chosen(self) -> None:
@@ -207,13 +204,13 @@ class EditsPanel(QWidget):
             self._untie()
 
     def show_range(self, edit: Edit) -> None:
-        """Show on the curves where an edit acts; its falloffs are not those of the next drag."""
+        """Show on the curves where an edit acts; its falloffs do not apply to the next drag."""
         line = self._timeline
         start = min(max(edit.start, 0.0), line.duration)
         end = min(max(edit.end, start), line.duration)
         self._showing = True
         if start <= 0 and end >= line.duration - 0.05:
-            # All of the take is better shown by no band than by one over everything.
+            # A selection over the whole take would only hide the curves: select nothing.
             self._untie()
             line.select(None)
         else:
@@ -230,19 +227,19 @@ class EditsPanel(QWidget):
         self._showing = False
 
     def _other_range(self) -> None:
-        """Who selects another time has left the edit."""
+        """A new selection by the user no longer belongs to the edit."""
         if not (self._showing or self.reshaping()):
             self._untie()
             if self.current is not None:
                 self.select(None)
 
     def _other_falloff(self) -> None:
-        """Who turns the wheel in a drag means the drags to come."""
+        """A turn of the wheel in a drag sets the falloff of later drags."""
         if not (self._showing or self.reshaping()):
             self._own_falloffs = None
 
     def _untie(self) -> None:
-        """The range is the user's again, and so are the falloffs."""
+        """Give range and falloffs back to the user."""
         own, self._own_falloffs = self._own_falloffs, None
         self.is_tied = False
         if own is not None:
@@ -262,7 +259,7 @@ class EditsPanel(QWidget):
     # --- changing it -------------------------------------------------------------------------
 
     def _strengthened(self, percent: int) -> list[Edit]:
-        """The list with the selected edits made weaker or stronger."""
+        """The list of edits with another strength for the selected ones."""
         edits = list(self.model.edits)
         for row in self.rows:
             if percent != round(100 * edits[row].strength):
@@ -277,16 +274,16 @@ class EditsPanel(QWidget):
 
     def _step_strength(self, percent: int) -> None:
         edits, rows = self._strengthened(percent), tuple(self.rows)
-        self._document.act(lambda session: session.put(edits, "Strength", ("strength", rows)))
+        self._document.act(lambda session: session.put(edits, "Edit strength", ("strength", rows)))
 
     def settle(self) -> None:
         """Commit a drag of the strength."""
         if self._is_dragged:
             self._is_dragged = False
-            self._document.commit("Strength")
+            self._document.commit("Edit strength")
 
     def cancel(self) -> bool:
-        """Drop a drag of the strength; False if there is none."""
+        """Cancel a drag of the strength; False if there is none."""
         if not self._is_dragged:
             return False
         self._is_dragged = False
@@ -299,7 +296,7 @@ class EditsPanel(QWidget):
         self._sync()
 
     def reshape(self, start: float, end: float, fade_in: float, fade_out: float) -> None:
-        """The edges of the selected edit's range are being dragged."""
+        """Preview the selected edit with dragged edges."""
         row = self.current
         if row is None or not self.is_tied:
             return
@@ -309,20 +306,20 @@ class EditsPanel(QWidget):
         self._document.act(lambda session: session.preview_replace(row, shaped))
 
     def end_reshape(self) -> None:
-        """The edges were let go of, are back where they were, or were put there by a number."""
+        """Commit the edges: they were released, dragged back, or set by a number."""
         if self._is_reshaped:
             self._is_reshaped = False
             by_number = self.reshaping()
             self._document.commit("Range", ("range", self.current) if by_number else None)
 
     def delete(self) -> None:
-        """Take the selected edits out."""
+        """Delete the selected edits."""
         rows = self.rows
         if rows:
             self._untie()
             self._document.act(lambda session: session.remove(*rows))
             left = len(self.model.edits)
-            if left:  # the next one is at hand, wherever in the take it is
+            if left:  # select the next one, wherever in the take it is
                 self._select_quietly([min(rows[0], left - 1)])
             else:
                 self.select(None)
@@ -338,7 +335,7 @@ class EditsPanel(QWidget):
             self._document.act(lambda session: session.put(edits, name))
 
     def rename(self) -> None:
-        """Type another name."""
+        """Let the user type another name."""
         if self.current is not None:
             self.list.setFocus()
             self.list.edit(self.list.currentIndex())
@@ -350,10 +347,10 @@ class EditsPanel(QWidget):
             self.model.bring(row, row + by)
 
     def _bring(self, row: int) -> None:
-        self._brought = row
+        self._moved_to = row
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """What can be done with the edit under the pointer."""
+        """Show the menu of the edit under the pointer."""
         if self.current is not None:
             menu = context_menu(self, [self._actions[name] for name in MENU])
             menu.popup(event.globalPos())

@@ -1,1 +1,1 @@
-"""The picture of the face."""
+"""The viewport."""

@@ -1,4 +1,4 @@
-"""Looking around the face by keys, while the face has the keyboard."""
+"""Moving the camera with keys, while the viewport has the focus."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TURN = math.radians(5.0)  # per press
 SHIFT = 12.0  # pixels per press
 CLOSER = 0.93  # of the distance, per press
 _KEY, _SHIFT = Qt.Key, Qt.KeyboardModifier.ShiftModifier
-# The way that a hand on the mouse would go: right, up.
+# Directions of a mouse drag: right, up.
 _WAYS = {
     _KEY.Key_Left: (-1, 0),
     _KEY.Key_Right: (1, 0),
@@ -24,12 +24,12 @@ _ZOOMS = {_KEY.Key_Plus: CLOSER, _KEY.Key_Equal: CLOSER, _KEY.Key_Minus: 1 / CLO
 
 
 def moved_by_key(camera: Camera, event: QKeyEvent, metres: float) -> Camera | None:
-    """The camera after a key; None if the key is not for looking around.
+    """The camera after a key press; None if the key does not move it.
 
     Args:
-        metres: of a pixel, at the face.
+        metres: size of a pixel at the face.
     """
-    # Arrows and signs of the number pad are as good as the others.
+    # Arrows and signs of the number pad count too.
     keys = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
     if keys not in (Qt.KeyboardModifier.NoModifier, _SHIFT):
         return None

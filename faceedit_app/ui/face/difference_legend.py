@@ -1,4 +1,4 @@
-"""What the tint of the face means, in millimetres, in a corner of the picture."""
+"""The legend of the face's tint, in millimetres, in a corner of the picture."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import FULL, ramp
 from faceedit_app.ui.look.palette import PANEL, TEXT
 
-_STOPS = 9  # colours of the bar; between them Qt mixes, which is too little to be seen
+_STOPS = 9  # colours of the bar; Qt blends between them
 _LENGTH, _BAR = 116, 8  # pixels
 _PAD = 6
 
 
 class DifferenceLegend(QWidget):
-    """A bar of the tint's colours, from 0 mm to where it is full."""
+    """A bar of the tint's colours, from 0 mm to the full tint."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -24,25 +24,25 @@ class DifferenceLegend(QWidget):
         font = QFont(self.font())
         font.setPointSizeF(max(font.pointSizeF() - 1.5, 7.0))
         self.setFont(font)
-        # The face beneath it can be turned there too.
+        # Let mouse events through to the viewport.
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAccessibleName("Difference")
         self.setAccessibleDescription(
-            f"How far the face is from the tracked one: plain is 0 mm, violet {FULL:g} mm or more."
+            f"Distance from the tracked face: no tint is 0 mm, violet is {FULL:g} mm or more."
         )
         self.hide()
 
     def open(self, rig: Rig) -> None:
-        """Explain the tint on this character's skin."""
+        """Show the tint on this character's skin."""
         self._colors = [QColor.fromRgbF(*map(float, color)) for color in ramp(rig, _STOPS)]
         self.update()
 
     def sizeHint(self) -> QSize:
-        """The bar above its numbers."""
+        """Size of the bar and its numbers."""
         return QSize(_LENGTH + 2 * _PAD, _PAD + _BAR + self.fontMetrics().height() + _PAD // 2)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """The bar with its millimetres."""
+        """Paint the bar with its millimetres."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(Qt.PenStyle.NoPen)

@@ -1,38 +1,34 @@
-"""The face as a picture: what is drawn, from where, by which renderer. Knows no widget."""
+"""The picture of the face: what is drawn, from where, by which renderer. Uses no widget."""
 
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 
 from faceedit_app import render
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import tint_of
 from faceedit_app.ui.look.palette import BORDER, TEXT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 Size = tuple[int, int]  # pixels
 
 
 class FacePicture:
-    """Draws one face, or two beside each other.
+    """Draws one face, or two side by side.
 
     Attributes:
-        camera: where the face is looked at from.
-        image: what was drawn last.
+        camera: where the face is seen from.
+        image: the last picture drawn.
     """
 
     def __init__(self) -> None:
         self.camera = render.Camera()
         self.image: QImage | None = None
-        self._pixels: NDArray[np.uint8] | None = None  # the image is a view of it
+        self._pixels: Pixels | None = None  # the image is a view of it
         self._rig: Rig | None = None
         self._renderer: render.FaceRenderer | None = None
         self._weights: Floats | None = None
@@ -48,7 +44,7 @@ class FacePicture:
         """
         self.close()
         if self._rig is not None and self._rig is not rig:
-            # Another character's weights mean nothing here.
+            # Weights of another character do not apply.
             self._weights = self._beside = self._against = None
         self._rig = rig
         self._renderer = render.open_renderer(rig, *size)
@@ -59,17 +55,17 @@ class FacePicture:
         self.image = self._pixels = None
         self._begun = False
         if renderer is not None:
-            with contextlib.suppress(Exception):  # a context that is lost cannot be freed
+            with contextlib.suppress(Exception):  # a lost context cannot be freed
                 renderer.close()
 
     @property
     def can_draw(self) -> bool:
-        """Whether there is a face to see."""
+        """Whether a face can be drawn."""
         return self._renderer is not None
 
     @property
     def is_pair(self) -> bool:
-        """Whether two faces stand beside each other."""
+        """Whether two faces are shown side by side."""
         return self._beside is not None
 
     @property
@@ -78,7 +74,7 @@ class FacePicture:
         return self._against is not None
 
     def show(self, weights: Floats | None, beside: Floats | None, against: Floats | None) -> None:
-        """Draw these from now on; see `Viewport.show_weights`."""
+        """Set the weights to draw; see `Viewport.show_weights`."""
         self._weights, self._beside, self._against = weights, beside, against
 
     def aim(self, aim: render.Aim, aspect: float) -> None:
@@ -88,7 +84,7 @@ class FacePicture:
             self.camera = render.aimed_camera(self._rig, aim, aspect / faces)
 
     def begin(self, size: Size) -> None:
-        """Have a rough picture of one face drawn while something else is done.
+        """Start drawing a rough picture of one face while other work goes on.
 
         `draw` finishes it. Drivers and PyOpenGL raise all kinds of errors.
         """
@@ -100,15 +96,15 @@ class FacePicture:
         self._begun = True
 
     def forget_begun(self) -> None:
-        """What was begun is out of date."""
+        """Discard a picture that was begun, because it is out of date."""
         self._begun = False
 
     def draw(self, size: Size, smooth: bool) -> None:
-        """Make `image` anew. Drivers and PyOpenGL raise all kinds of errors.
+        """Draw `image`. Drivers and PyOpenGL raise all kinds of errors.
 
         Args:
             size: width and height.
-            smooth: with smooth edges, which takes longer.
+            smooth: with smooth edges, which is slower.
         """
         if self._renderer is None or self._rig is None:
             return
@@ -119,20 +115,18 @@ class FacePicture:
         )
 
     def prepare(self) -> None:
-        """Do now what the next picture will need, as long as none has been begun."""
+        """Prepare the next picture, unless one has been begun."""
         if self._renderer is not None and not self._begun:
             self._renderer.prepare()
 
     def _first(self, rig: Rig) -> tuple[Floats, Floats | None]:
-        """The vertices (V, 3) of the face and, where it is tinted, by how much (V,)."""
+        """The vertices (V, 3) of the face and, if it is tinted, the strength of the tint (V,)."""
         vertices = rig.neutral if self._weights is None else rig.vertices(self._weights)
         if self._against is None:
             return vertices, None
         return vertices, tint_of(vertices, rig.vertices(self._against))
 
-    def _faces(
-        self, renderer: render.FaceRenderer, rig: Rig, size: Size, smooth: bool
-    ) -> NDArray[np.uint8]:
+    def _faces(self, renderer: render.FaceRenderer, rig: Rig, size: Size, smooth: bool) -> Pixels:
         """(H, W, 4) the picture: one face, or two beside each other."""
         if self._begun and not smooth:
             self._begun = False
@@ -153,7 +147,7 @@ class FacePicture:
 
 
 def paint_names(painter: QPainter, room: QRect) -> None:
-    """Say which of two faces is which."""
+    """Label two faces."""
     half, height = room.width() // 2, room.height()
     painter.fillRect(half, 0, 1, height, QColor(BORDER))
     painter.setPen(QColor(TEXT))

@@ -1,4 +1,4 @@
-"""The face pane: the viewport with its switches, following the playhead and the edits."""
+"""The face pane: the viewport and its buttons, following the playhead and the edits."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ MENU = (
 
 
 class FacePane(QWidget):
-    """Shows the frame under the playhead, as edited or as tracked.
+    """Shows the frame at the playhead, edited or tracked.
 
     Signals:
-        switched(): another face, a tint, or none is shown.
+        switched(): the face shown, or its tint, changed.
     """
 
     switched = Signal()
@@ -53,7 +53,7 @@ class FacePane(QWidget):
         row.addWidget(camera)
         self._switches = (which, camera)
         self.viewport.covered_by = (*self._switches, self.viewport.legend)
-        # Only its buttons take the mouse: the face between them can be turned.
+        # Only the buttons take the mouse, so that the camera can be moved between them.
         self._overlay.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
         self.viewport.opened.connect(self.switched)
         self.viewport.menu_asked.connect(self._show_menu)
@@ -63,38 +63,42 @@ class FacePane(QWidget):
 
     @property
     def shows_tracked(self) -> bool:
-        """Whether the face as tracked is on screen."""
+        """Whether the tracked face is shown."""
         return self._tracked or self._glancing
 
     def set_tracked(self, tracked: bool) -> None:
-        """Show the face as tracked, or as edited."""
+        """Show the tracked face, or the edited one."""
         self._tracked, self._both = tracked, False
         self._switched()
 
     @property
     def shows_both(self) -> bool:
-        """Whether the tracked face stands beside the edited one."""
+        """Whether the tracked face is shown beside the edited one."""
         return self._both and not self._glancing
 
     def show_both(self) -> None:
-        """Show the face as tracked beside the edited one."""
+        """Show the tracked face beside the edited one."""
         self._tracked, self._both = False, True
         self._switched()
 
     @property
     def shows_difference(self) -> bool:
-        """Whether the edited face is tinted where and how far it is from the tracked one."""
+        """Whether the edited face is tinted by its distance from the tracked one."""
         return self._difference
 
     def show_difference(self, wanted: bool) -> None:
-        """Tint the edited face, and let it be seen; or leave it plain."""
+        """Tint the edited face, and show it; or remove the tint."""
         self._difference = wanted
         if wanted:
             self._tracked = False
         self._switched()
 
+    def aim(self, aim: str) -> None:
+        """Point the camera: see `render.Aim`."""
+        self.viewport.aim(Aim(aim))
+
     def glance(self, glancing: bool) -> None:
-        """Show the face as tracked for as long as a key is held."""
+        """Show the tracked face while a key is held."""
         self._glancing = glancing
         self._switched()
 
@@ -103,7 +107,7 @@ class FacePane(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the frame under the playhead."""
+        """Show the frame at the playhead."""
         session = self._document.session
         if session is not None:
             frame = min(max(self._timeline.frame, 0), len(session.weights) - 1)
@@ -118,12 +122,12 @@ class FacePane(QWidget):
             )
 
     def _show_menu(self, at: QPoint) -> None:
-        """What can be done with the face."""
+        """Show the viewport's menu."""
         groups = [[self._actions[name] for name in group] for group in MENU]
         context_menu(self, *groups).popup(at)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the switches at the top, and the legend between or below them."""
+        """Keep the buttons at the top, and the legend between or below them."""
         super().resizeEvent(event)
         height = self._overlay.sizeHint().height()
         self._overlay.setGeometry(0, 0, self.width(), height)

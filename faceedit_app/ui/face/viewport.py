@@ -1,4 +1,4 @@
-"""The view of the face: the picture on the screen, drawn when something changed; the mouse."""
+"""The viewport: the picture of the face, drawn when something changes, and its mouse and keys."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 import logging
 import time
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
@@ -26,34 +26,32 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QLabel, QSizePolicy, QWidget
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.rig import Rig
 from faceedit_app.render import Aim, Camera
 from faceedit_app.ui.face.camera_keys import moved_by_key
 from faceedit_app.ui.face.difference_legend import DifferenceLegend
 from faceedit_app.ui.face.face_picture import FacePicture, Size, paint_names
 from faceedit_app.ui.look.palette import ACCENT, PANEL
 
-if TYPE_CHECKING:
-    from faceedit_app.core.arrays import Floats
-    from faceedit_app.core.rig import Rig
-
 IDLE_MS = 150  # after so long without a change the picture is drawn with smooth edges
 ORBIT = 0.008  # radians per pixel
 ZOOM_STEP = 0.88  # per notch of the wheel
-# A rough picture may cost so many seconds before its resolution is lowered.
+# Seconds that a rough picture may take before its resolution is lowered.
 _BUDGET = 0.035
 _COARSEST = 0.5
 
 
 class Viewport(QWidget):
-    """Shows the character with the weights it is given.
+    """Shows the character with given weights.
 
     Drawing happens in `paintEvent`, so any number of changes in one turn of the event loop
-    costs one picture, and a hidden viewport costs none.
+    takes one picture, and a hidden viewport takes none.
 
     Signals:
-        opened(): there is a face to see, or no longer.
-        menu_asked(QPoint): for a context menu, at a place of the screen.
+        opened(): whether a face can be drawn has changed.
+        menu_asked(QPoint): the context menu was asked for, at a place on the screen.
     """
 
     opened = Signal()
@@ -62,38 +60,38 @@ class Viewport(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.draws = 0
-        self.covered_by: tuple[QWidget, ...] = ()  # widgets that stand upon the picture
+        self.covered_by: tuple[QWidget, ...] = ()  # widgets on top of the picture
         self._note = QLabel("Preparing the face…", self)
         self._note.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._note.setWordWrap(True)
         self._note.setTextFormat(Qt.TextFormat.PlainText)
         self._note.setObjectName("caption")
-        # The remedy is a command to be copied.
+        # So that the command in the message can be copied.
         self._note.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.legend = DifferenceLegend(self)
         self._picture = FacePicture()
-        self._aim: Aim | None = Aim.FRONT  # None once the user has turned the view
+        self._aim: Aim | None = Aim.FRONT  # None once the user has moved the camera
         self._stale, self._smooth = True, True
-        self._scale = 1.0  # of a rough picture's pixels
-        self._pressed: QPointF | None = None  # where a press was that moved nothing yet
+        self._scale = 1.0  # resolution of rough pictures
+        self._pressed: QPointF | None = None  # place of a press that has not moved yet
         self._grabbed: QPointF | None = None
         self._idle = QTimer(self, singleShot=True, interval=IDLE_MS)
         self._idle.timeout.connect(self._refine)
-        self._spare = QTimer(self, singleShot=True, interval=0)  # once no event waits
+        self._spare = QTimer(self, singleShot=True, interval=0)  # when no event is waiting
         self._spare.timeout.connect(self._prepare)
         self.setMinimumSize(QSize(240, 240))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
-        self.setMouseTracking(True)  # a release that was lost shows by the next move
+        self.setMouseTracking(True)  # the next move reveals a lost release
         self.setAccessibleName("Face")
-        self.setAccessibleDescription("Arrows turn it, with Shift they move it; + and - zoom.")
-        # The mouse leaves the keyboard where it is, so that the arrows go on moving the playhead.
+        self.setAccessibleDescription("Arrows orbit, with Shift they pan; + and - zoom.")
+        # A click does not take the focus, so that the arrows still move the playhead.
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     # --- what is shown -----------------------------------------------------------------------
 
     def open(self, rig: Rig) -> None:
-        """Start drawing a character; where that is impossible, say why instead."""
+        """Start drawing a character; if that is impossible, show why."""
         self.legend.open(rig)
         try:
             self._picture.open(rig, self._pixels())
@@ -106,7 +104,7 @@ class Viewport(QWidget):
 
     @property
     def message(self) -> str:
-        """What is said in place of a face."""
+        """The message shown instead of a face."""
         return self._note.text()
 
     def _say(self, message: str) -> None:
@@ -115,7 +113,7 @@ class Viewport(QWidget):
 
     @property
     def can_draw(self) -> bool:
-        """Whether there is a face to see."""
+        """Whether a face can be drawn."""
         return self._picture.can_draw
 
     def show_weights(
@@ -127,8 +125,8 @@ class Viewport(QWidget):
         """Show (K,) weights in the rig's order; None is the neutral face.
 
         Args:
-            beside: of a second face, at the left of the first and seen from the same side.
-            against: of a face that the first is tinted by its distance from.
+            beside: of a second face, left of the first and seen from the same side.
+            against: of a face; the first is tinted by its distance from it.
         """
         was_pair = self._picture.is_pair
         self._picture.show(weights, beside, against)
@@ -138,21 +136,21 @@ class Viewport(QWidget):
         self.redraw()
 
     def _explain(self) -> None:
-        """Say what the tint means while there is one."""
+        """Show the legend while the face is tinted."""
         self.legend.setVisible(self._picture.is_tinted and self.can_draw)
 
     def redraw(self) -> None:
-        """Draw soon: roughly now, smoothly when nothing has changed for a moment."""
+        """Draw a rough picture soon, and a smooth one after a moment without changes."""
         self._stale, self._smooth = True, False
         self._picture.forget_begun()
         self._idle.start()
         self.update(self._uncovered())
 
     def _uncovered(self) -> QRegion:
-        """Where the picture is seen for certain.
+        """The part of the picture that no widget covers.
 
-        Buttons upon the picture would be painted anew with each of its frames, for the few pixels
-        of their corners; those can wait for the smooth picture.
+        Buttons on the picture would be repainted with every rough picture, for the few pixels of
+        their corners; those can wait for the smooth picture.
         """
         region = QRegion(self.rect())
         for widget in self.covered_by:
@@ -162,9 +160,9 @@ class Viewport(QWidget):
         return region
 
     def hurry(self) -> None:
-        """Have the picture drawn while the rest of the window is painted, not after it."""
+        """Draw the picture while the rest of the window is painted, not after it."""
         if self._stale and not self._smooth and self.isVisible():
-            with contextlib.suppress(Exception):  # painting meets it again, and says so
+            with contextlib.suppress(Exception):  # painting raises it again, and reports it
                 self._picture.begin(self._picture_size())
 
     def close_renderer(self) -> None:
@@ -174,7 +172,7 @@ class Viewport(QWidget):
         self.opened.emit()
 
     def picture(self) -> QImage | None:
-        """A copy of what is shown, with the names and the legend upon it; None without a face."""
+        """A copy of what is shown, with labels and legend; None without a face."""
         self._stale = self._smooth = True
         self._draw()
         if self._picture.image is None:
@@ -196,8 +194,8 @@ class Viewport(QWidget):
         if self._stale:
             self._draw()
         painter = QPainter(self)
-        # Rectangle by rectangle: into a region of several Qt would fill dot by dot.
-        for part in cast(Iterable[QRect], event.region()):  # its type hints do not know
+        # One rectangle at a time: in a region of several, Qt fills pixel by pixel.
+        for part in cast(Iterable[QRect], event.region()):  # missing in its type hints
             painter.setClipRect(part)
             self._paint_picture(painter)
         painter.setClipping(False)
@@ -212,7 +210,7 @@ class Viewport(QWidget):
             painter.fillRect(self.rect(), QColor(PANEL))
             return
         if image.size() == QSize(*self._pixels()):
-            painter.drawImage(self.rect(), image)  # pixel by pixel
+            painter.drawImage(self.rect(), image)  # one to one
         else:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             painter.drawImage(QRectF(self.rect()), image)
@@ -238,11 +236,11 @@ class Viewport(QWidget):
         self._spare.start()
 
     def _prepare(self) -> None:
-        with contextlib.suppress(Exception):  # painting meets it again, and says so
+        with contextlib.suppress(Exception):  # painting raises it again, and reports it
             self._picture.prepare()
 
     def _adapt(self, seconds: float) -> None:
-        """Trade resolution for speed while things move, on computers that draw slowly."""
+        """On slow computers, lower the resolution of rough pictures."""
         if seconds > _BUDGET:
             self._scale = max(self._scale * 0.8, _COARSEST)
         elif seconds < _BUDGET / 3:
@@ -265,7 +263,7 @@ class Viewport(QWidget):
         return width, height
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the framing until the user has chosen another one."""
+        """Keep the face framed until the user moves the camera."""
         self._note.setGeometry(self.rect().adjusted(32, 48, -32, -32))
         self._frame()
         self.redraw()
@@ -274,7 +272,7 @@ class Viewport(QWidget):
 
     @property
     def camera(self) -> Camera:
-        """Where the face is looked at from."""
+        """Where the face is seen from."""
         return self._picture.camera
 
     def reset_camera(self) -> None:
@@ -282,7 +280,7 @@ class Viewport(QWidget):
         self.aim(Aim.FRONT)
 
     def aim(self, aim: Aim) -> None:
-        """Point the camera, and keep it framed until the user turns the view."""
+        """Point the camera, and keep the face framed until the user moves it."""
         self._aim = aim
         self._frame()
         self.redraw()
@@ -296,24 +294,24 @@ class Viewport(QWidget):
         self.redraw()
 
     def _metres(self) -> float:
-        """Of a pixel, at the face."""
+        """Size of a pixel at the face."""
         return self.camera.distance * 0.39 / max(1, self.height())
 
     # --- mouse -------------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Grab the view."""
+        """Start moving the camera."""
         self._grabbed = self._pressed = event.position()
         self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Left turns around the face, middle and right move the view."""
+        """Orbit with the left button, pan with the middle or right one."""
         if not event.buttons():
             self.let_go()
         if self._grabbed is None:
             return
         if self._is_click(event.position()) and event.buttons() & Qt.MouseButton.RightButton:
-            return  # it may become a click, for the menu
+            return  # may still become a click, for the menu
         self._pressed = None
         moved = event.position() - self._grabbed
         self._grabbed = event.position()
@@ -324,7 +322,7 @@ class Viewport(QWidget):
             self._look(self.camera.pan(-moved.x() * metres, moved.y() * metres))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let go of the view; a click with the right button asks for the menu."""
+        """Stop moving the camera; a right click asks for the menu."""
         clicked = self._is_click(event.position())
         if not event.buttons():
             self.let_go()
@@ -332,22 +330,22 @@ class Viewport(QWidget):
             self.menu_asked.emit(event.globalPosition().toPoint())
 
     def _is_click(self, at: QPointF) -> bool:
-        """Whether nothing was dragged since the press."""
+        """Whether a release here is a click."""
         near = QApplication.startDragDistance()
         return self._pressed is not None and (at - self._pressed).manhattanLength() < near
 
     def let_go(self) -> None:
-        """The view is no longer turned."""
+        """Stop moving the camera: the release was lost."""
         self._grabbed = self._pressed = None
         self.unsetCursor()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """The menu by its key; that of the mouse comes with the release, as a drag may follow."""
+        """Show the menu for its key; for the mouse it comes on release, as a drag may follow."""
         if event.reason() != QContextMenuEvent.Reason.Mouse:
             self.menu_asked.emit(self.mapToGlobal(self.rect().center()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Back to the front."""
+        """Reset the camera."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.reset_camera()
 
@@ -361,7 +359,7 @@ class Viewport(QWidget):
     # --- keys --------------------------------------------------------------------------------
 
     def event(self, event: QEvent) -> bool:
-        """The keys for looking around are its own while it has the keyboard, not shortcuts."""
+        """While it has the focus, camera keys are not shortcuts."""
         if (
             event.type() == QEvent.Type.ShortcutOverride
             and isinstance(event, QKeyEvent)
@@ -372,7 +370,7 @@ class Viewport(QWidget):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Look around: see `camera_keys`."""
+        """Move the camera; see `camera_keys`."""
         camera = moved_by_key(self.camera, event, self._metres())
         if camera is not None:
             self._look(camera)
@@ -380,20 +378,20 @@ class Viewport(QWidget):
             super().keyPressEvent(event)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """It shows that it has the keyboard."""
+        """Show the focus."""
         super().focusInEvent(event)
         self.update()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """And that it has not."""
+        """Show that the focus is gone."""
         super().focusOutEvent(event)
         self.update()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Free what the picture is drawn with."""
+        """Free the graphics memory."""
         self.close_renderer()
         super().closeEvent(event)
 
     def sizeHint(self) -> QSize:
-        """A portrait."""
+        """Portrait format."""
         return QSize(560, 680)

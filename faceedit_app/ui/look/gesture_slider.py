@@ -1,4 +1,4 @@
-"""A slider that says whether its handle is being dragged or stepped."""
+"""A slider that distinguishes drags from steps."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from PySide6.QtWidgets import QSlider
 
 
 class GestureSlider(QSlider):
-    """A horizontal slider whose changes are told apart by where a gesture ends.
+    """A horizontal slider that reports where each gesture ends.
 
-    The mouse leaves the focus where it is, so that the arrows go on moving the playhead.
+    A click does not take the focus, so that the arrows still move the playhead.
 
     Signals:
-        dragged(int): the handle is elsewhere, and still held; `sliderReleased` ends it.
-        stepped(int): a key, the wheel or a click beside the handle: a gesture of its own, that
-            belongs to those before it.
-        left(): focus or pointer are elsewhere: the next such step belongs to none before it.
+        dragged(int): the handle moved and is still held; `sliderReleased` ends the drag.
+        stepped(int): a key, the wheel or a click beside the handle: a complete gesture, which
+            may be merged with those before it.
+        left(): focus or pointer left: the next step is not merged with earlier ones.
     """
 
     dragged = Signal(int)
@@ -30,37 +30,37 @@ class GestureSlider(QSlider):
         self.setFixedWidth(width)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.valueChanged.connect(self._moved)
-        self._is_dropped = False  # the drag, although the button is still down
+        self._is_dropped = False  # the drag was cancelled while the button is down
 
     def _moved(self, value: int) -> None:
         (self.dragged if self.isSliderDown() else self.stepped).emit(value)
 
     def drop(self) -> None:
-        """End the drag in progress: until the button is up, the mouse moves nothing more."""
+        """Cancel the drag in progress: ignore the mouse until the button is released."""
         self._is_dropped = self.isSliderDown()
         self.setSliderDown(False)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """A new drag; the release of a dropped one may have been lost to another window."""
+        """Begin a new drag; the release of a cancelled one may have been lost."""
         self._is_dropped = False
         super().mousePressEvent(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Bring the handle along, unless its drag was dropped."""
+        """Move the handle, unless the drag was cancelled."""
         if not self._is_dropped:
             super().mouseMoveEvent(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """The end of a drag, dropped or not."""
+        """End a drag, cancelled or not."""
         self._is_dropped = False
         super().mouseReleaseEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """The keyboard goes elsewhere."""
+        """The focus is lost."""
         super().focusOutEvent(event)
         self.left.emit()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """The pointer goes elsewhere, and the wheel with it."""
+        """The pointer left, and the wheel with it."""
         super().leaveEvent(event)
         self.left.emit()

@@ -1,7 +1,7 @@
 """The icons: the SVG files in `icons/`, drawn in the window's colours and sharp on every screen.
 
-Each is drawn on a grid of 16 by 16 units in `currentColor`, which becomes the colour asked for.
-`faceedit.svg` is the application's own icon, in colours of its own.
+Each is drawn on a grid of 16 by 16 units in `currentColor`, which is replaced by the colour
+asked for. `faceedit.svg` is the application's icon, in its own colours.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _APP_SIZES = (16, 24, 32, 48, 64, 128, 256)
 
 
 def icon(name: str, color: str = TEXT) -> QIcon:
-    """The icon of that name, with a paler one for disabled controls."""
+    """An icon by name, with a paler version for disabled controls."""
     out = QIcon()
     for mode, ink in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, FAINT)):
         for ratio in _ratios():
@@ -31,13 +31,13 @@ def icon(name: str, color: str = TEXT) -> QIcon:
 
 
 def picture(name: str, color: str, size: int, ratio: float) -> QPixmap:
-    """The icon of that name as a picture.
+    """An icon by name, as a picture.
 
     Args:
-        name: of its file, without the ending.
-        color: of what is drawn in `currentColor`.
+        name: of its file, without the suffix.
+        color: replaces `currentColor`.
         size: width and height in units of the window.
-        ratio: pixels of the screen per unit.
+        ratio: screen pixels per unit.
     """
     pixmap = QPixmap(round(size * ratio), round(size * ratio))
     pixmap.fill(Qt.GlobalColor.transparent)
@@ -50,7 +50,7 @@ def picture(name: str, color: str, size: int, ratio: float) -> QPixmap:
 
 
 def app_icon() -> QIcon:
-    """FaceEdit's own icon."""
+    """FaceEdit's icon."""
     out = QIcon()
     for size in _APP_SIZES:
         out.addPixmap(picture(APP_ICON, "", size, 1.0))
@@ -68,5 +68,5 @@ def _source(name: str) -> str:
 
 
 def _ratios() -> list[float]:
-    """Pixels per unit of all screens, so that none of them shows an icon scaled."""
+    """Screen pixels per unit of all screens, so that no screen shows a scaled icon."""
     return sorted({1.0, 2.0, *(screen.devicePixelRatio() for screen in QGuiApplication.screens())})

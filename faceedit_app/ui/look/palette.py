@@ -1,4 +1,4 @@
-"""The colours of the window. Blue and orange are told apart by colour-blind people too."""
+"""The colours of the window. Colour-blind people can distinguish blue and orange."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ RAISED = "#323840"  # buttons and fields
 HOVER = "#3c434d"
 BORDER = "#3a4049"
 TEXT = "#d7dae0"
-MUTED = "#8a9099"  # captions, what is not active
+MUTED = "#8a9099"  # captions, inactive things
 FAINT = "#5c626b"  # disabled
-ACCENT = "#56b4e9"  # sky: the lower face, focus, what is switched on
+ACCENT = "#56b4e9"  # sky: the lower face, focus, things switched on
 ACCENT_DEEP = "#24597a"  # sky as a filled surface under light text
-ORANGE = "#e69f00"  # the eyelids, and things to take note of
+ORANGE = "#e69f00"  # the eyelids, and warnings

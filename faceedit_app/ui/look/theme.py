@@ -137,7 +137,7 @@ QLabel#lead {{ color: {MUTED}; font-size: 11pt; }}
 
 
 def apply_theme(app: QApplication) -> None:
-    """Dress the whole application."""
+    """Apply style, palette and style sheet to the application."""
     app.setStyle("fusion")
     app.setPalette(_palette())
     font = QFont(app.font())

@@ -23,12 +23,12 @@ from faceedit_app.ui.look.theme import GAP, MARGIN
 
 
 class Segment(QToolButton):
-    """Half of a two-way choice. Enter presses it too, since Space always plays."""
+    """A button of a group. Enter presses it too, since Space always plays."""
 
     def __init__(self, action: QAction, name: str, text: str) -> None:
         super().__init__()
         self.setObjectName(name)
-        action.setIconText(text)  # what a button shows of an action; the menu shows its text
+        action.setIconText(text)  # for the button; the menu shows the text
         self.setDefaultAction(action)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -42,15 +42,15 @@ class Segment(QToolButton):
 
 
 class Choice(QComboBox):
-    """A drop-down list; the style sheet takes Fusion's arrow away, so here is ours."""
+    """A drop-down list; draws its own arrow, since the style sheet removes Fusion's."""
 
     def __init__(self) -> None:
         super().__init__()
-        # The mouse leaves the focus where it is, so that the arrows go on moving the playhead.
+        # A click does not take the focus, so that the arrows still move the playhead.
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Add a chevron."""
+        """Paint the list and its arrow."""
         super().paintEvent(event)
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -62,7 +62,7 @@ class Choice(QComboBox):
 
 
 class Elided(QLabel):
-    """A line of text that ends in dots where there is no room for all of it.
+    """A line of text that ends in an ellipsis if there is not enough room.
 
     It never widens the window; the tooltip has the whole line.
     """
@@ -74,12 +74,12 @@ class Elided(QLabel):
 
     @property
     def shown(self) -> str:
-        """What can be read of it."""
+        """The visible text."""
         room = self.contentsRect().width()
         return self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Write it, in the style sheet's colour."""
+        """Paint the text in the style sheet's colour."""
         with QPainter(self) as painter:
             align = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
             role, look = self.foregroundRole(), self.palette()
@@ -100,7 +100,7 @@ def segments(*choices: tuple[QAction, str]) -> QWidget:
 
 
 def icon_button(action: QAction, name: str = "icon", text: str = "") -> QToolButton:
-    """An action as an icon. It has a shortcut, so it stays out of the way of the focus."""
+    """An action as an icon. It has a shortcut, so it does not take the focus."""
     button = QToolButton()
     if text:
         action.setIconText(text)
@@ -115,7 +115,7 @@ def icon_button(action: QAction, name: str = "icon", text: str = "") -> QToolBut
 
 
 def caption(text: str, buddy: QWidget | None = None) -> QLabel:
-    """The quiet name of a control."""
+    """A muted label for a widget."""
     label = QLabel(text)
     label.setObjectName("caption")
     if buddy is not None:
@@ -126,7 +126,7 @@ def caption(text: str, buddy: QWidget | None = None) -> QLabel:
 
 
 def context_menu(parent: QWidget, *groups: Iterable[QAction]) -> QMenu:
-    """A menu of actions, with lines between the groups, that is gone when it is closed."""
+    """A menu of actions with lines between the groups; it is deleted when closed."""
     menu = QMenu(parent)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     for group in groups:
@@ -137,7 +137,7 @@ def context_menu(parent: QWidget, *groups: Iterable[QAction]) -> QMenu:
 
 
 def divider() -> QFrame:
-    """A thin upright line between groups."""
+    """A thin vertical line between groups."""
     line = QFrame()
     line.setObjectName("line")
     line.setFixedSize(1, 18)

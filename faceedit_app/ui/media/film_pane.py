@@ -1,33 +1,30 @@
-"""The film beside the face: the picture that was on the camera when this frame was tracked."""
+"""The film beside the face, at the playhead."""
 
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QContextMenuEvent, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
+from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats.timing import format_time
+from faceedit_app.media.film import Film, Projector
 from faceedit_app.ui.look.palette import MUTED, PANEL
 from faceedit_app.ui.look.theme import MARGIN
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
-if TYPE_CHECKING:
-    from faceedit_app.core.arrays import Pixels
-    from faceedit_app.media.film import Film, Projector
-
 
 class Screen(QWidget):
-    """Shows the picture under the playhead; until it is decoded, the last one.
+    """Shows the picture at the playhead, or the last one until it is decoded.
 
     Signals:
-        arrived(int): a wanted picture can be shown; sent from the decoding thread.
-        broken(object): the FaceEditError for which decoding ended; sent from that thread.
+        arrived(int): a requested picture is ready; sent from the decoding thread.
+        broken(object): the FaceEditError that ended decoding; sent from that thread.
     """
 
     arrived = Signal(int)
@@ -55,8 +52,6 @@ class Screen(QWidget):
 
     def _load(self) -> None:
         """Another film, or none."""
-        from faceedit_app.media.film import Projector
-
         self.close_film()
         if self._media.film is not None:
             self._film = self._media.film.item
@@ -65,7 +60,7 @@ class Screen(QWidget):
         self.update()
 
     def _ready(self, index: int) -> None:
-        with contextlib.suppress(RuntimeError):  # the window went away this very moment
+        with contextlib.suppress(RuntimeError):  # the window was just closed
             self.arrived.emit(index)
 
     def _failed(self, error: FaceEditError) -> None:
@@ -73,12 +68,12 @@ class Screen(QWidget):
             self.broken.emit(error)
 
     def follow(self) -> None:
-        """Show the picture of the playhead's time; outside of the film, none."""
+        """Show the picture at the playhead; outside the film, none."""
         placed, film = self._media.film, self._film
         if placed is None or film is None or self._projector is None:
             return
         seconds = self._timeline.time - placed.offset
-        # Half a picture beyond the ends still counts: rates differ, clocks are rounded.
+        # Allow half a picture beyond the ends: rates differ, and clocks are rounded.
         slack = 0.5 / film.rate
         if seconds < -slack:
             self._say(f"The film begins at {format_time(placed.offset)}")
@@ -96,7 +91,7 @@ class Screen(QWidget):
 
     def _show(self, index: int) -> None:
         picture = self._film.cached(index) if self._film is not None else None
-        # Pictures that come too late while playing are still newer than the one on screen.
+        # A picture that arrives late during playback is still newer than the one on screen.
         done = self.index in (index, self.wanted)
         if picture is not None and self.wanted >= 0 and not done:
             self._picture, self.index = picture, index
@@ -115,7 +110,7 @@ class Screen(QWidget):
             projector.close()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """The picture as large as it fits, or why there is none."""
+        """Paint the picture as large as fits, or why there is none."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(PANEL))
         if self._picture is None:
@@ -137,7 +132,7 @@ class Screen(QWidget):
         painter.drawImage(QRectF(left, top, wide, high), image)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Place the film, or remove it."""
+        """Show the film's menu."""
         media, timeline = self._media, self._timeline
         menu = QMenu(self)
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -147,12 +142,12 @@ class Screen(QWidget):
         menu.popup(event.globalPos())
 
     def sizeHint(self) -> QSize:
-        """Nearly as wide as the face: films are portraits or not."""
+        """Nearly as wide as the face, for portrait and landscape films."""
         return QSize(480, 560)
 
 
 class FilmPane(QWidget):
-    """The screen, and under it what is shown and where it begins. Hidden without a film."""
+    """The film, with its name and offset below. Hidden without a film."""
 
     def __init__(self, media: TakeMedia, timeline: Timeline) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""What the sound and the film have in common: their name, where they begin, taking them away."""
+"""Widgets that sound and film share: name, offset, placing and removing."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from faceedit_app.ui.look.palette import MUTED
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
-_LEAST = 48  # pixels below which a name is not begun
+_LEAST = 48  # pixels; with less room, no name is painted
 
 
 class OffsetBox(QDoubleSpinBox):
-    """Where a sound or a film begins, in seconds of the take."""
+    """The time in the take at which sound or film begins, in seconds."""
 
     def __init__(self, what: str) -> None:
         super().__init__(decimals=3, singleStep=0.01, suffix=" s")
@@ -26,33 +26,33 @@ class OffsetBox(QDoubleSpinBox):
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.setAccessibleName(f"Offset of the {what}")
         self.setToolTip(
-            f"Second of the take at which the {what} begins; arrows move it by 10 ms.\n"
+            f"Second of the take at which the {what} begins; arrow keys move it by 10 ms.\n"
             "A film and its own sound move together."
         )
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.lineEdit().setAcceptDrops(False)  # files are the window's
-        # Enter hands the keys back to the curves.
+        self.lineEdit().setAcceptDrops(False)  # dropped files go to the window
+        # Enter returns the focus to the curves.
         self.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
 
     def textFromValue(self, value: float) -> str:
-        """With its sign, which says which way."""
+        """The number with its sign."""
         return f"{value + 0.0:+.3f}"
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Only where somebody means this number: nothing is moved in passing."""
+        """Only with the focus, so that scrolling past changes nothing."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
             event.ignore()
 
     def show_offset(self, seconds: float) -> None:
-        """Show another value without asking for it."""
+        """Show a value without emitting it."""
         with QSignalBlocker(self):
             self.setValue(seconds)
 
 
 class Name(QLabel):
-    """A file's name, cut in the middle where there is no room."""
+    """A file's name, shortened in the middle if there is no room."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -67,9 +67,9 @@ class Name(QLabel):
         self.setText(name)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """As much of it as there is room for."""
+        """Paint as much of the name as fits."""
         if self.width() < _LEAST:
-            return  # three letters are no name; the tooltip has it
+            return  # too short to read; the tooltip shows it
         painter = QPainter(self)
         mode = Qt.TextElideMode.ElideMiddle
         text = self.fontMetrics().elidedText(self._name, mode, self.width())
@@ -81,7 +81,7 @@ class Name(QLabel):
 def placing_actions(
     menu: QMenu, media: TakeMedia, move: Callable[[float], None], timeline: Timeline
 ) -> None:
-    """The places that a sound or a film is put to by one click."""
+    """Add menu entries that place sound or film with one click."""
 
     def put(seconds: float) -> None:
         move(seconds)

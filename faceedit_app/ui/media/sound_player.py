@@ -1,4 +1,4 @@
-"""Lets the take's sound be heard: with playback, and for a moment where one scrubs."""
+"""Plays the take's sound: with playback, and briefly while scrubbing."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 
 class SoundPlayer(QObject):
-    """The voice of playback. Where there is no sound device, playback goes on in silence.
+    """The voice of playback. Without a sound device, playback is silent.
 
     Signals:
-        changed(): volume, mute, or whether there is a device.
-        settled(): the user chose volume or mute.
+        changed(): volume, mute, or whether there is a device, changed.
+        settled(): the user changed volume or mute.
     """
 
     changed = Signal()
@@ -37,7 +37,7 @@ class SoundPlayer(QObject):
         self._output: Output | None = None
         self._job = 0
         self._opening = False
-        self.problem = ""  # why nothing is heard, in one line
+        self.problem = ""  # why there is no sound, in one line
         self.volume, self.muted = 1.0, False
         playback.voice = self
         media.sound_changed.connect(self._use_sound)
@@ -47,28 +47,28 @@ class SoundPlayer(QObject):
     # --- volume ------------------------------------------------------------------------------
 
     def set_volume(self, volume: float) -> None:
-        """0..1; turning it up is heard."""
+        """Set the volume, 0..1; above 0 it also unmutes."""
         self.volume = min(max(volume, 0.0), 1.0)
         self.muted = False if volume > 0 else self.muted
         self._show_volume()
         self.settled.emit()
 
     def set_muted(self, muted: bool) -> None:
-        """Be silent without losing the volume."""
+        """Mute or unmute, keeping the volume."""
         self.muted = muted
         self._show_volume()
         self.settled.emit()
 
     def _show_volume(self) -> None:
         if self._output is not None:
-            # The ear hears ratios: half way on the slider is half as loud with a square.
+            # Loudness is perceived in ratios: with a square, half the slider sounds half as loud.
             self._output.set_volume(0.0 if self.muted else self.volume**2)
         self.changed.emit()
 
     # --- the device --------------------------------------------------------------------------
 
     def _use_sound(self) -> None:
-        """Open the device for another sound; that may take a second."""
+        """Open the device for another sound, which may take a second."""
         self.close()
         if self._media.sound is None:
             return
@@ -98,7 +98,7 @@ class SoundPlayer(QObject):
             self._playback.resync()
 
     def close(self) -> None:
-        """Give the device back."""
+        """Release the device."""
         self._job += 1
         self._opening = False
         device, self._output = self._output, None
@@ -106,7 +106,7 @@ class SoundPlayer(QObject):
             device.close()
             self._playback.resync()
 
-    # --- what playback asks for --------------------------------------------------------------
+    # --- for playback ------------------------------------------------------------------------
 
     def start(self, seconds: float, speed: float, loop: tuple[float, float] | None) -> bool:
         """See `playback.Voice`."""
@@ -114,7 +114,7 @@ class SoundPlayer(QObject):
             self.close()  # unplugged
         if self._output is None:
             if not self._opening:
-                self._use_sound()  # it is heard as soon as there is something to hear it with
+                self._use_sound()  # it plays as soon as a device is open
             return False
         self._output.play(seconds, speed, loop)
         return True

@@ -1,4 +1,4 @@
-"""The sound and the film beside the open take: which, where in the take, and how they are read."""
+"""The open take's sound and film: reading them, and placing them in time."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from faceedit_app.formats.timecode import time_of_day
 from faceedit_app.media import beside
 from faceedit_app.ui.state.background import Background
 
-if TYPE_CHECKING:  # PyAV comes with these; it is loaded with the first file
+if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file
     from faceedit_app.media.film import Film
     from faceedit_app.media.sound import Sound
 
 Item = TypeVar("Item")
 Kind = Literal["sound", "film"]
 KINDS: tuple[Kind, ...] = ("film", "sound")
-_NEAR = 60.0  # seconds after the take's beginning at which a film may be found by timecode
-_FAR = 24 * 3600.0  # seconds; an offset beyond is a slip of the hand
+_NEAR = 60.0  # seconds from the take's start within which a timecode may place a film
+_FAR = 24 * 3600.0  # seconds; the largest offset
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,9 @@ class Placed(Generic[Item]):
     """A sound or a film in the take.
 
     Attributes:
-        item: what was read.
+        item: the sound or film.
         path: its file.
-        offset: seconds of the take at which the file's beginning lies.
+        offset: time in the take at which the file begins, in seconds.
     """
 
     item: Item
@@ -42,13 +42,13 @@ class Placed(Generic[Item]):
 
     @property
     def kept(self) -> MediaFile:
-        """What a project keeps of it."""
+        """Its entry in a project."""
         return MediaFile(self.path, self.offset)
 
 
 @dataclass(frozen=True)
 class _Found:
-    """What a file that the user named has in it; what could not be read is told by `errors`."""
+    """The contents of a file that the user added; `errors` is why a part could not be read."""
 
     film: Film | None
     sound: Sound | None
@@ -62,18 +62,18 @@ class TakeMedia(QObject):
     moved together.
 
     Attributes:
-        base: what lies beside the take, as it lies there: what there is until the user acts.
+        base: the placement of files found beside the take, used until the user changes it.
         is_held: sound or film is being dragged in time.
-        mirrored: the film is shown as in a mirror; some phones write selfies that way.
+        mirrored: the film is shown mirrored; some phones record selfies that way.
 
     Signals:
-        sound_changed(), film_changed(): another one is there, or none.
+        sound_changed(), film_changed(): it was added, replaced or removed.
         placed(): an offset changed.
-        turned(): the film is mirrored, or no longer.
-        acted(): a gesture of the user's is over: something was added, removed or put elsewhere.
-        message(str): something went well, for the status bar.
-        failed(object): a FaceEditError about a file that the user named.
-        missed(object): a FaceEditError about a file that was found or remembered.
+        turned(): the film was mirrored, or mirrored back.
+        acted(): the user added, removed or moved something; the gesture is over.
+        message(str): what was done, for the status bar.
+        failed(object): a FaceEditError about a file that the user added.
+        missed(object): a FaceEditError about a file found beside the take, or in the project.
     """
 
     sound_changed = Signal()
@@ -92,16 +92,16 @@ class TakeMedia(QObject):
         self.film: Placed[Film] | None = None
         self.base = Placement()
         self.is_held = self.mirrored = False
-        # What is wanted and is not there, or not yet: it must not be lost by saving.
+        # Files that are missing or still being read: saving must not lose them.
         self._kept: dict[Kind, MediaFile] = {}
         self._began: float | None = None
-        self._found = ""  # what to say when all is read
-        self._job = 0  # what is read for an earlier take is not wanted any more
+        self._found = ""  # message for when everything is read
+        self._job = 0  # results for an earlier take are ignored
         self.pending = 0
 
     @property
     def placement(self) -> Placement:
-        """Which sound and film there are, or are still being read, and where."""
+        """The sound and film, including those still being read, with their offsets."""
 
         def kept(kind: Kind, placed: Placed[Any] | None) -> MediaFile | None:
             return self._kept.get(kind) if placed is None else placed.kept
@@ -113,12 +113,12 @@ class TakeMedia(QObject):
     def follow(
         self, take: Path, began: float | None = None, placement: Placement | None = None
     ) -> None:
-        """Another take is open: let go of the last one's, and take what belongs to this one.
+        """Another take is open: drop the previous sound and film, and load those of this one.
 
         Args:
             began: its first timecode as seconds since midnight. A film with timecode and a
                 Broadcast WAV are placed by it.
-            placement: what a project names; None = what lies beside the take.
+            placement: the project's; None: the files found beside the take.
         """
         self.clear()
         self._began = began
@@ -134,14 +134,14 @@ class TakeMedia(QObject):
             self._found = f"Opened {names}, found beside the take"
 
     def show(self, wanted: Placement, beside_take: bool = False) -> None:
-        """Have this sound and film there, in place of what is: undo, or a project.
+        """Replace sound and film, for undo or a project.
 
-        A file that is gone is told by `missed`, and stays in `placement` until another one takes
-        its place.
+        A file that is gone is reported by `missed`, and stays in `placement` until another one
+        replaces it.
 
         Args:
-            beside_take: they were not chosen by anybody: each goes where its clock says,
-                and what cannot be read was not wanted.
+            beside_take: they were found, not chosen: each is placed by its clock, and one that
+                cannot be read is ignored.
         """
         new: dict[Kind, Placed[Any] | None] = {"sound": self.sound, "film": self.film}
         unread: list[tuple[Kind, MediaFile]] = []
@@ -161,7 +161,7 @@ class TakeMedia(QObject):
             self._read(kind, want, beside_take)
 
     def clear(self) -> None:
-        """Without either, and without what is still being read."""
+        """Remove both, and ignore what is still being read."""
         self._job += 1
         self._found, self.base = "", Placement()
         self._kept.clear()
@@ -171,10 +171,10 @@ class TakeMedia(QObject):
     # --- read --------------------------------------------------------------------------------
 
     def _read(self, kind: Kind, entry: MediaFile, beside_take: bool) -> None:
-        """Bring a wanted file, unless it is wanted no more when it has been read."""
+        """Read a file, and use it unless it is out of date by then."""
         path, job = entry.path, self._job
         if not path.is_file():
-            error = FileError(path, "is not there any more", "add it again where it is now")
+            error = FileError(path, "is missing", "find it and add it again")
             self.missed.emit(error)
             return
 
@@ -190,7 +190,7 @@ class TakeMedia(QObject):
                     at = self.film.offset
                 self._put(Placed(item, path, at), self.film)
             if beside_take:
-                self._place(at, path)  # its sound may have been there first
+                self._place(at, path)  # its sound may have been read first
                 self._rebase(path, at)
             self._tell()
 
@@ -215,14 +215,14 @@ class TakeMedia(QObject):
         return read
 
     def _rebase(self, path: Path, offset: float) -> None:
-        """It turned out where a file lies that was found beside the take."""
+        """Update `base` with the offset of a file that was found beside the take."""
         for kind in KINDS:
             entry = getattr(self.base, kind)
             if entry is not None and entry.path == path:
                 self.base = replace(self.base, **{kind: MediaFile(path, offset)})
 
     def _by_clock(self, item: Film | Sound) -> float:
-        """Where film or sound begins in the take if both tell the time of day, else at 0."""
+        """Offset of film or sound by the time of day, or 0 if take or file does not record it."""
         from faceedit_app.media.sound import Sound
 
         if isinstance(item, Sound):
@@ -234,11 +234,11 @@ class TakeMedia(QObject):
         if self._began is None or begins is None:
             return 0.0
         offset = round(begins - self._began, 4)
-        # Clocks that were not set alike would only carry it out of sight.
+        # If the clocks disagree, the offset would move it out of sight.
         return offset if -lasts < offset < _NEAR else 0.0
 
     def _tell(self) -> None:
-        """What is there now, when the last file is read."""
+        """Emit the message once the last file is read."""
         if not self.pending and self._found:
             self.message.emit(self._found)
             self._found = ""
@@ -263,10 +263,10 @@ class TakeMedia(QObject):
 
         self._background.run(work, arrived, missed)
 
-    # --- what the user does ------------------------------------------------------------------
+    # --- the user's changes ------------------------------------------------------------------
 
     def add(self, path: Path) -> None:
-        """Read a file that the user named; what is in it takes the place of its like at once."""
+        """Read a file; its sound or film replaces the one there is."""
         path, job = path.absolute(), self._job
         self.message.emit(f"Opening {path.name}…")
 
@@ -298,10 +298,10 @@ class TakeMedia(QObject):
         at = 0.0 if found.sound is None else self._by_clock(found.sound)
         if found.film is not None:
             if sound is not None and self._is_films(sound.path):
-                sound = None  # it came with the film that was here
+                sound = None  # it belongs to the previous film
             at = self._by_clock(found.film)
             film = Placed(found.film, path, at)
-        # A sound file is there for a reason: the sound of a film yields to it.
+        # A separate sound file takes precedence over a film's own sound.
         if found.sound is not None and (found.film is None or sound is None):
             sound = Placed(found.sound, path, at)
         if sound is not None:
@@ -314,17 +314,17 @@ class TakeMedia(QObject):
         return self.film is not None and self.film.path == path
 
     def move_sound(self, offset: float) -> None:
-        """Put the beginning of the sound's file at a second of the take."""
+        """Make the sound file begin at a time in the take."""
         if self.sound is not None:
             self._place(offset, self.sound.path)
 
     def move_film(self, offset: float) -> None:
-        """Put the first picture at a second of the take."""
+        """Make the film begin at a time in the take."""
         if self.film is not None:
             self._place(offset, self.film.path)
 
     def _place(self, offset: float, path: Path) -> None:
-        """Sound and picture of one file keep together."""
+        """Move sound and film of one file together."""
         offset = min(max(round(offset, 4), -_FAR), _FAR)
         sound, film = self.sound, self.film
         if sound is not None and sound.path == path:
@@ -334,26 +334,26 @@ class TakeMedia(QObject):
         self._put(sound, film)
 
     def mirror(self, mirrored: bool) -> None:
-        """Show the film as in a mirror, or as it is; that is a way to look, and no step."""
+        """Mirror the film, or show it as it is; this changes the view, and is not a step."""
         if mirrored != self.mirrored:
             self.mirrored = mirrored
             self.turned.emit()
 
     def remove_sound(self) -> None:
-        """Without sound from now on."""
+        """Remove the sound."""
         self._kept.pop("sound", None)
         self._put(None, self.film)
         self.acted.emit()
 
     def remove_film(self) -> None:
-        """Without film from now on; the sound that it brought goes with it."""
+        """Remove the film, with its own sound."""
         self._kept.pop("film", None)
         brought = self.sound is not None and self._is_films(self.sound.path)
         self._put(None if brought else self.sound, None)
         self.acted.emit()
 
     def _put(self, sound: Placed[Sound] | None, film: Placed[Film] | None) -> None:
-        """Have these there, and tell what is different."""
+        """Set both, and emit what changed."""
         old = self.sound, self.film
         self.sound, self.film = sound, film
         changed, moved = zip(*map(_differ, old, (sound, film)), strict=True)
@@ -365,7 +365,7 @@ class TakeMedia(QObject):
 
 
 def _differ(old: Placed[Any] | None, new: Placed[Any] | None) -> tuple[bool, bool]:
-    """Whether it is another one, and whether it is the same one elsewhere."""
+    """Whether the item changed, and whether the same item moved."""
     if old is None or new is None or old.item is not new.item:
         return old is not new, False
     return False, old.offset != new.offset
@@ -378,5 +378,5 @@ def _contents(path: Path) -> tuple[bool, bool]:
     with opened(path) as container:
         has = bool(container.streams.audio), find_film(container) is not None
     if not any(has):
-        raise FileError(path, "has neither sound nor film in it", "choose another file")
+        raise FileError(path, "contains neither sound nor film", "choose another file")
     return has

@@ -1,4 +1,4 @@
-"""What is done with sound and film is previewed, committed, undone and redone like all else."""
+"""Makes changes to sound and film previewed, committed and undone like edits."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from faceedit_app.ui.state.document import Document
 if TYPE_CHECKING:  # the window is there before the solver is imported
     from faceedit_app.editing.session import EditSession
 
-_NUMBERS = "offset"  # merge key: the arrows and wheel ticks of an offset's number are one step
+_NUMBERS = "offset"  # merge key: arrow keys and wheel ticks on an offset are one step
 
 
 class MediaSteps(QObject):
-    """Takes the media's placement to the session, and brings the session's back to the media."""
+    """Passes the media's placement to the session, and the session's back to the media."""
 
     def __init__(self, document: Document, media: TakeMedia) -> None:
         super().__init__(document)
         self._document, self._media = document, media
-        self._is_previewed = False  # a drag of ours is what the session previews
-        self._waits = False  # for the end of another gesture, which no step may cut
+        self._is_previewed = False  # the session previews a drag of the sound
+        self._waits = False  # for another gesture to end, which no step may interrupt
         self._follows = False
         media.placed.connect(self._moved)
         media.acted.connect(self._acted)
@@ -31,16 +31,16 @@ class MediaSteps(QObject):
         document.opened.connect(self._forget)
 
     def settle(self) -> None:
-        """Commit what was done."""
+        """Commit changes."""
         self._keep()
 
     def _acted(self) -> None:
-        """A gesture is over: what comes now is a step of its own."""
+        """A gesture is over: later changes are a new step."""
         self._keep()
         self._document.seal()
 
     def _moved(self) -> None:
-        """An offset is another one: a drag previews it, a number commits it."""
+        """An offset changed: preview it during a drag, otherwise commit it."""
         if self._follows:
             return
         if not self._media.is_held:
@@ -69,7 +69,7 @@ class MediaSteps(QObject):
         return session.state.media or self._media.base
 
     def _follow(self) -> None:
-        """The session is elsewhere: after an undo, sound and film go there too."""
+        """After an undo, bring sound and film to the session's placement."""
         session = self._document.session
         if session is None:
             return

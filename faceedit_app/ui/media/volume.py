@@ -1,4 +1,4 @@
-"""How loud the take's sound is: a button to mute it and a slider. Hidden without a sound."""
+"""The volume: a mute button and a slider. Hidden without sound."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from faceedit_app.ui.media.take_media import TakeMedia
 
 
 class Volume(QWidget):
-    """Stands in the transport."""
+    """Part of the transport."""
 
     def __init__(self, mute: QAction, media: TakeMedia, sound_player: SoundPlayer) -> None:
         super().__init__()

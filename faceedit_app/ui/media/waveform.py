@@ -1,4 +1,4 @@
-"""The take's sound under the plots, on their time axis."""
+"""The sound's waveform under the curves, on the same time axis."""
 
 from __future__ import annotations
 
@@ -26,34 +26,36 @@ from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 58  # pixels of the row
-FINE = 0.1  # of the pointer's way, with Shift
-_INK = "#8fb3a6"  # of the waveform: none of the curves' colours
-_LOUD = 0.99  # share of the sound that fits into the row's height
-_QUIETEST = 0.05  # of full: a sound with less is not blown up to fill the row
+FINE = 0.1  # factor on the pointer's movement, with Shift
+_INK = "#8fb3a6"  # of the waveform; differs from the curves' colours
+_LOUD = 0.99  # quantile of the samples that fits the row's height
+_QUIETEST = 0.05  # of full scale; quieter sound is not enlarged to fill the row
 _TIP = (
     "The take's sound. Drag to scrub.\n"
-    "Alt+drag moves it in time, with Shift ten times finer; so does the number at the left."
+    "Alt+drag moves it in time; with Shift, ten times finer. Or type a number on the left."
 )
 
 
 class Waveform(QWidget):
-    """The sound's loudness over the visible time; scrubs as the ruler does."""
+    """The waveform in the visible time range; scrubs like the ruler."""
 
     def __init__(self, media: TakeMedia, timeline: Timeline, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._media, self._timeline = media, timeline
         self._drag: Pan | None = None
         self._scrubs = False
-        self._grabbed: tuple[float, float] | None = None  # pointer and offset last
-        self._before = 0.0  # the offset when the drag began
+        self._grabbed: tuple[float, float] | None = None  # last pointer and offset
+        self._before = 0.0  # offset at the start of the drag
         self._picture: tuple[object, QImage, NDArray[np.uint32]] | None = None
         self._loudest = 1.0
         self.setObjectName("waveform")
         self.setAccessibleName("Sound")
-        self.setAccessibleDescription("Waveform of the take's sound. Alt and drag moves it.")
+        self.setAccessibleDescription(
+            "Waveform of the take's sound. Alt and drag moves it in time."
+        )
         self.setToolTip(_TIP)
         self.setMinimumWidth(40)
-        self.setMouseTracking(True)  # a release that was lost shows by the next move
+        self.setMouseTracking(True)  # the next move reveals a lost release
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         media.sound_changed.connect(self._measure)
@@ -65,13 +67,8 @@ class Waveform(QWidget):
 
     @property
     def scale(self) -> Scale:
-        """How its pixels map to seconds and to amplitudes -1..1."""
+        """How its pixels map to seconds and to amplitudes, -1..1."""
         return Scale(self.width(), self.height(), self._timeline.view, (-1.0, 1.0))
-
-    @property
-    def is_moving(self) -> bool:
-        """Whether the sound is being dragged in time."""
-        return self._grabbed is not None
 
     def _measure(self) -> None:
         sound = self._media.sound.item if self._media.sound is not None else None
@@ -79,7 +76,7 @@ class Waveform(QWidget):
         self._media.is_held = False
         if sound is not None:
             top = sound.columns(sound.start, sound.end, 1000)
-            # One bang must not make all that is spoken small; it is cut off instead.
+            # One loud noise must not shrink all speech; it is clipped instead.
             loud = float(np.nanquantile(np.abs(top), _LOUD))
             self._loudest = max(_QUIETEST, loud)
         self.update()
@@ -94,7 +91,7 @@ class Waveform(QWidget):
         if placed is None:
             return
         first, last = (scale.x_of(t + placed.offset) for t in (placed.item.start, placed.item.end))
-        for left, right in ((0.0, first), (last, scale.width)):  # where there is no sound
+        for left, right in ((0.0, first), (last, scale.width)):  # outside the sound
             if right > left:
                 rect = QRectF(left, 0, right - left, scale.height)
                 painter.fillRect(rect, style.color(style.BACKGROUND))
@@ -114,7 +111,7 @@ class Waveform(QWidget):
             paint.draw_tag(painter, paint.tag_box(at, scale, lines, font), lines, font)
 
     def _drawn(self) -> QImage:
-        """The waveform alone, one column of the screen's pixels each, kept while it is the same."""
+        """The waveform alone, a column for each screen pixel, cached until it changes."""
         placed = self._media.sound
         assert placed is not None
         ratio = self.devicePixelRatioF()
@@ -134,7 +131,7 @@ class Waveform(QWidget):
     # --- mouse -----------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Left scrubs, with Alt it moves the sound; middle pans."""
+        """Left scrubs, or with Alt moves the sound; middle pans."""
         x = event.position().x()
         if self._grabbed is not None:
             self._cancel()  # another button during the drag
@@ -152,7 +149,7 @@ class Waveform(QWidget):
                 self._timeline.go_to_time(self.scale.time_at(x))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go on with what the press began."""
+        """Continue the gesture."""
         if not event.buttons() and event.type() == QEvent.Type.MouseMove:
             self.let_go()
         x = event.position().x()
@@ -168,7 +165,7 @@ class Waveform(QWidget):
             self._timeline.go_to_time(self.scale.time_at(min(max(x, 0), self.width())))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """The end of it."""
+        """End the gesture."""
         if event.button() == Qt.MouseButton.LeftButton and self._grabbed is not None:
             self.mouseMoveEvent(event)
             self._end_move()
@@ -176,20 +173,20 @@ class Waveform(QWidget):
             self.let_go()
 
     def let_go(self) -> None:
-        """Keep what was dragged."""
+        """The release was lost: end the drag and keep its result."""
         self._drag, self._scrubs = None, False
         if self._grabbed is not None:
             self._end_move()
 
     def event(self, event: QEvent) -> bool:
-        """During a drag Esc is not the window's."""
+        """During a drag, Esc is not a shortcut."""
         if event.type() == QEvent.Type.ShortcutOverride and self._grabbed is not None:
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc drops the drag."""
+        """Esc cancels the drag."""
         if event.key() == Qt.Key.Key_Escape and self._grabbed is not None:
             self._cancel()
         else:
@@ -206,17 +203,17 @@ class Waveform(QWidget):
         self.update()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom about the pointer; Shift pans."""
+        """Zoom around the pointer; with Shift, pan."""
         turn_wheel(self._timeline, self.scale.time_at(event.position().x()), event)
         event.accept()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """What else can be done with the sound."""
+        """Show the sound's menu."""
         sound_menu(self, self._media, self._timeline).popup(event.globalPos())
 
 
 def sound_menu(parent: QWidget, media: TakeMedia, timeline: Timeline) -> QMenu:
-    """Place the sound, or remove it."""
+    """The menu to place or remove the sound."""
     menu = QMenu(parent)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     placing_actions(menu, media, media.move_sound, timeline)
@@ -226,7 +223,7 @@ def sound_menu(parent: QWidget, media: TakeMedia, timeline: Timeline) -> QMenu:
 
 
 class SoundRow(QWidget):
-    """The waveform with its head; as wide as the plots and theirs. Hidden without a sound."""
+    """The waveform and its header, aligned with the plots. Hidden without sound."""
 
     def __init__(self, media: TakeMedia, timeline: Timeline) -> None:
         super().__init__()
@@ -273,7 +270,7 @@ def _painted(columns: NDArray[np.float32], height: int, ink: int) -> NDArray[np.
     """(H, W) premultiplied ARGB of (W, 2) lowest and highest amplitudes, soft at the ends."""
     middle, reach = 0.5 * height, 0.5 * height - 2.0
     top, bottom = middle - columns[:, 1] * reach, middle - columns[:, 0] * reach
-    thin = bottom - top < 1.0  # silence is still a line
+    thin = bottom - top < 1.0  # draw silence as a line
     top = np.where(thin, 0.5 * (top + bottom) - 0.5, top)
     bottom = np.where(thin, top + 1.0, bottom)
     rows = np.arange(height, dtype=np.float32)[:, None]

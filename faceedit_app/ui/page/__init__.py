@@ -1,1 +1,1 @@
-"""The page with an open take: its bars, and what lies over it."""
+"""The page with an open take, its bars and its overlays."""

@@ -1,4 +1,4 @@
-"""A line across the window for news that nobody has to answer."""
+"""A strip across the window for messages that need no answer."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from faceedit_app.ui.look.theme import GAP, MARGIN
 
 
 class Banner(QFrame):
-    """Shows messages, a line each, until they are dismissed."""
+    """Shows messages, one a line, until they are dismissed."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._said: dict[str, str] = {}  # details, by message
+        self._messages: dict[str, str] = {}  # message: details
         self.setObjectName("banner")
         sign = QLabel()
         sign.setPixmap(picture("warning", ORANGE, 16, self.devicePixelRatioF()))
@@ -38,23 +38,23 @@ class Banner(QFrame):
         row.addWidget(close)
         self.hide()
 
-    def say(self, text: str, detail: str = "") -> None:
-        """Show a message below those that are there, with more in its tooltip."""
-        self._said.pop(text, None)
-        self._said[text] = detail
+    def show_message(self, text: str, detail: str = "") -> None:
+        """Show a message below any others, with details in its tooltip."""
+        self._messages.pop(text, None)
+        self._messages[text] = detail
         self._show()
 
-    def unsay(self, text: str) -> None:
-        """A message is true no more."""
-        self._said.pop(text, None)
+    def remove(self, text: str) -> None:
+        """Remove a message that no longer holds."""
+        self._messages.pop(text, None)
         self._show()
 
     def dismiss(self) -> None:
-        """All has been read."""
-        self._said.clear()
+        """Remove all messages."""
+        self._messages.clear()
         self._show()
 
     def _show(self) -> None:
-        self.text.setText("\n".join(self._said))
-        self.text.setToolTip("\n".join(filter(None, self._said.values())))
-        self.setVisible(bool(self._said))
+        self.text.setText("\n".join(self._messages))
+        self.text.setToolTip("\n".join(filter(None, self._messages.values())))
+        self.setVisible(bool(self._messages))

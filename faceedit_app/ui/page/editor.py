@@ -38,7 +38,7 @@ _SIDE = (560, 170)  # of the height beside the curves: face, edits
 
 
 class Editor(QWidget):
-    """Puts the parts together and lets each hear of the others' changes."""
+    """Puts the parts together and passes changes between them."""
 
     def __init__(
         self,
@@ -84,7 +84,7 @@ class Editor(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.settings_bar)
-        # A proposal lies over the tools: below them it would push curves and face about.
+        # A proposal covers the tools: below them it would shift curves and face.
         row = QGridLayout()
         row.addWidget(self.tool_bar, 0, 0)
         row.addWidget(self.proposal, 0, 0)
@@ -112,23 +112,23 @@ class Editor(QWidget):
         return (
             Step(
                 "1  Drag a curve",
-                "Each curve is one movement of the face, over time. Drag one up or down: the face"
-                " follows, and the rest of the take stays as recorded. Esc drops a drag, Ctrl+Z"
-                " takes it back.",
+                "Each curve is one movement of the face over time. Drag one up or down: the face"
+                " follows, and the rest of the take stays as recorded. Esc cancels a drag;"
+                " Ctrl+Z undoes it.",
                 (self.curves,),
             ),
             Step(
                 "2  Or let FaceEdit do it",
-                "Close lips, Blink and Smile are one click. Marks under the curves show lips that"
-                " stay open, half blinks and shaking: press ↓ to go to the next one and P to see"
-                " the fix before you accept it.",
+                "Close lips, Blink and Smile take one click. Marks under the curves show problems:"
+                " lips that stay open, half blinks, shaking. Press ↓ to go to the next one and P"
+                " to preview a fix.",
                 (self.tool_bar,),
             ),
             Step(
                 "3  Change your mind, then export",
-                "Everything you do is listed here. Choose an edit to make it weaker or stronger,"
-                " switch it off or delete it. Ctrl+S saves your work as a project, Ctrl+E writes"
-                " the edited take.",
+                "Every edit is listed here. Select one to change its strength, switch it off or"
+                " delete it. Ctrl+S saves your work as a project; Ctrl+E exports the edited"
+                " take.",
                 (self.edits,),
             ),
         )
@@ -148,7 +148,7 @@ class Editor(QWidget):
         self.face.refresh()
 
     def drop(self) -> bool:
-        """Esc: no more hints, no drag of a slider, nothing proposed; False if there was none."""
+        """Esc: close hints, cancel a slider's drag, discard a proposal; False if there is none."""
         return (
             self.hints.finish()
             or self.settings_bar.cancel()
@@ -157,21 +157,21 @@ class Editor(QWidget):
         )
 
     def let_go(self) -> None:
-        """The mouse is lost to another window: what was dragged until then is kept."""
+        """The mouse is lost to another window: end drags and keep their result."""
         for part in (self.curves, self.sound.waveform, self.face.viewport):
             part.let_go()
         for slider in self.findChildren(QAbstractSlider):
             slider.setSliderDown(False)
 
     def settle(self) -> None:
-        """Bring gestures on the sliders to their end."""
+        """Commit gestures on the sliders."""
         self.settings_bar.settle()
         self.edits.settle()
 
     def _previewed(self) -> None:
-        """The face comes first: it is drawn while the curves are painted."""
+        """Start on the face first: it is drawn while the curves are painted."""
         is_dragging = self.curves.is_dragging
-        if is_dragging:  # the face stays on the frame that is being changed
+        if is_dragging:  # the face stays on the frame being changed
             self._playback.pause()
         self.face.refresh()
         if is_dragging:
@@ -179,19 +179,19 @@ class Editor(QWidget):
         self.curves.refresh()
 
     def _solved(self) -> None:
-        """All of a wide edit is computed."""
+        """A wide edit has been computed in full."""
         self._previewed()
         self.settings_bar.sync()
 
     def _reshape(self) -> None:
-        """The edges of the selected edit are its range's."""
+        """Apply the dragged edges of the selection to the selected edit."""
         line = self._timeline
         if line.selection is not None:
             self.edits.reshape(*line.selection, line.falloff, line.falloff_out)
 
 
 def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
-    """One above the other."""
+    """Two widgets, one above the other."""
     box = QWidget()
     column = QVBoxLayout(box)
     column.setContentsMargins(0, 0, 0, 0)
@@ -202,7 +202,7 @@ def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
 
 
 def _splitter(orientation: Qt.Orientation, *parts: QWidget) -> QSplitter:
-    """Parts that share their room as the user wants."""
+    """Panes that the user can resize."""
     splitter = QSplitter(orientation)
     splitter.setChildrenCollapsible(False)
     splitter.setHandleWidth(6)

@@ -1,4 +1,4 @@
-"""The first steps, shown over the window once: where things are and what they are for."""
+"""The first steps, shown over the window once: its main parts and what they are for."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from faceedit_app.ui.look.theme import GAP
 
 _SHADE = 150  # of 255: how dark the rest of the window becomes
 _WIDTH = 380
-_APART = 14  # pixels between the card and what it is about
+_APART = 14  # pixels between the card and its target
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,8 @@ class Step:
     """One card.
 
     Attributes:
-        title, text: what it says.
-        targets: what it is about.
+        title, text: its heading and body.
+        targets: the widgets that it explains.
     """
 
     title: str
@@ -32,10 +32,10 @@ class Step:
 
 
 class HintLayer(QWidget):
-    """Darkens all but what a step is about, and says what to do there.
+    """Darkens all but the targets of a step, and explains them.
 
     Signals:
-        closed(): the last step was read, or all were skipped.
+        closed(): the last step was read, or the rest was skipped.
     """
 
     closed = Signal()
@@ -90,7 +90,7 @@ class HintLayer(QWidget):
         return parent
 
     def forward(self) -> None:
-        """The next step, or the end."""
+        """Go to the next step, or close after the last."""
         if self.step + 1 < len(self._steps):
             self.step += 1
             self._show_step()
@@ -98,7 +98,7 @@ class HintLayer(QWidget):
             self.finish()
 
     def finish(self) -> bool:
-        """No more of it; False if it was not there."""
+        """Close; False if it is not shown."""
         if self.isHidden():
             return False
         self.hide()
@@ -119,14 +119,14 @@ class HintLayer(QWidget):
         self.update()
 
     def _hole(self) -> QRect:
-        """The part of the window that the step is about."""
+        """The part of the window that the step explains."""
         hole = QRect()
         for target in self._steps[self.step].targets:
             hole = hole.united(QRect(target.mapTo(self._parent, QPoint(0, 0)), target.size()))
         return hole.intersected(self.rect())
 
     def _place(self, hole: QRect) -> QPoint:
-        """Beside the hole where there is room, else below or above it, else inside."""
+        """Beside the hole if there is room, else below or above it, else inside."""
         card, room = self.card.size(), self.rect().adjusted(8, 8, -8, -8)
         middle = hole.center().y() - card.height() // 2
         across = min(max(hole.left(), room.left()), room.right() - card.width())
@@ -143,14 +143,14 @@ class HintLayer(QWidget):
     # --- events ------------------------------------------------------------------------------
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Stay as large as the window."""
+        """Keep the size of the window."""
         if event.type() == QEvent.Type.Resize and self.isVisible():
             self.setGeometry(self._parent.rect())
             self._show_step()
         return False
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """A click anywhere goes on."""
+        """A click anywhere goes to the next step."""
         self.forward()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -1,4 +1,4 @@
-"""Keys that mean the same wherever the focus is."""
+"""Keys that do the same wherever the focus is."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _STEPPING = {Qt.Key.Key_Up, Qt.Key.Key_Down}
 class KeyArbiter(QObject):
     """Decides between a shortcut and the widget that has the focus.
 
-    Space always plays, even from a number field (but not while words are typed); the arrows move
-    a slider, a choice or a list that has the focus, and the playhead otherwise; holding B shows
-    the tracked face.
+    Space always plays, even from a number field (but not while text is typed); the arrows move
+    a focused slider, choice or list, and the playhead otherwise; holding B shows the tracked
+    face.
 
     Signals:
-        glancing(bool): B went down or up.
+        glancing(bool): B was pressed or released.
     """
 
     glancing = Signal(bool)
@@ -51,12 +51,12 @@ class KeyArbiter(QObject):
         app.focusChanged.connect(self._watch)
 
     def _watch(self, _old: QWidget | None, now: QWidget | None) -> None:
-        """See the keys of the widget that has the focus; seeing all events would cost time."""
+        """Filter only the focused widget's events; filtering all would cost time."""
         if now is not None and now.window() is self._window:
             now.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """See the class."""
+        """Decide between shortcut and widget, and watch for B."""
         kind = event.type()
         if kind == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             return self._override(event)
@@ -72,12 +72,12 @@ class KeyArbiter(QObject):
             return False
         plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
         if plain and event.key() == Qt.Key.Key_Space:
-            event.ignore()  # swallowed unaccepted, so that it goes on to the shortcut
+            event.ignore()  # consumed unaccepted, so that the shortcut gets it
             return True
         adjusts = isinstance(focus, QAbstractSlider | QComboBox | QAbstractItemView)
         steps = isinstance(focus, QAbstractSpinBox) and event.key() in _STEPPING
         if plain and (steps or (adjusts and event.key() in _ADJUSTING)):
-            event.accept()  # the widget's own, not a shortcut
+            event.accept()  # for the widget, not a shortcut
             return True
         return False
 
@@ -98,7 +98,7 @@ class KeyArbiter(QObject):
             self.glancing.emit(down)
 
     def _focus(self) -> QWidget | None:
-        """The widget in our window that keys go to; None while a menu or dialog has them."""
+        """The widget in this window that gets keys; None while a menu or dialog gets them."""
         if QApplication.activePopupWidget() or QApplication.activeModalWidget():
             return None
         focus = QApplication.focusWidget() or self._window
@@ -106,7 +106,7 @@ class KeyArbiter(QObject):
 
 
 def _takes_words(widget: QWidget) -> bool:
-    """Whether it is a field for words; one for a time, or inside a number field, is not."""
+    """Whether a widget is a text field; one for a time or inside a number field is not."""
     return isinstance(widget, QLineEdit) and not (
         isinstance(widget, TimeEntry) or isinstance(widget.parent(), QAbstractSpinBox)
     )

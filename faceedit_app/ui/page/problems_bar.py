@@ -1,14 +1,15 @@
-"""What is probably wrong with the take, marked under the time axis."""
+"""The problems of the take, marked under the curves."""
 
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolTip, QWidget
 
+from faceedit_app.editing.help.problems import Problem, find_problems, problems_of
+from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.look.widgets import icon_button
@@ -17,15 +18,11 @@ from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
-if TYPE_CHECKING:
-    from faceedit_app.editing.help.problems import Problem
-    from faceedit_app.editing.session import EditSession
-
 HEIGHT = 24
 _WAIT_MS = 250  # after the last change
-_LONG = 20_000  # frames: looking through more would stop the window, so it is done beside it
+_LONG = 20_000  # frames: longer takes are searched in the background, not to block the window
 _NEAR = 7.0  # pixels
-# Okabe and Ito's, told apart by colour-blind people; the shapes differ too.
+# Okabe and Ito's colours, safe for colour-blind people; the shapes differ too.
 COLORS = {"lips": "#d55e00", "blink": "#e69f00", "jitter": "#cc79a7", "dropped": "#9aa0aa"}
 NAMES = {
     "lips": "lips that stay open",
@@ -36,10 +33,10 @@ NAMES = {
 
 
 class ProblemsBar(QWidget):
-    """A mark for each problem; a click goes there.
+    """A mark for each problem; a click goes to it.
 
     Signals:
-        found(): the list is another one.
+        found(): the list of problems changed.
         picked(int): a mark was clicked.
     """
 
@@ -51,12 +48,12 @@ class ProblemsBar(QWidget):
         self._document, self._timeline = document, timeline
         self.problems: tuple[Problem, ...] = ()
         self.current: int | None = None
-        self.is_searched = False  # before, nobody knows whether there are any
+        self.is_searched = False  # until then, no problems does not mean none
         self._playhead = 0.0  # seconds, as painted
         self._timer = QTimer(self, singleShot=True, interval=_WAIT_MS)
         self._timer.timeout.connect(self._search_soon)
         self._background = Background(self)
-        self._newest = 0  # search in the background
+        self._newest = 0  # number of the latest search in the background
         self.setFixedHeight(HEIGHT)
         self.setObjectName("problems")
         self.setAccessibleName("Problems of the take")
@@ -67,13 +64,13 @@ class ProblemsBar(QWidget):
         timeline.playhead_moved.connect(self._moved)
 
     def restart(self) -> None:
-        """Another take is open."""
+        """Start over for another take."""
         self.problems, self.current = (), None
         self._timer.start()
         self._tell()
 
     def _search_soon(self) -> None:
-        """Look at the take once it has come to rest."""
+        """Search once the take has not changed for a moment."""
         session = self._document.session
         if session is None:
             return
@@ -85,8 +82,6 @@ class ProblemsBar(QWidget):
             self._search_beside(session)
 
     def _search_beside(self, session: EditSession) -> None:
-        from faceedit_app.editing.help.problems import problems_of
-
         self._newest += 1
         number, clip = self._newest, session.take.clip
         weights, controls = session.weights.copy(), session.achieved.copy()
@@ -98,12 +93,12 @@ class ProblemsBar(QWidget):
                 self._tell(True)
 
         def failed(_: Exception) -> None:
-            """There are no marks then."""
+            """Show no marks."""
 
         self._background.run(lambda: problems_of(clip, weights, controls), done, failed)
 
     def search(self) -> None:
-        """Look at the take as it is edited now."""
+        """Search the take as edited."""
         self._timer.stop()
         session = self._document.session
         if session is None:
@@ -111,8 +106,6 @@ class ProblemsBar(QWidget):
         if session.is_previewing:
             self._timer.start()
             return
-        from faceedit_app.editing.help.problems import find_problems
-
         began = time.perf_counter()
         self.problems = tuple(find_problems(session))
         # Long takes are searched less often.
@@ -124,13 +117,13 @@ class ProblemsBar(QWidget):
     def _tell(self, is_searched: bool = False) -> None:
         self.is_searched = is_searched
         count = len(self.problems)
-        self.setAccessibleDescription(f"{count} found" if count else "none found")
+        self.setAccessibleDescription(f"{count} found" if count else "No problems found")
         self.found.emit()
         self.update()
 
     @property
     def summary(self) -> str:
-        """How many of which kind."""
+        """The number of problems of each kind."""
         counts = dict.fromkeys(NAMES, 0)
         for problem in self.problems:
             counts[problem.kind] += 1
@@ -138,12 +131,12 @@ class ProblemsBar(QWidget):
 
     @property
     def current_problem(self) -> Problem | None:
-        """The one under the playhead."""
+        """The problem at the playhead."""
         known = self.current is not None and self.current < len(self.problems)
         return self.problems[self.current] if known and self.current is not None else None
 
     def step(self, by: int) -> int | None:
-        """The problem after or before the playhead; past the last comes the first."""
+        """Index of the problem after or before the playhead, wrapping around at the ends."""
         if not self.problems:
             return None
         if self.current is not None:
@@ -167,7 +160,7 @@ class ProblemsBar(QWidget):
         self.found.emit()
 
     def _moved(self) -> None:
-        """The playhead is on a problem, or on none."""
+        """The playhead moved: update which problem it is on."""
         now = self._timeline.time
         scale, before, self._playhead = self._scale, self._playhead, now
         for seconds in (before, now):
@@ -191,7 +184,7 @@ class ProblemsBar(QWidget):
         return Scale(self.width(), self.height(), self._timeline.view, (0.0, 1.0))
 
     def place_of(self, index: int) -> QPointF:
-        """Where a problem's mark is, in pixels."""
+        """The position of a problem's mark, in pixels."""
         return QPointF(self._scale.x_of(_middle(self.problems[index])), 0.5 * self.height())
 
     def _at(self, x: float) -> int | None:
@@ -206,7 +199,7 @@ class ProblemsBar(QWidget):
             self.picked.emit(index)
 
     def event(self, event: QEvent) -> bool:
-        """Say what is wrong."""
+        """Show a problem's message as its tooltip."""
         if isinstance(event, QHelpEvent):
             index = self._at(event.pos().x())
             text = self.problems[index].message if index is not None else self.summary
@@ -222,7 +215,7 @@ class ProblemsBar(QWidget):
         if not self.problems:
             painter.setFont(style.scaled_font(self, 0.82))
             painter.setPen(style.color(style.FAINT))
-            words = "no problems found" if self.is_searched else "looking for problems …"
+            words = "No problems found" if self.is_searched else "Looking for problems…"
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, words)
             return
         scale = self._scale
@@ -259,7 +252,7 @@ class ProblemsBar(QWidget):
 
 
 class ProblemsHead(QWidget):
-    """Left of the bar: how many, and the way from one to the next."""
+    """Left of the bar: the number of problems, and buttons to step through them."""
 
     def __init__(self, actions: Actions, bar: ProblemsBar) -> None:
         super().__init__()
@@ -282,7 +275,7 @@ class ProblemsHead(QWidget):
         """Show what was found."""
         count = len(self._bar.problems)
         words = "problem" if count == 1 else "problems"
-        none = "No problems" if self._bar.is_searched else "Looking …"
+        none = "No problems" if self._bar.is_searched else "Looking…"
         self.count.setText(f"{count} {words}" if count else none)
         self.count.setToolTip(self._bar.summary)
 

@@ -1,27 +1,24 @@
-"""The bar that shows a proposed fix before it is accepted."""
+"""The bar to accept or discard a proposal."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout
 
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Elided, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 
-if TYPE_CHECKING:
-    from faceedit_app.editing.edits.edit import Edit
-
 
 class ProposalBar(QFrame):
-    """Curves and face show what is proposed; any other gesture drops it.
+    """Curves and face preview the proposal; any other gesture discards it.
 
     Signals:
-        toggled(): something is proposed, or no longer.
+        toggled(): a proposal was shown or closed.
     """
 
     toggled = Signal()
@@ -29,7 +26,7 @@ class ProposalBar(QFrame):
     def __init__(self, actions: Actions, document: Document) -> None:
         super().__init__()
         self._document = document
-        self._showing = False  # what is previewed now is ours
+        self._showing = False  # the current preview is the proposal
         self._name = ""
         self.setObjectName("proposal")
         self.text = Elided()
@@ -46,11 +43,11 @@ class ProposalBar(QFrame):
 
     @property
     def is_open(self) -> bool:
-        """Whether something is proposed."""
+        """Whether there is a proposal."""
         return not self.isHidden()
 
     def offer(self, text: str, edits: Sequence[Edit], name: str) -> None:
-        """Show edits as if they were made; `name` is that of the step, should it be accepted."""
+        """Preview edits; `name` is that of the step if they are accepted."""
         self.discard()
         self._name = name
         self.text.setText(text)
@@ -61,13 +58,13 @@ class ProposalBar(QFrame):
         self._showing = False
 
     def accept(self) -> None:
-        """Make them: one step."""
+        """Make the proposed edits as one step."""
         if self.is_open:
             self._close()
             self._document.commit(self._name)
 
     def discard(self) -> bool:
-        """Drop them; False if nothing was proposed."""
+        """Drop the proposed edits; False if there are none."""
         if not self.is_open:
             return False
         self._close()
@@ -79,7 +76,7 @@ class ProposalBar(QFrame):
             self._close()
 
     def _changed(self) -> None:
-        """What lies below it is another: a proposal must not stay without its bar."""
+        """The take changed under the proposal: close the bar with it."""
         if self.is_open:
             self.discard()
 

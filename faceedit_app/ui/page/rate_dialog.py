@@ -1,4 +1,4 @@
-"""Asking for a frame rate: the common ones, any other, and how long the take would be."""
+"""The dialog that asks for a frame rate: a common one or any other."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _SHOWN_RATES = tuple(rate for rate in COMMON_RATES if rate <= 60)
 
 
 class RateDialog(QDialog):
-    """Asks how many frames make a second.
+    """Asks for a take's frame rate, and shows how long the take would be.
 
     Args:
-        question: why it is asked, as text for people.
-        frames: how many frames the take has.
-        rate: what is chosen at first.
+        question: why the rate is needed, for the user.
+        frames: number of frames in the take.
+        rate: the initial choice.
     """
 
     def __init__(self, parent: QWidget | None, question: str, frames: int, rate: float) -> None:
@@ -60,7 +60,7 @@ class RateDialog(QDialog):
 
     @property
     def rate(self) -> float:
-        """The rate that is chosen."""
+        """The chosen rate."""
         return exact_rate(self.spin.value())
 
     def _common_rates(self) -> QHBoxLayout:
@@ -91,7 +91,7 @@ class RateDialog(QDialog):
 
     def _show_rate(self) -> None:
         rate = self.rate
-        self.group.setExclusive(False)  # none of them may be the one
+        self.group.setExclusive(False)  # so that none can be checked
         for button, common in zip(self.group.buttons(), _SHOWN_RATES, strict=True):
             button.setChecked(abs(common - rate) < 10**-_DECIMALS)
         self.group.setExclusive(True)

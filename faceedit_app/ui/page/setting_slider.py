@@ -1,31 +1,29 @@
-"""A slider for one of the numbers that all edits are answered by."""
+"""A slider for one of the settings that apply to all edits."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from PySide6.QtCore import QObject, QSignalBlocker, Qt, QTimer
 from PySide6.QtWidgets import QLabel
 
+from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.state.document import Document
-
-if TYPE_CHECKING:  # the window is there before the solver is imported
-    from faceedit_app.editing.edits.settings import Settings
 
 _LIVE_MS = 40  # a drag is previewed at most this often
 _LIVE_COST = 0.1  # seconds; when an answer takes longer, it waits for the release
 
 
 class SettingSlider(QObject):
-    """0 to 100 %; a drag of it is one step, and so are keys and wheel ticks in a row.
+    """0 to 100 %; a drag is one step, and so is a run of keys or wheel ticks.
 
     Args:
         document: whose settings it changes.
         setting: which of them.
-        tip: what it does, for the tooltip.
+        tip: the tooltip.
 
     Attributes:
         cost: seconds that the last preview took.
@@ -64,7 +62,7 @@ class SettingSlider(QObject):
         self.cost = time.perf_counter() - began
 
     def settle(self) -> None:
-        """Commit what was dragged."""
+        """Commit the drag."""
         self._live.stop()
         if self._is_dragged:
             self._is_dragged = False
@@ -92,7 +90,7 @@ class SettingSlider(QObject):
         )
 
     def _wanted(self, settings: Settings) -> Settings:
-        """The settings as the slider asks for them; where it asks for nothing new, the same."""
+        """The settings with the slider's value; unchanged if it shows the same percentage."""
         percent = self.slider.value()
         if percent == self._percent_of(settings):
             return settings
@@ -105,7 +103,7 @@ class SettingSlider(QObject):
         return round(100 * share)
 
     def sync(self) -> None:
-        """Show what the open take is answered by."""
+        """Show the open take's setting."""
         session = self._document.session
         self.slider.setEnabled(session is not None)
         if self._is_dragged or self.slider.isSliderDown():

@@ -1,4 +1,4 @@
-"""The strip above the curves: undo, reset, and how edits are answered."""
+"""The bar above the curves: undo, reset, and the settings that apply to all edits."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 
 PRESERVE_TIP = (
-    "Preserve the take: only what your edits reach changes,\n"
-    "every other frame stays exactly as recorded."
+    "Preserve the take: only the frames and curves that your edits affect change;\n"
+    "everything else stays exactly as recorded."
 )
 RESYNTHESIZE_TIP = (
-    "Resynthesize: the networks make the edited regions of the face anew\n"
-    "from the curves, over the whole take; every frame changes a little."
+    "Resynthesize: the face model generates the edited regions of the face from\n"
+    "the curves, over the whole take. Every frame changes a little."
 )
 NATURAL_TIP = (
-    "How believable the answer to an edit must be.\n"
-    "0 %: obey the curve to the letter. 100 %: stay within what real faces do."
+    "How natural the face must look after an edit.\n"
+    "0 %: follow the curve to the letter. 100 %: do only what real faces do."
 )
 REACH_TIP = (
-    "How far the face goes towards what you asked for.\n"
-    "0 %: as far as the networks take it. 100 %: all the way, as far as a face can."
+    "How closely the face follows the curve you asked for.\n"
+    "0 %: as close as the face model gets. 100 %: as close as a face can."
 )
 
 
 class SettingsBar(QWidget):
-    """Undo, redo, reset; mode, naturalness and reach; how much was edited."""
+    """Undo, redo, reset; mode, naturalness and reach; the number of edits."""
 
     def __init__(self, actions: Actions, document: Document) -> None:
         super().__init__()
@@ -75,18 +75,18 @@ class SettingsBar(QWidget):
             row.addWidget(slider.percent)
 
     def settle(self) -> None:
-        """Bring a gesture on a slider to its end now."""
+        """Commit a gesture on a slider now."""
         for slider in self.sliders:
             slider.settle()
 
     def cancel(self) -> bool:
-        """Drop a drag of a slider; False if there is none."""
+        """Cancel a slider's drag; False if there is none."""
         return any(slider.cancel() for slider in self.sliders)
 
     # --- what it shows -----------------------------------------------------------------------
 
     def sync(self) -> None:
-        """Show what the open take is answered by."""
+        """Show the open take's settings."""
         for slider in self.sliders:
             slider.sync()
         self._count()

@@ -1,4 +1,4 @@
-"""What the window shows while no take is open: what to do, or what is being done."""
+"""What the window shows while no take is open."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _RECENT_SHOWN = 4
 
 
 class StartPage(QWidget):
-    """Open, try the demo, or drop a file; recent takes below.
+    """Invites to open a take, try the demo or drop a file; lists recent takes.
 
     Signals:
         chosen(Path): a recent take was clicked.
@@ -90,7 +90,7 @@ class StartPage(QWidget):
         return page
 
     def show_recent(self, takes: list[Path]) -> None:
-        """List the takes that were opened last."""
+        """List recent takes."""
         while (item := self._recent.takeAt(0)) is not None:
             if (widget := item.widget()) is not None:
                 widget.deleteLater()
@@ -108,12 +108,12 @@ class StartPage(QWidget):
             self._recent.addWidget(button, 0, Qt.AlignmentFlag.AlignLeft)
 
     def show_loading(self, text: str | None) -> None:
-        """Say what is being opened; None invites to open something."""
+        """Show what is being opened; None shows the invitation again."""
         self.loading.setText(text or "")
         self._pages.setCurrentIndex(0 if text is None else 1)
 
     def show_drop(self, active: bool) -> None:
-        """Light up while a file hovers over the window."""
+        """Highlight the card while a file hovers over the window."""
         self._drop.setProperty("active", active)
         self._drop.style().unpolish(self._drop)
         self._drop.style().polish(self._drop)

@@ -1,4 +1,4 @@
-"""The status bar: what is open, what is odd about it, and whether the networks answer."""
+"""The status bar: facts and remarks about the open take, and the state of the model."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _DOT = "   ·   "
 
 
 class StatusBar(QStatusBar):
-    """Facts at the left, the state of the networks at the right.
+    """Facts about the take on the left, the state of the model on the right.
 
     Signals:
-        cancelled(): the user does not want to wait for what is being computed.
+        cancelled(): the user cancelled the computation.
     """
 
     cancelled = Signal()
@@ -34,7 +34,7 @@ class StatusBar(QStatusBar):
         self.set_networks("loading")
 
     def set_take(self, take: Take) -> None:
-        """Tell about another take."""
+        """Show facts about another take."""
         clip = take.clip
         parts = [
             take.format,
@@ -62,10 +62,10 @@ class StatusBar(QStatusBar):
         self.bar = QProgressBar()
         self.bar.setFixedWidth(140)
         self.bar.setFormat("Computing %p %")
-        self.bar.setAccessibleName("Progress of the edit that is being computed")
+        self.bar.setAccessibleName("Progress of the edit")
         cancel = QPushButton("Cancel")
         cancel.setFlat(True)
-        cancel.setToolTip("Take back the edit that is being computed")
+        cancel.setToolTip("Stop computing and undo this edit")
         cancel.clicked.connect(self.cancelled)
         row.addWidget(self.bar)
         row.addWidget(cancel)
@@ -73,17 +73,17 @@ class StatusBar(QStatusBar):
         return display
 
     def show_work(self, done: int = 0, total: int = 0) -> None:
-        """Tell how far an edit is computed; nothing is told once it is."""
+        """Show how much of an edit has been computed, and nothing once it is done."""
         self.bar.setMaximum(max(total, 1))
         self.bar.setValue(done)
         self.work.setVisible(done < total)
 
     def set_networks(self, state: str, reason: str = "") -> None:
-        """Tell whether the networks answer: `loading`, `ready` or `missing`."""
+        """Show the state of the model, `loading`, `ready` or `missing`, and why."""
         texts = {
-            "loading": "Networks: loading…",
-            "ready": "Networks: ready",
-            "missing": "No networks: editing by the rig alone",
+            "loading": "Loading the face model…",
+            "ready": "Ready",
+            "missing": "No face model: edits look less natural",
         }
         self.networks.setText(texts[state])
         self.networks.setToolTip(reason)
@@ -91,7 +91,7 @@ class StatusBar(QStatusBar):
 
 
 def _mark(label: QLabel, attention: bool) -> None:
-    """Let the style sheet show a label in the colour for things to take note of."""
+    """Have the style sheet highlight a label."""
     label.setProperty("attention", attention)
     label.style().unpolish(label)
     label.style().polish(label)

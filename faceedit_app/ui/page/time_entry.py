@@ -1,4 +1,4 @@
-"""A field over the clock of the transport, to type where to go."""
+"""A field over a time label of the transport, to type a time to go to."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from PySide6.QtWidgets import QLineEdit, QToolTip, QWidget
 
 
 class TimeEntry(QLineEdit):
-    """Is there while a time is typed.
+    """Shown while a time is being typed.
 
     Signals:
-        ended(): it is typed, or given up.
+        ended(): the time was entered, or typing was cancelled.
     """
 
     ended = Signal()
@@ -22,18 +22,18 @@ class TimeEntry(QLineEdit):
         super().__init__(parent)
         self._go: Callable[[str], None] | None = None
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
-        self.setAcceptDrops(False)  # files are the window's
+        self.setAcceptDrops(False)  # dropped files go to the window
         self.returnPressed.connect(self._try)
         self.textEdited.connect(lambda: self._show_refused(False))
         self.hide()
 
     def begin(self, over: QWidget, text: str, name: str, go: Callable[[str], None]) -> None:
-        """Take the place of a label.
+        """Appear in place of a label.
 
         Args:
-            text: what stands there at first, to be typed over.
-            name: what is typed, for screen readers.
-            go: does what the text says; raises ValueError with a line for the user.
+            text: the initial text, selected.
+            name: of the field, for screen readers.
+            go: goes to the time typed; raises ValueError with a message for the user.
         """
         self._go = go
         self.setAccessibleName(name)
@@ -65,14 +65,14 @@ class TimeEntry(QLineEdit):
         self.style().unpolish(self)
         self.style().polish(self)
         if not refused:
-            self.setAccessibleDescription("Enter goes there, Esc stays")
+            self.setAccessibleDescription("Enter goes there, Esc cancels")
 
     def _end(self) -> None:
         self.hide()
         self.ended.emit()
 
     def event(self, event: QEvent) -> bool:
-        """What is typed is no shortcut; Space is, as everywhere."""
+        """Typed keys are not shortcuts, except Space."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             plain = event.modifiers() in (
                 Qt.KeyboardModifier.NoModifier,
@@ -85,14 +85,14 @@ class TimeEntry(QLineEdit):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc gives up."""
+        """Esc cancels."""
         if event.key() == Qt.Key.Key_Escape:
             self._end()
         else:
             super().keyPressEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Whoever goes elsewhere gives up, but for a menu or another window."""
+        """Losing the focus cancels, unless to a menu or another window."""
         super().focusOutEvent(event)
         if event.reason() not in (
             Qt.FocusReason.PopupFocusReason,

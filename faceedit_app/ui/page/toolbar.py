@@ -1,4 +1,4 @@
-"""The bar of tools: what a drag does, and whether left and right go together."""
+"""The toolbar: the tool, the brush strength, the link of left and right, and fixes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from faceedit_app.ui.state.tools import SMOOTH_RANGE, Tool, Tools
 
 
 class ToolBar(QWidget):
-    """Tools, the smoothing tool's strength, and the link of left and right."""
+    """Buttons for the tools and fixes, and the brush strength of the Smooth tool."""
 
     def __init__(self, actions: Actions, tools: Tools) -> None:
         super().__init__()
@@ -23,7 +23,7 @@ class ToolBar(QWidget):
         self.tool_buttons = [_spelled(actions[f"tool_{tool}"]) for tool in Tool]
         for button in self.tool_buttons:
             row.addWidget(button)
-        self._strength = caption("Strength", self.smooth)
+        self._strength = caption("Brush strength", self.smooth)
         row.addWidget(self._strength)
         row.addWidget(self.smooth)
         row.addWidget(divider())
@@ -38,7 +38,7 @@ class ToolBar(QWidget):
             row.addWidget(button)
         row.addWidget(self._more(actions))
         row.addStretch()
-        # In a narrow window words give way to icons, rather than the window being widened.
+        # In a narrow window, labels give way to icons.
         row.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
         tools.changed.connect(self.sync)
         self.sync()
@@ -49,13 +49,13 @@ class ToolBar(QWidget):
         slider.setPageStep(50)
         slider.setFixedWidth(80)
         slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        slider.setToolTip("How strongly the smoothing tool smooths, in thousandths of a second")
+        slider.setToolTip("Brush strength: how strongly the Smooth tool smooths")
         slider.valueChanged.connect(lambda value: self._tools.set_smooth(value / 1000))
         return slider
 
     @staticmethod
     def _more(actions: Actions) -> QToolButton:
-        """The fixes that have no button of their own, and the user's presets."""
+        """A menu of the fixes without a button, and of the user's presets."""
         menu = QMenu()
         for fix in shipped_presets():
             if not fix.has_button:
@@ -75,11 +75,11 @@ class ToolBar(QWidget):
         return button
 
     def minimumSizeHint(self) -> QSize:
-        """Room for the icons; words are added where there is more."""
+        """Room for the icons; labels need more."""
         return QSize(600, super().minimumSizeHint().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Words where there is room for them: of the fixes first."""
+        """Show labels if there is room, those of the fixes first."""
         super().resizeEvent(event)
         self._fit()
 
@@ -102,9 +102,9 @@ class ToolBar(QWidget):
         self._fit()
         with QSignalBlocker(self.smooth):
             self.smooth.setValue(round(1000 * self._tools.smooth))
-        self.smooth.setToolTip(f"Smooths over {1000 * self._tools.smooth:.0f} ms")
+        self.smooth.setToolTip(f"Brush strength: smooths over {1000 * self._tools.smooth:.0f} ms")
 
 
 def _spelled(action: QAction) -> QToolButton:
-    """A button with the words of the menu."""
+    """A button with the label of its menu entry."""
     return icon_button(action, "tool", action.text().replace("&", ""))

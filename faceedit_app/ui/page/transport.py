@@ -1,4 +1,4 @@
-"""The bar at the bottom: playing, and where the playhead is."""
+"""The bar at the bottom: playback controls and the playhead's time."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class Transport(QWidget):
         self._play = actions["play"]
         self._icons = {False: icon("play"), True: icon("pause")}
         self.speed = self._speed_box()
-        self.extras = QHBoxLayout()  # what the window adds to it
+        self.extras = QHBoxLayout()  # for widgets that the page adds
         self.clock, self.seconds, self.frame = (
             TimeLabel(actions[f"unit_{unit}"], self.type_time) for unit in _UNITS
         )
         self._labels = (self.clock, self.seconds, self.frame)
         self.entry = TimeEntry(self)
-        self.entry.ended.connect(lambda: self.window().setFocus())  # the keys are the window's
+        self.entry.ended.connect(lambda: self.window().setFocus())  # the window gets the keys again
         self._lay_out(actions)
         timeline.playhead_moved.connect(self._show_time)
         timeline.clock.changed.connect(self._show_unit)
@@ -65,7 +65,7 @@ class Transport(QWidget):
 
     def _speed_box(self) -> Choice:
         box = Choice()
-        box.setToolTip("How fast the take is played; slower sound is lower, as on tape")
+        box.setToolTip("Playback speed. Slower sound is lower in pitch.")
         for speed in SPEEDS:
             box.addItem(f"{speed:g}×", speed)
         box.setCurrentIndex(len(SPEEDS) - 1)
@@ -73,11 +73,11 @@ class Transport(QWidget):
         return box
 
     def set_clip(self, clip: Clip | None) -> None:
-        """Tell the time of another take, or of none."""
+        """Show the times of another take, or of none."""
         self._clip = clip
         self.speed.setEnabled(clip is not None)
         if clip is not None:
-            # Wide enough for the last frame, so that nothing jumps while playing.
+            # Wide enough for the last frame, so that nothing moves during playback.
             for label, text in zip(self._labels, times(clip, len(clip) - 1), strict=True):
                 label.ensurePolished()
                 label.setMinimumWidth(label.fontMetrics().horizontalAdvance(text) + GAP)
@@ -92,7 +92,7 @@ class Transport(QWidget):
             label.setText(text)
 
     def type_time(self) -> None:
-        """Let the user type where to go, in the unit that times are shown in."""
+        """Let the user type a time to go to, in the unit in which times are shown."""
         clip, unit = self._clip, self._timeline.clock.unit
         if clip is None:
             return
@@ -105,17 +105,17 @@ class Transport(QWidget):
         self.entry.begin(label, text, f"Go to a time, in {unit}", go)
 
     def _show_unit(self) -> None:
-        """The time that the ruler shows stands out."""
+        """Highlight the time in the ruler's unit."""
         for label, unit in zip(self._labels, _UNITS, strict=True):
             label.show_chosen(unit is self._timeline.clock.unit)
 
 
 class TimeLabel(QLabel):
-    """A time; a click makes it the one that the ruler shows, another one is for typing.
+    """A time; a click makes the ruler show its unit, another click lets the user type.
 
     Args:
-        action: makes it the one that the ruler shows.
-        type_time: lets the user type into it.
+        action: makes the ruler show this unit.
+        type_time: lets the user type a time.
     """
 
     def __init__(self, action: QAction, type_time: Callable[[], None]) -> None:
@@ -123,19 +123,19 @@ class TimeLabel(QLabel):
         self._action, self._type_time = action, type_time
         self.setCursor(Qt.CursorShape.PointingHandCursor)
         self.setToolTip(
-            f"{action.statusTip()}. Click: the ruler too.\n"
-            "Click again, or press G, to type where to go."
+            f"{action.statusTip()}.\nClick to use this unit on the ruler."
+            " Click again, or press G, to type a time."
         )
         self.show_chosen(False)
 
     def show_chosen(self, chosen: bool) -> None:
-        """Stand out, or not."""
+        """Highlight it, or not."""
         self.setObjectName("clock" if chosen else "caption")
         self.style().unpolish(self)
         self.style().polish(self)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Choose this one, else type into it."""
+        """Choose this unit, or type if it is chosen already."""
         if self._action.isChecked():
             self._type_time()
         else:

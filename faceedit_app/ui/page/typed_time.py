@@ -1,4 +1,4 @@
-"""A time that somebody typed: which frame is meant."""
+"""From a typed time to the frame it means."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ _FRAME = re.compile(r"(?:frame\s*)?(\d+)", re.ASCII | re.IGNORECASE)
 
 
 def typed_frame(clip: Clip, text: str, unit: Unit, now: int) -> int:
-    """The frame that a text means in the unit that times are shown in.
+    """The frame that a text means, in the unit in which times are shown.
 
     Args:
         clip: the open take.
-        text: what was typed; what is shown after the time, such as its length, may be there too.
-        unit: how to read it. A take without timecode tells seconds in its place.
-        now: the frame of the playhead; a timecode may leave out its hours and minutes.
+        text: what was typed; it may contain what is shown after the time, such as the length.
+        unit: how to read it. A take without timecode uses seconds instead.
+        now: the playhead's frame; a timecode may leave out the hours and minutes it shares.
 
     Raises:
-        ValueError: what is wrong with it, as one line for the user.
+        ValueError: what is wrong with the text, in one line for the user.
     """
     text = text.partition("/")[0].strip()
     if unit is Unit.FRAMES:
@@ -37,7 +37,7 @@ def typed_frame(clip: Clip, text: str, unit: Unit, now: int) -> int:
 def _by_number(clip: Clip, text: str) -> int:
     match = _FRAME.fullmatch(text)
     if match is None:
-        raise ValueError(f"Type the number of a frame, 1 to {len(clip)}")
+        raise ValueError(f"Type a frame number, 1 to {len(clip)}")
     number = int(match[1])
     if not 1 <= number <= len(clip):
         raise ValueError(f"The take has frames 1 to {len(clip)}")
@@ -73,7 +73,7 @@ def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: str) ->
 
 
 def _at(clip: Clip, seconds: float, otherwise: str) -> int:
-    # A timecode without its thousandths may lie before the first frame that bears it.
+    # A timecode without its thousandths may lie before the first frame that has it.
     slack = 1.0 / clip.rate
     if not -slack <= seconds <= clip.duration + slack:
         raise ValueError(otherwise)

@@ -1,4 +1,4 @@
-"""Opens the window and keeps it open."""
+"""Opens the window and runs until it is closed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from faceedit_app.ui.state.preferences import Preferences
 
 
 def run(take: Path | None, demo: bool = False) -> int:
-    """Show the window and stay until it is closed.
+    """Show the window and return when it is closed.
 
     Args:
         take: a take to open.
@@ -40,7 +40,7 @@ def run(take: Path | None, demo: bool = False) -> int:
 def _quit_on_interrupt(app: QApplication) -> None:
     """Let Ctrl+C in the terminal end the application, as in any other program."""
     signal.signal(signal.SIGINT, lambda *_: app.quit())
-    # Python sees signals between its own instructions only, so have it run some now and then.
+    # Python handles signals only between its own instructions, so make it run some regularly.
     heartbeat = QTimer(app, interval=250)
     heartbeat.timeout.connect(lambda: None)
     heartbeat.start()

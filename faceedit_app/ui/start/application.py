@@ -1,4 +1,4 @@
-"""The one Qt application of a process, with the window's look; everything that starts uses it."""
+"""The process's single Qt application, with the window's theme."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from faceedit_app.ui.look.theme import apply_theme
 
 
 def application() -> QApplication:
-    """The Qt application of this process, made on the first call."""
+    """The Qt application of this process, created on the first call."""
     existing = QApplication.instance()
     app = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])
     app.setApplicationName("FaceEdit")
@@ -23,8 +23,8 @@ def application() -> QApplication:
 
 
 def keep_for_good() -> None:
-    """Take what the start has made out of Python's search for garbage: it lives to the end.
+    """Exclude everything created during start-up from garbage collection: it lives to the end.
 
-    The search stops the window, for 40 ms where all modules are looked through, else for 10.
+    A full collection blocks the window for 40 ms; without these objects, for 10 ms.
     """
     gc.freeze()

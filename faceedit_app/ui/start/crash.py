@@ -1,4 +1,4 @@
-"""When FaceEdit itself is wrong: keep the edits, write down what happened, say so plainly."""
+"""Unexpected errors: keep the edits, log what happened, and report it plainly."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def log_path() -> Path:
 
 
 def install() -> None:
-    """Catch what no code expected; the window stays open, and with it the edits."""
+    """Catch unexpected errors, so that the window and the edits stay open."""
     try:
         log_path().parent.mkdir(parents=True, exist_ok=True)
         handler: logging.Handler = logging.handlers.RotatingFileHandler(
@@ -35,10 +35,10 @@ def install() -> None:
 
 
 class _Hook:
-    """An excepthook that does not call itself when telling the user fails too."""
+    """An excepthook that does not call itself when reporting the error fails too."""
 
     def __init__(self) -> None:
-        self._telling = False
+        self._is_reporting = False
 
     def __call__(
         self, kind: type[BaseException], error: BaseException, trace: TracebackType | None
@@ -48,14 +48,14 @@ class _Hook:
             return
         _log.error("unexpected", exc_info=(kind, error, trace))
         sys.__excepthook__(kind, error, trace)
-        if self._telling:  # a dialog is up already; a repaint may fail many times a second
+        if self._is_reporting:  # a dialog is open; a repaint may fail many times a second
             return
-        self._telling = True
+        self._is_reporting = True
         try:
             dialogs.show_error(
                 None,
-                "Something went wrong inside FaceEdit. Your edits are still there; export or save"
-                f" them now. What happened was written to {log_path()}",
+                "FaceEdit ran into an unexpected error. Your edits are still here; save or export"
+                f" them now. The details are in {log_path()}",
             )
         finally:
-            self._telling = False
+            self._is_reporting = False

@@ -1,4 +1,4 @@
-"""Whether a window can be opened at all, told before Qt is asked (Qt would end the process)."""
+"""Checks for a display before Qt is started, because Qt would end the process without one."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from pathlib import Path
 
 
 def has_display() -> bool:
-    """Whether there is a desktop, or Qt was told to do without one."""
-    told = os.environ.get("QT_QPA_PLATFORM", "")
-    if sys.platform in ("win32", "darwin") or (told and not told.startswith(("xcb", "wayland"))):
+    """Whether there is a display, or Qt is set to run without one."""
+    platform = os.environ.get("QT_QPA_PLATFORM", "")
+    if sys.platform in ("win32", "darwin") or (
+        platform and not platform.startswith(("xcb", "wayland"))
+    ):
         return True
     return _wayland_answers() or _x11_answers()
 

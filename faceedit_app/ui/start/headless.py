@@ -1,4 +1,4 @@
-"""The window's job where there is no display: the same widgets, drawn into pictures."""
+"""Runs without a display: the same widgets, drawn into pictures."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def run_headless(output: Path) -> list[Path]:
     """Open the demo take, edit it, and write the result and pictures before and after.
 
     Args:
-        output: the folder to write to; it is made if it is missing.
+        output: the folder to write to; created if it does not exist.
 
     Returns:
-        The files: the edited take, its edits, the window and the face before and after. The
-        face is left out where it cannot be drawn.
+        The files: the edited take, its edits, the window and the face before and after. There are
+        no pictures of the face if it cannot be drawn.
 
     Raises:
         FileError: something cannot be read or written.
@@ -42,7 +42,7 @@ def run_headless(output: Path) -> list[Path]:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise FileError(output, f"cannot be made ({reason})", "choose another folder") from error
+        raise FileError(output, f"cannot be created ({reason})", "choose another folder") from error
     app = application()
     with tempfile.TemporaryDirectory() as folder:
         window = _open_window(Path(folder) / "settings.ini")

@@ -1,14 +1,17 @@
-"""What a crash left behind is offered when the window opens."""
+"""Offers to recover what a crash left behind, when the window opens."""
 
 from __future__ import annotations
 
-from faceedit_app.editing.files.journal import pending_journals
-from faceedit_app.ui.commands import dialogs, projects
+from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 
 
 def offer_recovery(workspace: Workspace) -> bool:
     """Ask about the newest session that ended without closing; whether it is being opened."""
+    # With the solver, once the window is painted.
+    from faceedit_app.editing.files.journal import pending_journals
+    from faceedit_app.ui.commands import projects
+
     pending = pending_journals()
     if pending:
         match dialogs.ask_recover(workspace.window, pending[0]):

@@ -1,16 +1,20 @@
-"""The edit that FaceEdit makes by itself, where nobody drags a curve: headless and smoke test."""
+"""The edit that headless runs and the smoke test make."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession
+
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.session import EditSession
 
 
 def sample_edit(session: EditSession) -> Edit:
-    """Opens the mouth wider at an ordinary moment in the middle of the take."""
+    """An edit that opens the mouth wider, at a typical moment in the middle of the take."""
     times = session.take.clip.times
     opening = session.tracked[:, CONTROL_INDEX[LIP_OPENING]]
     inner = slice(len(times) // 4, max(3 * len(times) // 4, len(times) // 4 + 1))

@@ -1,6 +1,6 @@
-"""A window that works by itself, to test an installed FaceEdit from outside.
+"""A window that runs by itself, to test an installed FaceEdit from outside.
 
-With the environment variable FACEEDIT_SMOKE=FOLDER, `faceedit TAKE.csv` waits until all is loaded,
+With the environment variable FACEEDIT_SMOKE=FOLDER, `faceedit TAKE.csv` loads everything,
 makes one edit, writes the edited take, the edits, a picture of the window and a report with times
 to the folder, and closes. `packaging/smoke_test.py` does this with a bundle, a package or a wheel.
 """
@@ -22,20 +22,20 @@ from faceedit_app.ui.start.window import MainWindow
 
 VARIABLE = "FACEEDIT_SMOKE"
 EDITED, EDITS, PICTURE, REPORT = "edited.csv", "edits.json", "window.png", "report.json"
-_UNHURRIED = 800  # ms until the face has been drawn smoothly
+_SMOOTH_MS = 800  # until the face has been drawn smoothly
 
 
 def play(window: MainWindow, folder: Path) -> QObject:
-    """Have a window that is about to be shown work by itself, and close.
+    """Drive a window that is about to be shown, then close it.
 
     Returns:
-        What must be kept until then.
+        An object to keep alive until then.
     """
     return _Session(window, folder)
 
 
 class _Session(QObject):
-    """One edit from the first paint to the last, and what was seen on the way."""
+    """One edit, from the first paint to the last, and the report on it."""
 
     def __init__(self, window: MainWindow, folder: Path) -> None:
         super().__init__(window)
@@ -50,7 +50,7 @@ class _Session(QObject):
         window.settled.connect(self._settled)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Note when the window has first been painted."""
+        """Record when the window is first painted."""
         if event.type() == QEvent.Type.Paint:
             self._window.removeEventFilter(self)
             QTimer.singleShot(0, lambda: self._note("painted"))
@@ -61,7 +61,7 @@ class _Session(QObject):
 
     def _settled(self) -> None:
         self._note("settled")
-        QTimer.singleShot(_UNHURRIED, self._edit)
+        QTimer.singleShot(_SMOOTH_MS, self._edit)
 
     def _edit(self) -> None:
         document = self._window.document
@@ -70,7 +70,7 @@ class _Session(QObject):
         edit = sample_edit(document.session)
         self._window.timeline.go_to_time((edit.start + edit.end) / 2)
         document.session.add(edit)
-        QTimer.singleShot(_UNHURRIED, self._finish)
+        QTimer.singleShot(_SMOOTH_MS, self._finish)
 
     def _finish(self) -> None:
         window, document = self._window, self._window.document
@@ -95,7 +95,7 @@ class _Session(QObject):
     def _unexpected(
         self, kind: type[BaseException], error: BaseException, trace: TracebackType | None
     ) -> None:
-        """What goes wrong ends the process, instead of asking someone who is not there."""
+        """End the process on an error, because no user is there to answer a dialog."""
         sys.__excepthook__(kind, error, trace)
         self._seen["error"] = f"{kind.__name__}: {error}"
         self._report()

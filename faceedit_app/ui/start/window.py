@@ -1,4 +1,4 @@
-"""The main window: makes the parts, connects them, and starts what takes long."""
+"""The main window: creates the parts, connects them, and starts slow work in the background."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.core.rig import Rig
 from faceedit_app.media import is_media
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import Commands
@@ -28,7 +27,8 @@ from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.preferences import Preferences
 
-if TYPE_CHECKING:  # both bring much along; the window is there before them
+if TYPE_CHECKING:  # these bring much along; the window is there before them
+    from faceedit_app.core.rig import Rig
     from faceedit_app.networks.engine import Engine
     from faceedit_app.ui.page.editor import Editor
 
@@ -40,7 +40,7 @@ class MainWindow(WindowBase):
     """FaceEdit's window.
 
     Signals:
-        settled(): the start is over: the face and the networks are there, or it is known why not.
+        settled(): start-up is over: the face and the model are loaded, or have failed to load.
     """
 
     settled = Signal()
@@ -53,8 +53,8 @@ class MainWindow(WindowBase):
         self.media, self.sound_player = workspace.media, workspace.sound_player
         self._preferences, self._background = preferences, workspace.background
         self._can_draw = False  # once the renderer is prepared
-        self._journal_note = ""  # as it was shown last
-        self._lacks_said: set[str] = set()  # of the open take
+        self._journal_note = ""  # as last shown
+        self._lacks_shown: set[str] = set()  # controls of the open take already warned about
         self.commands = Commands(workspace)
         self.actions_ = Actions(self, self.document, self.commands.menus())
         self.start_page = StartPage(self.actions_)
@@ -85,7 +85,7 @@ class MainWindow(WindowBase):
         self.start_page.show_recent(self._preferences.recent())
 
     def _take_first_size(self) -> None:
-        """As large as is useful, or as fits on the screen with the title bar."""
+        """As large as is useful, but no larger than the screen less the title bar."""
         room, bar = self.screen().availableGeometry(), QStyle.PixelMetric.PM_TitleBarHeight
         height = room.height() - self.style().pixelMetric(bar)
         self.resize(min(_FIRST_SIZE[0], room.width()), min(_FIRST_SIZE[1], height))
@@ -100,14 +100,14 @@ class MainWindow(WindowBase):
         opener.character_loaded.connect(self._prepare_face)
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
-        workspace.warning.connect(self.banner.say)
+        workspace.warning.connect(self.banner.show_message)
         media.failed.connect(self._show_error)
-        media.missed.connect(lambda error: self.banner.say(str(error), str(error)))
+        media.missed.connect(lambda error: self.banner.show_message(str(error), str(error)))
         self.start_page.chosen.connect(self.commands.file.open_if_saved)
         self.keys.glancing.connect(self.commands.view.glance)
 
     def _refresh_actions(self) -> None:
-        """Have menus and buttons show what is possible and what is on, now and after changes."""
+        """Keep menus and buttons up to date: which are enabled, and which are on."""
         media = self.media
         for changed in (
             self.document.opened,
@@ -126,11 +126,11 @@ class MainWindow(WindowBase):
 
     @property
     def editor(self) -> Editor | None:
-        """The page with curves and face, once it is built."""
+        """The page, once it is built."""
         return self.workspace.page
 
     def start(self, take: Path | None = None, demo: bool = False) -> None:
-        """Begin with what takes long; call it when the window is on the screen."""
+        """Start loading; call it once the window is on the screen."""
         self.document.keeps_journal = True
         if not offer_recovery(self.workspace):
             if take is not None:
@@ -142,7 +142,7 @@ class MainWindow(WindowBase):
         self.build_editor()
 
     def open_demo_now(self) -> None:
-        """Open the demo take with all that belongs to it, and return when it is there.
+        """Open the demo take and everything that belongs to it before returning.
 
         Raises:
             FileError: a shipped file is missing or damaged.
@@ -157,10 +157,10 @@ class MainWindow(WindowBase):
         self.build_editor().face.viewport.open(rig)
 
     def build_editor(self) -> Editor:
-        """The page with curves and face, made when it is first needed."""
+        """The page, created when it is first needed."""
         if self.workspace.page is not None:
             return self.workspace.page
-        from faceedit_app.ui.page.editor import Editor  # pyqtgraph, once the window is painted
+        from faceedit_app.ui.page.editor import Editor  # pyqtgraph; after the first paint
 
         page = self.workspace.page = Editor(
             self.actions_,
@@ -183,9 +183,9 @@ class MainWindow(WindowBase):
         return page
 
     def _prepare_face(self, rig: Rig) -> None:
-        """The character is there: have it drawn, then load the networks."""
+        """The character is loaded: prepare to draw it, then load the model."""
         if rig.missing_note:
-            self.banner.say(rig.missing_note)
+            self.banner.show_message(rig.missing_note)
 
         def prepared(_: None) -> None:
             self._can_draw = True
@@ -197,7 +197,7 @@ class MainWindow(WindowBase):
         self._background.run(loading.prepare_renderer, prepared, self._show_error)
 
     def _open_face(self) -> None:
-        """Begin to draw the face as soon as there is a take to see it in."""
+        """Start drawing the face as soon as a take is open."""
         rig = self.workspace.rig
         if self._can_draw and self.document.session is not None and rig is not None:
             self._can_draw = False
@@ -205,14 +205,13 @@ class MainWindow(WindowBase):
 
     def _use_engine(self, engine: Engine) -> None:
         self.document.use_engine(engine)
-        self.status.set_networks("ready", "Edits are answered by the networks")
+        self.status.set_networks("ready")
         self.settled.emit()
 
     def _do_without_engine(self, error: Exception) -> None:
         self.status.set_networks("missing", str(error))
-        self.banner.say(
-            "The networks could not be loaded, so edits are answered by the rig alone:"
-            f" {getattr(error, 'problem', error)}.",
+        self.banner.show_message(
+            f"The face model could not be loaded, so edits look less natural. {error}",
             str(error),
         )
         self.settled.emit()
@@ -222,7 +221,7 @@ class MainWindow(WindowBase):
     def _opened(self) -> None:
         session = self.document.session
         assert session is not None
-        self._lacks_said.clear()
+        self._lacks_shown.clear()
         self.playback.pause()
         page = self.build_editor()
         page.open()
@@ -234,20 +233,20 @@ class MainWindow(WindowBase):
         self._open_face()
         if self.document.keeps_journal and self._preferences.hints_wanted():
             self._preferences.set_hints_seen()
-            QTimer.singleShot(0, page.hints.begin)  # once all has its place
+            QTimer.singleShot(0, page.hints.begin)  # after the layout
         self.commands.take.follow(session.take, session.state.media)
         if problem := self._preferences.problem():
-            self.banner.say(problem, problem)
+            self.banner.show_message(problem, problem)
 
     def _warn_of_lacks(self) -> None:
-        """Say once a take which of its edits its channels cannot answer."""
+        """Warn, once per take and control, of edits that the take's channels cannot show."""
         session = self.document.session
         if session is None or not session.lacks:
             return
         edited = {control for edit in session.edits for control in edit.controls}
-        for control in [name for name in session.lacks if name in edited - self._lacks_said]:
-            self._lacks_said.add(control)
-            self.banner.say(str(session.lacks[control]))
+        for control in [name for name in session.lacks if name in edited - self._lacks_shown]:
+            self._lacks_shown.add(control)
+            self.banner.show_message(str(session.lacks[control]))
 
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path
@@ -255,9 +254,9 @@ class MainWindow(WindowBase):
             self.setWindowTitle(f"{name.name}[*] – FaceEdit")
         before, self._journal_note = self._journal_note, self.document.journal_note
         if self._journal_note and self._journal_note != before:
-            self.banner.say(self._journal_note, self._journal_note)
+            self.banner.show_message(self._journal_note, self._journal_note)
         elif before and not self._journal_note:
-            self.banner.unsay(before)
+            self.banner.remove(before)
         self.setWindowModified(not self.document.is_clean)
 
     def _say_reading(self, text: str) -> None:
@@ -271,12 +270,12 @@ class MainWindow(WindowBase):
     # --- window events -----------------------------------------------------------------------
 
     def let_go(self) -> None:
-        """Another window has the mouse now: drags end here."""
+        """Another window took the mouse: end the drag in progress and keep it."""
         if self.editor is not None:
             self.editor.let_go()
 
     def show_drop(self, active: bool) -> None:
-        """A file hovers over the window, or no longer."""
+        """Show whether a file hovers over the window."""
         self.start_page.show_drop(active)
 
     def take_files(self, paths: list[Path]) -> None:
@@ -295,12 +294,12 @@ class MainWindow(WindowBase):
             self.commands.file.open_if_saved(path)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Have the keys arrive somewhere from the start."""
+        """Take the keyboard from the start."""
         super().showEvent(event)
         self.setFocus()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask about edits, remember the layout, stop what is running."""
+        """Ask about unsaved edits, remember the layout, stop everything."""
         self.workspace.finish()
         if not self.commands.file.may_close():
             event.ignore()
@@ -311,5 +310,5 @@ class MainWindow(WindowBase):
         super().closeEvent(event)
 
     def leave(self) -> None:
-        """Stop what is running and free the graphics memory."""
+        """Stop everything and free the graphics memory."""
         self.workspace.close()

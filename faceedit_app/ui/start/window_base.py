@@ -1,4 +1,4 @@
-"""What any main window does: take files that are dropped on it, and notice its first paint."""
+"""The main window's base: accepts dropped files and detects the first paint."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMainWindow
 
 
 class WindowBase(QMainWindow):
-    """A subclass knows what to do with the files."""
+    """Leaves it to a subclass what to do with the files."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -23,7 +23,7 @@ class WindowBase(QMainWindow):
         self._on_paint = work
 
     def event(self, event: QEvent) -> bool:
-        """Notice the first paint, and the loss of the mouse to another window or a dialog."""
+        """Detect the first paint, and the loss of the mouse to another window or a dialog."""
         if event.type() in (QEvent.Type.WindowDeactivate, QEvent.Type.WindowBlocked):
             self.let_go()
         if event.type() == QEvent.Type.Paint and self._on_paint is not None:
@@ -32,29 +32,29 @@ class WindowBase(QMainWindow):
         return super().event(event)
 
     def let_go(self) -> None:
-        """A button that is held will go up where we do not see it."""
+        """The release of a held button will not reach this window."""
         raise NotImplementedError
 
     def show_drop(self, active: bool) -> None:
-        """A file hovers over the window, or no longer."""
+        """Show whether a file hovers over the window."""
         raise NotImplementedError
 
     def take_files(self, paths: list[Path]) -> None:
-        """These files were dropped."""
+        """Handle dropped files."""
         raise NotImplementedError
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Welcome a file."""
+        """Accept files."""
         if _dropped(event):
             event.acceptProposedAction()
             self.show_drop(True)
 
     def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
-        """Forget a file that was not dropped."""
+        """The file was dragged away again."""
         self.show_drop(False)
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Take the files."""
+        """Handle the files."""
         self.show_drop(False)
         paths = _dropped(event)
         if paths:
@@ -63,5 +63,5 @@ class WindowBase(QMainWindow):
 
 
 def _dropped(event: QDropEvent) -> list[Path]:
-    """The local files that are dropped."""
+    """The local files in a drop."""
     return [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]

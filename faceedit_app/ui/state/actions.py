@@ -1,6 +1,6 @@
-"""Commands as Qt actions: menus, shortcuts, states and the help come from tables of commands.
+"""Commands as Qt actions: menus, shortcuts, states and help come from tables of commands.
 
-The tables stand in `ui/commands`, one a menu, beside the methods that do them.
+The tables are in `ui/commands`, one per menu, beside the methods that carry them out.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.state.document import Document
 
 Doer = TypeVar("Doer")
-_LONGEST = 40  # letters of a detail
+_LONGEST = 40  # characters of a detail
 
 
 @dataclass(frozen=True)
@@ -26,19 +26,19 @@ class Command(Generic[Doer]):
     """One thing that the user can do.
 
     Attributes:
-        id: what code and tests call it.
-        text: the menu's text; what follows “&” chooses it by keyboard.
-        run: does it, given the object whose commands these are; None for a menu inside the menu.
+        id: its name in code and tests.
+        text: its text in the menu; “&” marks the mnemonic.
+        run: carries it out, given the object whose command it is; None for a submenu.
         keys: shortcuts, the first of which is shown.
         tip: one sentence for tooltips, the status bar and the list of shortcuts.
         icon: name of its icon, or nothing.
-        detail: what follows the text now, such as the step that Undo takes back.
-        enabled: whether it is possible now; None = always.
-        checked: whether the state that it switches is on; None = it switches none.
-        needs_take: whether it is greyed out while no take is open.
+        detail: added to the text, such as the step that Undo undoes.
+        enabled: whether it is possible now; None: always.
+        checked: whether the state that it switches is on; None: it switches none.
+        needs_take: whether it is disabled while no take is open.
         starts_group: whether a line separates it from the command above.
-        submenu: the menu inside the menu that it stands in, if any.
-        fills: fills the menu inside the menu that it is, each time it is opened.
+        submenu: the submenu that it is in, if any.
+        fills: for a submenu: fills it, each time it is opened.
     """
 
     id: str
@@ -67,13 +67,13 @@ class Menu(Generic[Doer]):
 class Actions:
     """The commands of a window as Qt actions, with the menus that hold them.
 
-    Views show an action on a button by its id; whether it is possible and whether it is on is
-    asked of the commands themselves, after each of them and whenever `refresh` is called.
+    Views look actions up by id to show them on buttons. Each command says whether it is enabled and
+    checked; that is read after each command and whenever `refresh` is called.
 
     Args:
         window: gets the menus and the shortcuts.
         document: the take that commands may need.
-        menus: each menu, and the object that does its commands.
+        menus: each menu with the object that carries out its commands.
     """
 
     def __init__(
@@ -94,11 +94,11 @@ class Actions:
         return self._actions[name]
 
     def submenu(self, name: str) -> QMenu:
-        """The menu that a command with `fills` opens."""
+        """The submenu of a command with `fills`."""
         return self._submenus[name]
 
     def refresh(self) -> None:
-        """Show what is possible now, and what is on."""
+        """Show which commands are enabled and checked."""
         is_open = self._document.session is not None
         for command, doer in self._commands:
             action = self._actions[command.id]
@@ -149,11 +149,11 @@ class Actions:
         try:
             command.run(doer)
         finally:
-            self.refresh()  # Qt has switched what can be switched, whatever came of it
+            self.refresh()  # Qt toggled the action even if the command did nothing
 
 
 def _in_menu(detail: str) -> str:
-    """Words of the user's, as a menu can show them: short, and neither keys nor columns."""
+    """The user's text, shortened for a menu, without mnemonics and tabs."""
     words = " ".join(detail.split())
     if len(words) > _LONGEST:
         words = words[: _LONGEST - 1].rstrip() + "…"
@@ -166,7 +166,7 @@ def shown_keys(keys: str) -> str:
 
 
 def help_rows(menus: Iterable[Menu[Any]]) -> Iterator[tuple[str, str, str]]:
-    """(menu, keys, what it does) of every command that has a shortcut."""
+    """(menu, keys, effect) of every command with a shortcut."""
     for menu in menus:
         for command in menu.commands:
             if command.keys:

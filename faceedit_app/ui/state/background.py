@@ -1,4 +1,4 @@
-"""Runs what takes long beside the window."""
+"""Runs slow work in the background."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Result = TypeVar("Result")
 
 
 class Background(QObject):
-    """Runs functions in threads and hands their results to the GUI thread."""
+    """Runs functions in threads, and delivers their results in the GUI thread."""
 
     _finished = Signal(object, object, object)  # done, failed, future
 
@@ -32,7 +32,7 @@ class Background(QObject):
         """Call `work` in a thread, then `done` or `failed` in the GUI thread."""
 
         def report(future: Future[Result]) -> None:
-            with contextlib.suppress(RuntimeError):  # the window went away this very moment
+            with contextlib.suppress(RuntimeError):  # the window was just closed
                 if not self._closed:
                     self._finished.emit(done, failed, future)
 
@@ -48,6 +48,6 @@ class Background(QObject):
             failed(error)
 
     def close(self) -> None:
-        """Forget what is still running; nothing is delivered any more."""
+        """Deliver nothing any more; forget what is still running."""
         self._closed = True
         self._pool.shutdown(wait=False, cancel_futures=True)

@@ -1,4 +1,4 @@
-"""Computes what a wide edit left to be done, in slices while the window has nothing else to do."""
+"""Computes the rest of a wide edit, in slices while the window is idle."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
-PATIENCE = 0.008  # seconds that one change may compute before the rest waits
-SLICE = 0.006  # seconds of work between two looks at what the user does
-REDRAW = 0.1  # seconds between two pictures of what is done
-QUIET = 0.3  # seconds of work that are not worth mentioning
+PATIENCE = 0.008  # seconds that a change may compute at once before the rest waits
+SLICE = 0.006  # seconds of work before events are handled
+REDRAW = 0.1  # seconds between two updates of the view
+QUIET = 0.3  # seconds of work before progress is shown
 
 
 class BackgroundSolving(QObject):
-    """Watches the open take: what is on screen is computed first, the rest in the background.
+    """Computes the open take: first what is on screen, then the rest in the background.
 
     Signals:
-        advanced(int, int): chunks done and in all; curves and face may differ.
-        finished(): nothing is left to do, or the user went back on it.
+        advanced(int, int): chunks done and in total; curves and face may have changed.
+        finished(): everything is computed, or the user cancelled.
     """
 
     advanced = Signal(int, int)
@@ -40,11 +40,11 @@ class BackgroundSolving(QObject):
 
     @property
     def is_busy(self) -> bool:
-        """Whether something is left to be computed."""
+        """Whether something is left to compute."""
         return self._timer.isActive()
 
     def begin(self) -> None:
-        """Go on with what the last change left."""
+        """Compute what the last change left."""
         session = self._document.session
         if session is None or session.live.is_complete:
             self._stop()
@@ -53,12 +53,12 @@ class BackgroundSolving(QObject):
             self._timer.start()
 
     def cancel(self) -> None:
-        """Take back the change that is being computed."""
+        """Undo the change being computed."""
         if self.is_busy and not self._document.cancel():
             self._document.undo()
 
     def watch(self) -> None:
-        """Another take is open: what is on screen is computed first."""
+        """Start with another take."""
         session = self._document.session
         if session is not None:
             session.live.patience = PATIENCE

@@ -1,4 +1,4 @@
-"""Time as people read it: seconds, frames, or the recording's timecode, as they choose."""
+"""The unit in which times are shown: seconds, frames or the take's timecode."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from faceedit_app.formats.timing import format_time
 
 
 class Unit(StrEnum):
-    """How times are shown."""
+    """A unit in which times are shown."""
 
     SECONDS = "seconds"
     FRAMES = "frames"
@@ -19,10 +19,10 @@ class Unit(StrEnum):
 
 
 class Clock(QObject):
-    """The unit that times are shown in.
+    """The chosen unit.
 
     Signals:
-        changed(): it is another one.
+        changed(): another unit was chosen.
     """
 
     changed = Signal()
@@ -39,7 +39,7 @@ class Clock(QObject):
 
 
 def label(clip: Clip, seconds: float, unit: Unit) -> str:
-    """What stands at a time of the ruler, where its own seconds do not: a frame or a timecode."""
+    """The ruler's label of a time in frames or timecode."""
     frame = clip.frame_at(seconds)
     if unit is Unit.TIMECODE and clip.timecodes:
         return clip.timecodes[frame].partition(".")[0]
@@ -47,7 +47,7 @@ def label(clip: Clip, seconds: float, unit: Unit) -> str:
 
 
 def times(clip: Clip, frame: int) -> tuple[str, str, str]:
-    """When a frame is: as the source tells it, in seconds, and counted from 1."""
+    """A frame's time in three units: timecode, seconds, and frame number from 1."""
     seconds = format_time(float(clip.times[frame]))
     return (
         clip.timecodes[frame] if clip.timecodes else seconds,

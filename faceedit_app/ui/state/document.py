@@ -1,4 +1,4 @@
-"""The open take as the window knows it: its session, its files and its journal."""
+"""The open take: its session, its files and its journal."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _NO_INPUT = QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents
 
 
 class Document(QObject):
-    """Holds the session, and passes on what it announces: the one way from it to the views.
+    """Holds the session, and passes its changes on to the views.
 
-    Whoever changes something calls the session and says nothing to the views.
+    Code that changes something calls the session, and leaves it to the document to update views.
 
     Signals:
         opened(): another take is open.
-        previewed(): a gesture is in progress: curves and face differ from what is kept.
-        changed(): edits, settings, media or networks changed, or a gesture was dropped.
-        saved(): the edits are exported or saved.
+        previewed(): a gesture is in progress: curves and face show a preview.
+        changed(): edits, settings, media or model changed, or a gesture was cancelled.
+        saved(): the edits were exported or saved.
     """
 
     opened = Signal()
@@ -52,7 +52,7 @@ class Document(QObject):
         return self.session is None or self.session.is_exported
 
     def adopt(self, session: EditSession, project: Path | None = None) -> None:
-        """Open a take that has been read, and the project that it belongs to."""
+        """Open a take that has been read, with its project, if any."""
         if self.engine is not None and not session.has_engine:
             session.use_engine(self.engine)
         self.close_journal()
@@ -73,7 +73,7 @@ class Document(QObject):
         self.changed.emit()
 
     def _open_journal(self, session: EditSession) -> None:
-        """Write down every step from now on; what is not saved yet, at once."""
+        """Record every step from now on, and unsaved edits at once."""
         from faceedit_app.editing.files.journal import Journal
 
         self._journal = Journal(session.take.path, self.project, fps=session.take.fps)
@@ -83,11 +83,11 @@ class Document(QObject):
 
     @property
     def journal_note(self) -> str:
-        """Why gestures cannot be written down; empty if all is well."""
+        """Why steps cannot be recorded; empty if they can."""
         return self._journal.note if self._journal is not None else ""
 
     def close_journal(self) -> None:
-        """Nothing needs to be recovered: all is saved, or not wanted."""
+        """Discard the journal: everything is saved, or discarded by the user."""
         if self._journal is not None:
             if self.session is not None:
                 self.session.stepped.disconnect(self._journal.record)
@@ -98,10 +98,10 @@ class Document(QObject):
         if self._journal is not None:
             self._journal.saved(self.project)
             if self.session is not None and not self.session.is_exported:
-                self._journal.record(self.session.state)  # media are in no export
+                self._journal.record(self.session.state)  # an export does not contain the media
         self.saved.emit()
 
-    # --- what views and commands do where a take is open ---------------------------------------
+    # --- changes to the open take ----------------------------------------------------------------
 
     def act(self, work: Callable[[EditSession], object]) -> None:
         """Do something with the session, if there is one."""
@@ -109,32 +109,32 @@ class Document(QObject):
             work(self.session)
 
     def use_engine(self, engine: Engine) -> None:
-        """Answer by the networks from now on."""
+        """Use the engine from now on."""
         self.engine = engine
         self.act(lambda session: session.use_engine(engine))
 
     def preview(self, *edits: Edit) -> None:
-        """Show the take with more edits: they are proposed."""
+        """Preview additional edits, as a proposal."""
         self.act(lambda session: session.preview(*edits))
 
     def commit(self, name: str = "", merge: Hashable = None) -> None:
-        """Keep what is previewed as one step."""
+        """Commit the preview as one step."""
         self.act(lambda session: session.commit(name, merge))
 
     def seal(self) -> None:
-        """End the last gesture for good: whatever comes now is a step of its own."""
+        """End the last gesture for good: later changes are not merged with it."""
         self.act(lambda session: session.seal())
 
     def cancel(self) -> bool:
-        """Drop what is previewed; False if nothing was."""
+        """Cancel the preview; False if there is none."""
         return self.session is not None and self.session.cancel()
 
     def undo(self) -> None:
-        """Take the last step back."""
+        """Undo the last step."""
         self.act(lambda session: session.undo())
 
     def redo(self) -> None:
-        """Take the step again."""
+        """Redo the step that was undone last."""
         self.act(lambda session: session.redo())
 
     # --- files ---------------------------------------------------------------------------------
@@ -146,7 +146,7 @@ class Document(QObject):
             FileError: it cannot be written.
         """
         if self.session is not None:
-            while self.session.live.work(_SLICE):  # the window stays alive
+            while self.session.live.work(_SLICE):  # in slices, so that the window stays responsive
                 QCoreApplication.processEvents(_NO_INPUT)
             self.session.export(path)
             self._is_saved()
@@ -163,7 +163,7 @@ class Document(QObject):
         if session is None:
             return
         take = session.take.path.absolute()
-        # Of the take as it was opened: the file may be gone by now, or exported over.
+        # Of the take as opened: the file may be gone or overwritten by now.
         mark = session.fingerprint
         parts = (view, media.sound, media.film, session.take.fps)
         project = Project(take, mark, session.state, *parts)
@@ -183,10 +183,10 @@ class Document(QObject):
             self._is_saved()
 
     def load_edits(self, path: Path) -> None:
-        """Add the edits of a file, as one undo step.
+        """Add the edits in a file, as one step.
 
         Raises:
-            FileError: it is no edits file.
+            FileError: it is not an edits file.
         """
         if self.session is not None:
             self.session.load_edits(path)

@@ -1,6 +1,6 @@
-"""What is loaded in a thread while the window is already up: a take, the character, the networks.
+"""Loading in the background while the window is open: a take, the character, the model.
 
-The imports stand inside the functions because importing is what takes long.
+The functions import what they need themselves, because importing is what takes long.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ def load_character() -> Rig:
 
 
 def open_session(path: Path, rig: Rig, fps: float | None = None) -> EditSession:
-    """Read a take, to be edited without networks until they are loaded.
+    """Read a take; it is edited without the model until that is loaded.
 
     Args:
-        fps: its frame rate, if its file does not tell it or is not believed.
+        fps: its frame rate, if its file gives none or a wrong one.
 
     Raises:
-        RateNeeded: its file does not tell its frame rate, and there is no `fps`.
-        FileError: it is no take, or a damaged one.
+        RateNeeded: its file does not give its frame rate, and `fps` is None.
+        FileError: it is not a take, or damaged.
     """
     from faceedit_app.editing import opening
 
@@ -42,7 +42,7 @@ def open_session(path: Path, rig: Rig, fps: float | None = None) -> EditSession:
 
 
 def prepare_renderer() -> None:
-    """Import what drawing needs, so that the first picture does not stop the window for long."""
+    """Import what drawing needs, so that the first picture does not block the window."""
     from faceedit_app.render import contexts
 
     try:
@@ -50,14 +50,14 @@ def prepare_renderer() -> None:
         importlib.import_module("faceedit_app.render.studio")
         contexts.platform_class(backend)
     except Exception:  # drivers and PyOpenGL raise all kinds
-        return  # opening the renderer meets it again, and says so where it can be shown
+        return  # opening the renderer raises it again, where it can be shown
 
 
 def load_engine(rig: Rig) -> Engine:
-    """The shipped networks.
+    """The shipped model.
 
     Raises:
-        FileError: they are missing or damaged, or for another character.
+        FileError: it is missing, damaged, or for another character.
     """
     from faceedit_app.editing import opening
 

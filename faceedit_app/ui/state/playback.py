@@ -1,7 +1,7 @@
-"""Moves the playhead by a clock; frames are dropped rather than time stretched.
+"""Moves the playhead by a clock, dropping frames rather than slowing down.
 
-The clock is the sound's while something is heard, so that lips and voice stay together however
-slow the drawing is, and the one on the wall otherwise.
+It is the sound's clock while sound plays, so that lips and voice stay in sync however slow the
+drawing is, and the system's otherwise.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from faceedit_app.ui.state.timeline import Timeline
 
 SPEEDS = (0.25, 0.5, 1.0)
 FASTEST = 4.0  # times the speed, with J and L
-RUN_UP = 0.5  # seconds before and after what is played around
-_TICK_MS = 8  # finer than any display; a tick without a new frame costs nothing
+RUN_UP = 0.5  # seconds before and after the range of Play around
+_TICK_MS = 8  # finer than any display; a tick without a new frame is cheap
 
 
 class Voice(Protocol):
-    """What is heard while the take is played."""
+    """Plays the sound of the take."""
 
     def start(self, seconds: float, speed: float, loop: tuple[float, float] | None) -> bool:
-        """Sound from a time of the take on, repeating `loop`; False if nothing can be heard."""
+        """Start sound at a time of the take, repeating `loop`; False if there is none."""
 
     def heard(self) -> float:
-        """Seconds by the clock of what is heard since `start`; they never go back."""
+        """Seconds of sound heard since `start`; they never decrease."""
 
     def stop(self) -> None:
-        """Be silent."""
+        """Stop the sound."""
 
 
 class Playback(QObject):
@@ -38,10 +38,10 @@ class Playback(QObject):
 
     Args:
         timeline: whose playhead is moved.
-        clock: seconds that only grow, for playing in silence; tests bring their own.
+        clock: monotonic seconds, for playing without sound; tests pass their own.
 
     Attributes:
-        voice: what is heard while playing; None for silence.
+        voice: plays the sound; None for silence.
 
     Signals:
         playing_changed(bool)
@@ -62,11 +62,11 @@ class Playback(QObject):
         self.voice: Voice | None = None
         self._is_heard = False
         self._speed = 1.0
-        self._shuttle = 1.0  # times the speed; below 0 backwards
-        self._around: tuple[float, float] | None = None  # seconds that are played once
+        self._shuttle = 1.0  # factor on the speed; below 0, backwards
+        self._around: tuple[float, float] | None = None  # range of Play around, in seconds
         self._came_from = 0  # the frame to go back to after that
         self._loop = False
-        # Where the playhead was (seconds) when the clock showed what.
+        # Seconds of playhead and clock at the last sync.
         self._anchor = (0.0, 0.0)
         self._moving = False
         self._timer = QTimer(self, interval=_TICK_MS)
@@ -77,7 +77,7 @@ class Playback(QObject):
 
     @property
     def playing(self) -> bool:
-        """Whether time passes."""
+        """Whether it is playing."""
         return self._timer.isActive()
 
     @property
@@ -87,12 +87,12 @@ class Playback(QObject):
 
     @property
     def speed(self) -> float:
-        """Seconds of the take per second on the wall, as chosen."""
+        """Seconds of the take per second, as chosen."""
         return self._speed
 
     @property
     def pace(self) -> float:
-        """Seconds of the take per second on the wall, as played: below 0 backwards."""
+        """Seconds of the take per second, as played; below 0, backwards."""
         return self._speed * self._shuttle
 
     def set_loop(self, loop: bool) -> None:
@@ -103,7 +103,7 @@ class Playback(QObject):
             self.loop_changed.emit(loop)
 
     def set_speed(self, speed: float) -> None:
-        """Play slower, from where the playhead is."""
+        """Set the speed, and continue from the playhead."""
         self._speed = speed
         self.resync()
 
@@ -115,7 +115,7 @@ class Playback(QObject):
             self.play()
 
     def play(self) -> None:
-        """Play on from the playhead; from the start when it stands at the end."""
+        """Play from the playhead, or from the start if it is at the end."""
         if self.playing or self._timeline.frames < 2:
             return
         self._shuttle, self._around = 1.0, None
@@ -129,13 +129,13 @@ class Playback(QObject):
         self.playing_changed.emit(True)
 
     def shuttle(self, direction: int) -> None:
-        """Play forwards (1) or backwards (-1); again is twice as fast, up to four times."""
+        """Play forwards (1) or backwards (-1); a repeated call doubles the speed, up to 4."""
         if self._timeline.frames < 2:
             return
         faster = self.playing and self._shuttle * direction > 0
         if not self.playing:
             frame = self._timeline.frame
-            self.play()  # from the last frame that would start over
+            self.play()  # at the last frame it would start over
             if direction < 0:
                 self._timeline.go_to_frame(frame)
         self._around = None
@@ -143,7 +143,7 @@ class Playback(QObject):
         self.resync()
 
     def play_around(self) -> None:
-        """Play the selection, else the playhead's surroundings, once with a run-up; then return."""
+        """Play the selection, or around the playhead, once with a run-up; then return."""
         line = self._timeline
         if line.frames < 2:
             return
@@ -159,7 +159,7 @@ class Playback(QObject):
         self.resync()
 
     def pause(self) -> None:
-        """Stop where the playhead is."""
+        """Stop at the playhead."""
         self._around = None
         if self.playing:
             self._timer.stop()
@@ -169,7 +169,7 @@ class Playback(QObject):
             self.playing_changed.emit(False)
 
     def resync(self) -> None:
-        """Start clock and sound anew from the playhead, if it is playing."""
+        """Restart clock and sound at the playhead, if it is playing."""
         if not self.playing:
             return
         repeats = self._loop and self._around is None
@@ -182,7 +182,7 @@ class Playback(QObject):
         self._anchor = (now, self._now())
 
     def tick(self) -> None:
-        """Bring the playhead to where the clock says it is."""
+        """Move the playhead to the clock's time."""
         (began, at), clock = self._anchor, self._now()
         now = began + (clock - at) * self.pace
         first, last = self._range()
@@ -194,7 +194,7 @@ class Playback(QObject):
             self.pause()
             self._timeline.go_to_frame(self._came_from)
         elif self._loop:
-            # A late tick keeps its place in the beat; the sound has repeated by itself.
+            # A late tick keeps the loop's rhythm; the sound repeats by itself.
             now = first + (now - last) % max(last - first, 1e-6)
             self._anchor = (now, clock)
             self._go_to(now)
@@ -213,7 +213,7 @@ class Playback(QObject):
             self.pause()
 
     def _range(self) -> tuple[float, float]:
-        """The seconds that are played."""
+        """First and last second to play."""
         if self._around is not None:
             return self._around
         selection = self._timeline.selection
@@ -227,7 +227,7 @@ class Playback(QObject):
         self._moving = False
 
     def _follow(self) -> None:
-        """Somebody else moved the playhead: play on from there."""
+        """Something else moved the playhead: play on from there."""
         if not self._moving:
             self.resync()
 
@@ -236,7 +236,7 @@ class Playback(QObject):
             self.resync()
 
     def _now(self) -> float:
-        """Seconds that only grow."""
+        """Monotonic seconds."""
         if self._is_heard and self.voice is not None:
             return self.voice.heard()
         return self._clock()

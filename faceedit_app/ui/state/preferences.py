@@ -1,4 +1,4 @@
-"""What FaceEdit remembers between two starts."""
+"""Settings that FaceEdit remembers."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ RECENT = 8
 
 
 class Preferences:
-    """The user's settings; pass another QSettings to keep tests and headless runs apart."""
+    """The user's settings; tests and headless runs pass their own QSettings."""
 
     def __init__(self, settings: QSettings | None = None) -> None:
         self._settings = settings or QSettings("FaceEdit", "FaceEdit")
 
     def problem(self) -> str:
-        """Why settings cannot be kept, as one line; empty if all is well."""
+        """Why settings cannot be saved, in one line; empty if they can."""
         self._settings.sync()
         if self._settings.status() == QSettings.Status.NoError:
             return ""
         return (
-            f"{self._settings.fileName()}: recent files and the window's layout cannot be kept;"
+            f"{self._settings.fileName()}: recent files and the window's layout cannot be saved;"
             " check the folder's permissions or free some space"
         )
 
     def recent(self) -> list[Path]:
-        """The takes that were opened last, newest first; those that are gone are left out."""
+        """Recent takes, newest first, without those that are gone."""
         value = self._settings.value("recent", [])
         names = [value] if isinstance(value, str) else value if isinstance(value, list) else []
         return [path for path in map(Path, names) if path.is_file()]
@@ -52,7 +52,7 @@ class Preferences:
         self._settings.setValue(f"folder/{kind}", str(folder))
 
     def volume(self) -> tuple[float, bool]:
-        """How loud sound was last, 0..1, and whether it was muted."""
+        """The last volume, 0..1, and whether sound was muted."""
         try:
             loud = float(str(self._settings.value("volume", 1.0)))
         except ValueError:
@@ -60,12 +60,12 @@ class Preferences:
         return min(max(loud, 0.0), 1.0), str(self._settings.value("muted", "false")) == "true"
 
     def set_volume(self, volume: float, muted: bool) -> None:
-        """Remember how loud sound is."""
+        """Remember the volume."""
         self._settings.setValue("volume", volume)
         self._settings.setValue("muted", "true" if muted else "false")
 
     def difference(self) -> bool:
-        """Whether the face was last tinted where it differs from the tracked one."""
+        """Whether the face was last tinted by its distance from the tracked one."""
         return str(self._settings.value("difference", "false")) == "true"
 
     def set_difference(self, shown: bool) -> None:
@@ -73,7 +73,7 @@ class Preferences:
         self._settings.setValue("difference", "true" if shown else "false")
 
     def hints_wanted(self) -> bool:
-        """Whether the first steps were never shown."""
+        """Whether the first steps have not been shown yet."""
         return self._settings.value("hints_seen") is None
 
     def set_hints_seen(self) -> None:
@@ -81,18 +81,18 @@ class Preferences:
         self._settings.setValue("hints_seen", 1)
 
     def save_layout(self, window: QMainWindow, *splitters: QSplitter) -> None:
-        """Remember the window's place and how its panes share it."""
+        """Remember position and size of the window, and the sizes of its panes."""
         self._settings.setValue("window", window.saveGeometry())
         for number, splitter in enumerate(splitters):
             self._settings.setValue(f"panes/{number}", splitter.saveState())
 
     def restore_window(self, window: QMainWindow) -> bool:
-        """Put the window where it was; False if it is the first time."""
+        """Restore position and size of the window; False the first time."""
         geometry = self._settings.value("window")
         return isinstance(geometry, QByteArray) and window.restoreGeometry(geometry)
 
     def restore_panes(self, *splitters: QSplitter) -> None:
-        """Share the window among its panes as last time."""
+        """Restore the sizes of the panes."""
         for number, splitter in enumerate(splitters):
             state = self._settings.value(f"panes/{number}")
             if isinstance(state, QByteArray):

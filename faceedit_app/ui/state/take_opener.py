@@ -1,31 +1,34 @@
-"""Reads takes beside the window and hands them to the document; asks the user nothing."""
+"""Reads takes in the background and opens them; asks the user nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.rig import Rig
-from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.document import Document
 
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
+
 
 class TakeOpener(QObject):
-    """Opens takes, with one character for all takes of the window.
+    """Opens takes, all with the window's character.
 
     Attributes:
         rig: the character, once it is loaded.
 
     Signals:
-        reading(str): what is being read; empty when that is over.
-        character_loaded(Rig): the character can be drawn.
+        reading(str): what is being read; empty when done.
+        character_loaded(Rig): the character is loaded.
         opened(Path): a take was opened.
         failed(object): a FaceEditError about a take, or about the character.
         rate_needed(RateNeeded, object): only the user can know the take's frame rate; the
@@ -57,11 +60,11 @@ class TakeOpener(QObject):
         project: Path | None = None,
         fps: float | None = None,
     ) -> None:
-        """Read a take and show it; on an error the present one stays open.
+        """Read a take and open it; on an error the current one stays open.
 
         Args:
-            prepare: brings edits into its session before anything is shown.
-            then: is done when it is shown.
+            prepare: adds edits to its session before it is shown.
+            then: called once it is shown.
             project: the project that it belongs to.
             fps: its frame rate, if its file does not tell it or is not believed.
         """
@@ -72,7 +75,7 @@ class TakeOpener(QObject):
             return rig, loading.open_session(path, rig, fps)
 
         def done(found: tuple[Rig, EditSession]) -> None:
-            if path != self._wanted:  # another one was asked for meanwhile
+            if path != self._wanted:  # another one was opened meanwhile
                 return
             self._wanted = None
             rig, session = found
@@ -104,10 +107,10 @@ class TakeOpener(QObject):
             self.load_character(error)
 
     def load_character(self, known: Exception | None = None) -> None:
-        """Fetch the character without a take.
+        """Load the character without a take.
 
         Args:
-            known: an error that the user has heard of; the same one is not said again.
+            known: an error already shown; the same one is not shown again.
         """
 
         def failed(error: Exception) -> None:
@@ -117,7 +120,7 @@ class TakeOpener(QObject):
         self._background.run(loading.load_character, self.use_character, failed)
 
     def use_character(self, rig: Rig) -> None:
-        """Keep the character for all takes of this window."""
+        """Use a character for all takes of this window."""
         if self.rig is None:
             self.rig = rig
             self.character_loaded.emit(rig)

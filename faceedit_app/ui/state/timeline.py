@@ -1,4 +1,4 @@
-"""What all views of the time axis share: playhead, visible range, selection, falloff."""
+"""The shared state of the time axis: playhead, visible range, selection, falloff."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Timeline(QObject):
         return float(self._clip.times[self.frame]) if self._clip is not None else 0.0
 
     def open(self, clip: Clip) -> None:
-        """Start at the beginning of another clip, all of it visible, nothing selected."""
+        """Open another clip, at its start, all of it visible, nothing selected."""
         self._clip, self.frame = clip, 0
         self.select(None)
         self.show_range(0.0, self.duration)
@@ -61,7 +61,7 @@ class Timeline(QObject):
         self.go_to_frame(0)
 
     def go_to_frame(self, frame: int) -> None:
-        """Put the playhead on a frame; the view follows if it would leave the screen."""
+        """Move the playhead to a frame; the view follows to keep it visible."""
         if self._clip is None:
             return
         frame = min(max(frame, 0), self.frames - 1)
@@ -72,7 +72,7 @@ class Timeline(QObject):
         self.playhead_moved.emit(frame)
 
     def go_to_time(self, seconds: float) -> None:
-        """Put the playhead on the frame nearest to a time."""
+        """Move the playhead to the frame nearest to a time."""
         if self._clip is not None:
             self.go_to_frame(self._clip.frame_at(seconds))
 
@@ -86,7 +86,7 @@ class Timeline(QObject):
         first, last = self.view
         if not first <= seconds <= last:
             width = last - first
-            # A page is turned rather than the curves dragged along: they stay readable.
+            # The view turns a page rather than scrolls, so that curves stay readable.
             start = seconds - (0.05 if seconds > last else 0.95) * width
             self.show_range(start, start + width)
 
@@ -99,7 +99,7 @@ class Timeline(QObject):
             self.view_changed.emit()
 
     def zoom(self, factor: float, around: float) -> None:
-        """Scale the visible range; `around` (seconds) stays where it is on screen."""
+        """Scale the visible range; `around` (seconds) stays in place on the screen."""
         first, last = self.view
         self.show_range(around - (around - first) * factor, around + (last - around) * factor)
 
@@ -108,19 +108,15 @@ class Timeline(QObject):
         self.show_range(self.view[0] + seconds, self.view[1] + seconds)
 
     def select(self, selection: tuple[float, float] | None) -> None:
-        """Select a range of seconds (in either order), or nothing."""
+        """Select a range of seconds, in either order, or None."""
         if selection is not None:
             selection = (min(selection), max(selection))
         if selection != self.selection:
             self.selection = selection
             self.selection_changed.emit()
 
-    def set_falloff(self, seconds: float) -> None:
-        """Choose how softly edits fade in and out alike."""
-        self.set_falloffs(seconds, seconds)
-
     def set_falloffs(self, fade_in: float, fade_out: float) -> None:
-        """Choose how softly edits fade in, and how softly out."""
+        """Set each falloff."""
         low, high = FALLOFF_RANGE
         fades = min(max(fade_in, low), high), min(max(fade_out, low), high)
         if fades != (self.falloff, self.falloff_out):

@@ -1,4 +1,4 @@
-"""What the user works with: the tool, its strength, and whether left and right go together."""
+"""The chosen tool, the brush strength, and whether left and right are linked."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ class Tool(StrEnum):
 
 
 class Tools(QObject):
-    """The present choice of tools; views follow it.
+    """The current choice, which views follow.
 
     Signals:
-        changed(): tool, link or strength.
+        changed(): tool, link or brush strength changed.
     """
 
     changed = Signal()
@@ -37,19 +37,19 @@ class Tools(QObject):
         self.smooth = DEFAULT_SMOOTH
 
     def choose(self, tool: Tool) -> None:
-        """Work with another tool."""
+        """Choose a tool."""
         if tool != self.tool:
             self.tool = tool
             self.changed.emit()
 
     def link(self, linked: bool) -> None:
-        """Edit left and right together, or each on its own."""
+        """Link or unlink left and right."""
         if linked != self.linked:
             self.linked = linked
             self.changed.emit()
 
     def set_smooth(self, seconds: float) -> None:
-        """How strongly the smoothing tool smooths."""
+        """Set the brush strength of the Smooth tool, in seconds."""
         seconds = min(max(seconds, SMOOTH_RANGE[0]), SMOOTH_RANGE[1])
         if seconds != self.smooth:
             self.smooth = seconds
