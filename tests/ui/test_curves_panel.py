@@ -36,7 +36,7 @@ from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, MOUTH_WIDTH
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.opening import open_session
 from faceedit_app.ui.curves import CurvesPanel, style
-from faceedit_app.ui.curves.header import Layout
+from faceedit_app.ui.curves.header import UNIT, WIDEST, Layout
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool
 
@@ -470,7 +470,8 @@ def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel, h
         name = metrics.boundingRect(layout.name, wrap, header.control.label)
         assert name.width() <= layout.name.width()
         assert name.height() <= height + 1
-        assert bold.horizontalAdvance("88.8 mm") <= layout.value.width()
+        value = WIDEST if layout.is_low else WIDEST + UNIT
+        assert bold.horizontalAdvance(value) <= layout.value.width()
         if layout.is_low:
             assert layout.name.right() <= layout.value.left()
         else:

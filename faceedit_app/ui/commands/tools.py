@@ -40,7 +40,7 @@ class ToolCommands:
         return page is not None and page.curves.is_focused_chosen
 
     def choose_curve(self) -> None:
-        """Edit the curve that has the focus together with others, or no longer."""
+        """Choose the focused curve, or remove it from the chosen ones."""
         if self._workspace.page is not None:
             self._workspace.page.curves.choose_focused()
 
@@ -76,8 +76,8 @@ MENU: Menu[ToolCommands] = Menu("Tools", (
             "Edit both sides of the face together; hold Alt to edit one side only", "link",
             checked=lambda do: do.linked, starts_group=True),
     Command("choose_curve", "Edit with &others", ToolCommands.choose_curve,
-            tip="Edit the curve that has the focus together with others that are chosen; also: "
-            "Ctrl and click its name", checked=lambda do: do.is_curve_chosen),
+            tip="Edit the focused curve together with the other chosen ones; or Ctrl-click its name",
+            checked=lambda do: do.is_curve_chosen),
     Command("raise", "&Raise the curve", lambda do: do.nudge(STEP), ("Ctrl+Up",),
             "Raise the focused curve by 0.5 mm, at the playhead or in the selection",
             starts_group=True),
