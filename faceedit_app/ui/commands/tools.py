@@ -76,7 +76,7 @@ MENU: Menu[ToolCommands] = Menu("Tools", (
             "Edit both sides of the face together; hold Alt to edit one side only", "link",
             checked=lambda do: do.linked, starts_group=True),
     Command("choose_curve", "Edit with &others", ToolCommands.choose_curve,
-            tip="Edit the focused curve together with the other chosen ones; or Ctrl-click its name",
+            tip="Edit the focused curve with the other chosen ones; or Ctrl-click its name",
             checked=lambda do: do.is_curve_chosen),
     Command("raise", "&Raise the curve", lambda do: do.nudge(STEP), ("Ctrl+Up",),
             "Raise the focused curve by 0.5 mm, at the playhead or in the selection",
