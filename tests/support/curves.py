@@ -94,7 +94,7 @@ def drag(
         QTest.mouseRelease(on, button, modifiers, stop)
 
 
-def mouse_lost(widget: QWidget, at: QPoint, modifiers: Qt.KeyboardModifier = NONE) -> None:
+def let_go(widget: QWidget, at: QPoint, modifiers: Qt.KeyboardModifier = NONE) -> None:
     """Release the left button."""
     QTest.mouseRelease(surface(widget), LEFT, modifiers, at)
 

@@ -21,7 +21,7 @@ from support.curves import (
     SHIFT,
     Strip,
     drag,
-    mouse_lost,
+    let_go,
     move_with,
     open_panel,
     place,
@@ -36,7 +36,7 @@ from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, MOUTH_WIDTH
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.opening import open_session
 from faceedit_app.ui.curves import CurvesPanel, style
-from faceedit_app.ui.curves.header import Layout
+from faceedit_app.ui.curves.header import UNIT, WIDEST, Layout
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool
 
@@ -91,7 +91,7 @@ def test_the_curve_follows_while_it_is_dragged(panel: CurvesPanel, qtbot: QtBot)
     assert steps == sorted(steps)
     # The playhead has gone where the face is changing.
     assert panel.timeline.frame == frame
-    mouse_lost(plot, start + QPoint(0, -20))
+    let_go(plot, start + QPoint(0, -20))
 
 
 def test_many_moves_are_few_previews_and_the_last_counts(panel: CurvesPanel) -> None:
@@ -103,7 +103,7 @@ def test_many_moves_are_few_previews_and_the_last_counts(panel: CurvesPanel) -> 
     for i in range(200):
         move_with(plot, start + QPoint(0, -(i % 30)), NONE)
     assert len(steps) == 0  # all in one turn of the event loop
-    mouse_lost(plot, start + QPoint(0, -25))
+    let_go(plot, start + QPoint(0, -25))
     assert session.edits[0].value == pytest.approx(25 * per_pixel)
 
 
@@ -125,7 +125,7 @@ def test_esc_drops_the_drag(panel: CurvesPanel) -> None:
     assert not panel.is_dragging
     assert np.array_equal(session.asked, session.tracked)
     assert panel.timeline.frame == 3
-    mouse_lost(plot, start + QPoint(0, -20))
+    let_go(plot, start + QPoint(0, -20))
     assert session.edits == ()
     assert not session.can_undo
 
@@ -140,7 +140,7 @@ def test_the_wheel_sets_the_falloff_of_the_drag(panel: CurvesPanel, qtbot: QtBot
     assert session.asked[beside, 0] == pytest.approx(session.tracked[beside, 0], abs=1e-4)
     turn(plot, stop, 2)
     qtbot.waitUntil(lambda: session.asked[beside, 0] > session.tracked[beside, 0] + 0.01)
-    mouse_lost(plot, stop)
+    let_go(plot, stop)
     assert session.edits[0].falloff == panel.timeline.falloff == pytest.approx(0.288)
     assert panel.timeline.view == view
 
@@ -183,7 +183,7 @@ def test_the_value_axis_stretches_with_the_curve_and_gives_back(
     assert before > values[1] + 10 * per_pixel
     go_to(10)
     assert plot.values == values
-    mouse_lost(plot, start + QPoint(0, -160))
+    let_go(plot, start + QPoint(0, -160))
     assert plot.values[1] > float(session.asked[:, 0].max())
 
 
@@ -220,7 +220,7 @@ def test_a_hand_asks_for_no_more_than_a_face_can_do(
     wanted = session.tracked[frame, index] - way // 1000 * per_pixel
     qtbot.waitUntil(lambda: session.asked[frame, index] == pytest.approx(wanted, abs=0.01))
     panel.cancel_drag()
-    mouse_lost(plot, start)
+    let_go(plot, start)
     assert session.edits == ()
 
 
@@ -247,7 +247,7 @@ def test_the_curves_that_move_along_take_their_axes_along(panel: CurvesPanel, qt
     qtbot.waitUntil(lambda: session.asked[frame, 3] > wanted)
     assert 0 < right.current_scale.y_of(float(session.asked[frame, 3])) < right.height()
     assert panel.plots[6].values == still
-    mouse_lost(left, start + QPoint(0, -150))
+    let_go(left, start + QPoint(0, -150))
 
 
 def test_a_dropped_drag_leaves_the_value_axis_as_it_was(panel: CurvesPanel) -> None:
@@ -258,7 +258,7 @@ def test_a_dropped_drag_leaves_the_value_axis_as_it_was(panel: CurvesPanel) -> N
     assert plot.values[1] > span[1]
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert plot.values == span
-    mouse_lost(plot, start + QPoint(0, -300))
+    let_go(plot, start + QPoint(0, -300))
 
 
 def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> None:
@@ -269,7 +269,7 @@ def test_a_line_that_is_drawn_stays_under_the_pointer(panel: CurvesPanel) -> Non
     drag(plot, start, start + QPoint(20, -300), release=False, previews=True)
     assert panel.is_dragging
     assert plot.values == span
-    mouse_lost(plot, start + QPoint(20, -300))
+    let_go(plot, start + QPoint(20, -300))
 
 
 @pytest.mark.parametrize("tool", [Tool.DRAW, Tool.SMOOTH, Tool.FLATTEN, Tool.RESTORE])
@@ -286,7 +286,7 @@ def test_the_face_follows_a_pen_and_a_brush(panel: CurvesPanel, qtbot: QtBot, to
     assert handle.time == line.time
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert line.frame == 3
-    mouse_lost(plot, stop)
+    let_go(plot, stop)
 
 
 def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:
@@ -302,7 +302,7 @@ def test_another_take_ends_the_drag(panel: CurvesPanel) -> None:
     drag(plot, start, start + QPoint(0, -20), release=False, previews=True)
     panel.set_session(None)
     assert not panel.is_dragging
-    mouse_lost(plot, start)
+    let_go(plot, start)
     assert session.edits == ()
 
 
@@ -470,7 +470,8 @@ def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel, h
         name = metrics.boundingRect(layout.name, wrap, header.control.label)
         assert name.width() <= layout.name.width()
         assert name.height() <= height + 1
-        assert bold.horizontalAdvance("88.8 mm") <= layout.value.width()
+        value = WIDEST if layout.is_low else WIDEST + UNIT
+        assert bold.horizontalAdvance(value) <= layout.value.width()
         if layout.is_low:
             assert layout.name.right() <= layout.value.left()
         else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
-from support.curves import mouse_lost, move_with, surface
+from support.curves import let_go, move_with, surface
 from support.faces import random_engine
 from support.films import make_film, make_wav
 from support.media import FakeOutput, drag, editor_of, mouse, settle, with_media
@@ -171,7 +171,7 @@ def test_a_sound_that_arrives_during_a_drag_leaves_the_drag_alone(
     assert window.media.sound is not None
     assert session.is_previewing
     assert not session.can_undo
-    mouse_lost(plot, start - QPoint(0, 30))
+    let_go(plot, start - QPoint(0, 30))
     assert len(session.edits) == 1
     assert session.state.media == window.media.placement
     trigger(window, "undo")

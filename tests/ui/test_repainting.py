@@ -74,3 +74,25 @@ def test_nothing_stale_stays_on_screen(qtbot: QtBot, frames: int) -> None:
         QTest.mouseRelease(widget, LEFT, pos=at)
         assert_nothing_is_stale(panel, f"{gesture} on {plot.control.id}, let go of")
     assert session.edits
+
+
+def test_a_selection_is_as_high_as_its_plot_whatever_the_axis_does(qtbot: QtBot) -> None:
+    panel = open_panel(qtbot, tiny_session())
+    plot, line = panel.plots[0], panel.timeline
+    line.select((1.0, 2.0))
+    line.go_to_frame(0)
+    start = place(plot, 1.5)
+    QTest.mouseMove(surface(plot), start)
+    QTest.mousePress(surface(plot), LEFT, pos=start)
+    for up in (10, 60, 150):
+        move_with(plot, start - QPoint(0, up))
+        QTest.qWait(20)
+    QTest.mouseRelease(surface(plot), LEFT, pos=start - QPoint(0, 150))
+    for size in ((900, 700), (700, 500), (1000, 800)):
+        panel.resize(*size)
+        QApplication.processEvents()
+        picture = plot.grab().toImage()
+        x = place(plot, 1.02).x()
+        column = [picture.pixelColor(x, y).blue() for y in range(plot.height())]
+        beside = [picture.pixelColor(place(plot, 3.5).x(), y).blue() for y in (2, -3 % len(column))]
+        assert min(column[1], column[-2]) > max(beside), "it is tinted from top to bottom"

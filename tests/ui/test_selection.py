@@ -13,7 +13,7 @@ from support.curves import (
     NONE,
     SHIFT,
     drag,
-    mouse_lost,
+    let_go,
     move_with,
     open_panel,
     place,
@@ -161,7 +161,7 @@ def test_esc_puts_an_edge_back(panel: CurvesPanel) -> None:
     QTest.keyClick(plot, Qt.Key.Key_Escape)
     assert line.selection == pytest.approx((1.0, 2.0))
     assert not panel.is_dragging
-    mouse_lost(plot, place(plot, 2.4))
+    let_go(plot, place(plot, 2.4))
     assert session_of(panel).edits == ()
 
 
@@ -199,7 +199,7 @@ def test_alt_and_wheel_change_the_falloff_of_one_side(panel: CurvesPanel) -> Non
     turn(plot, start, 2, ALT)
     assert line.falloff == 0.3
     assert line.falloff_out > 0.5
-    mouse_lost(plot, start)
+    let_go(plot, start)
 
 
 def test_esc_brings_back_what_was_selected(panel: CurvesPanel) -> None:
@@ -209,5 +209,5 @@ def test_esc_brings_back_what_was_selected(panel: CurvesPanel) -> None:
     assert panel.is_dragging
     panel.cancel_drag()
     assert line.selection == pytest.approx((1.0, 2.0))
-    mouse_lost(bar, at(panel, 3.2))
+    let_go(bar, at(panel, 3.2))
     assert line.selection == pytest.approx((1.0, 2.0))

@@ -13,7 +13,7 @@ from support.curves import (
     LEFT,
     NONE,
     drag,
-    mouse_lost,
+    let_go,
     move_with,
     open_panel,
     place,
@@ -120,7 +120,7 @@ def test_drawing_back_draws_over(panel: CurvesPanel) -> None:
     drag(plot, place(plot, 1.0, 50), place(plot, 2.0, 50), release=False)
     for seconds in (1.8, 1.6, 1.4):
         move_with(plot, place(plot, seconds, 20))
-    mouse_lost(plot, place(plot, 1.4, 20))
+    let_go(plot, place(plot, 1.4, 20))
     points = np.array(only_edit(panel).points)
     assert np.all(np.diff(points[:, 0]) > 0)
     high = points[(points[:, 0] > 1.42) & (points[:, 0] < 1.78), 1]

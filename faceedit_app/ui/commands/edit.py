@@ -16,6 +16,8 @@ if TYPE_CHECKING:  # the window is there before the solver, and before the page
     from faceedit_app.editing.help.clipboard import Clipboard, Copied
     from faceedit_app.ui.edits.panel import EditsPanel
 
+AROUND = 0.5  # seconds before and after the playhead that are selected
+
 
 class EditCommands:
     """Acts on the edits of the open take."""
@@ -185,6 +187,12 @@ class EditCommands:
         """Select the whole take."""
         self._timeline.select((0.0, self._timeline.snap(self._timeline.duration)))
 
+    def select_around(self) -> None:
+        """Select a second around the playhead, to be widened or narrowed by its edges."""
+        line = self._timeline
+        first, last = line.time - AROUND, line.time + AROUND
+        line.select((max(first, 0.0), min(last, line.snap(line.duration))))
+
     def deselect(self) -> None:
         """Cancel the gesture in progress, or clear the selection if there is none."""
         if not self._workspace.cancel_gesture():
@@ -251,6 +259,8 @@ MENU: Menu[EditCommands] = Menu("Edit", (
             enabled=lambda do: do.has_selected_edit),
     Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),
             "Select the whole take", starts_group=True),
+    Command("select_around", "Select aro&und the playhead", EditCommands.select_around,
+            tip="Select a second around the playhead; its edges can be dragged"),
     Command("deselect", "&Deselect", EditCommands.deselect, ("Esc",),
             "Cancel the drag in progress, or clear the selection"),
     Command("preserve", "&Preserve the take", lambda do: do.set_mode(Mode.PRESERVE),

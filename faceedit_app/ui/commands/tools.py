@@ -33,6 +33,17 @@ class ToolCommands:
         """Link or unlink left and right."""
         self._tools.link(not self._tools.linked)
 
+    @property
+    def is_curve_chosen(self) -> bool:
+        """Whether the curve that has the focus is edited together with others."""
+        page = self._workspace.page
+        return page is not None and page.curves.is_focused_chosen
+
+    def choose_curve(self) -> None:
+        """Choose the focused curve, or remove it from the chosen ones."""
+        if self._workspace.page is not None:
+            self._workspace.page.curves.choose_focused()
+
     def nudge(self, millimetres: float) -> None:
         """Move the focused curve."""
         page = self._workspace.page
@@ -64,6 +75,9 @@ MENU: Menu[ToolCommands] = Menu("Tools", (
     Command("link", "&Left = right", ToolCommands.link, ("U",),
             "Edit both sides of the face together; hold Alt to edit one side only", "link",
             checked=lambda do: do.linked, starts_group=True),
+    Command("choose_curve", "Edit with &others", ToolCommands.choose_curve,
+            tip="Edit the focused curve with the other chosen ones; or Ctrl-click its name",
+            checked=lambda do: do.is_curve_chosen),
     Command("raise", "&Raise the curve", lambda do: do.nudge(STEP), ("Ctrl+Up",),
             "Raise the focused curve by 0.5 mm, at the playhead or in the selection",
             starts_group=True),

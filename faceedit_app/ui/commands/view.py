@@ -17,9 +17,10 @@ from faceedit_app.ui.state.actions import Command, Menu
 from faceedit_app.ui.state.clock import Unit
 
 if TYPE_CHECKING:  # comes with the page, after the first paint
+    from faceedit_app.ui.curves import CurvesPanel
     from faceedit_app.ui.face.pane import FacePane
 
-CAMERA = "Ca&mera"  # submenu
+CAMERA, CURVES = "Ca&mera", "C&urves"  # submenus
 ZOOM = 0.7  # of the time in view, per step
 MARGIN = 0.1  # of the selection, on either side of it
 
@@ -36,12 +37,50 @@ class ViewCommands:
         page = self._workspace.page
         return page.face if page is not None else None
 
-    # --- time --------------------------------------------------------------------------------
+    # --- the curves --------------------------------------------------------------------------
+
+    @property
+    def curves(self) -> CurvesPanel | None:
+        """The curves panel, once it is there."""
+        page = self._workspace.page
+        return page.curves if page is not None else None
 
     def fit_values(self) -> None:
         """Fit each value axis to the part of its curve in view."""
-        if self._workspace.page is not None:
-            self._workspace.page.curves.fit_values()
+        if self.curves is not None:
+            self.curves.fit_values()
+
+    def enlarge_curve(self) -> None:
+        """Enlarge small movements of the focused curve, or stop doing so."""
+        if self.curves is not None:
+            self.curves.enlarge_focused()
+
+    @property
+    def is_curve_enlarged(self) -> bool:
+        """Whether small movements of the focused curve are enlarged."""
+        return self.curves is not None and self.curves.is_focused_enlarged
+
+    def show_only_curve(self) -> None:
+        """Hide all curves but the focused one."""
+        if self.curves is not None:
+            self.curves.show_only_focused()
+
+    def hide_curve(self) -> None:
+        """Hide the focused curve."""
+        if self.curves is not None:
+            self.curves.hide_focused()
+
+    def show_all_curves(self) -> None:
+        """Show the hidden curves again."""
+        if self.curves is not None:
+            self.curves.show_all()
+
+    @property
+    def shown_curves(self) -> int:
+        """How many curves are shown."""
+        return len(self.curves.shown_controls) if self.curves is not None else len(CONTROLS)
+
+    # --- the time ----------------------------------------------------------------------------
 
     def fit(self) -> None:
         """Show the selection; if there is none or it is shown already, the whole take."""
@@ -54,6 +93,11 @@ class ViewCommands:
             if line.view != before:
                 return
         line.show_range(0.0, line.duration)
+
+    def view_all(self) -> None:
+        """Show the whole take and all its values."""
+        self._timeline.show_range(0.0, self._timeline.duration)
+        self.fit_values()
 
     def zoom(self, factor: float) -> None:
         """Zoom in time around the playhead."""
@@ -180,6 +224,8 @@ MENU: Menu[ViewCommands] = Menu("View", (
             "Show the selection or the whole take", "fit"),
     Command("fit_values", "Fit &values", lambda do: do.fit_values(), ("Shift+F",),
             "Fit each value axis to what is in view"),
+    Command("view_all", "View &all", ViewCommands.view_all, ("Shift+A",),
+            "Show the whole take with all its values"),
     Command("zoom_in", "Zoom &in", lambda do: do.zoom(ZOOM), ("+", "="),
             "Show less time around the playhead", "zoom_in"),
     Command("zoom_out", "Zoom &out", lambda do: do.zoom(1 / ZOOM), ("-",),
@@ -211,6 +257,18 @@ MENU: Menu[ViewCommands] = Menu("View", (
                 f"Focus the curve “{control.label}”", submenu="Focus a &curve")
         for index, control in enumerate(CONTROLS)
     ),
+    Command("enlarge_curve", "&Enlarge small movements", ViewCommands.enlarge_curve,
+            tip="Enlarge small movements of the focused curve; or double-click its name",
+            checked=lambda do: do.is_curve_enlarged, submenu=CURVES),
+    Command("show_only_curve", "Show &only this curve", ViewCommands.show_only_curve,
+            tip="Hide all curves but the focused one and those edited with it",
+            enabled=lambda do: do.shown_curves > 1, submenu=CURVES),
+    Command("hide_curve", "&Hide this curve", ViewCommands.hide_curve,
+            tip="Hide the focused curve", enabled=lambda do: do.shown_curves > 1,
+            submenu=CURVES),
+    Command("show_all_curves", "Show &all curves", ViewCommands.show_all_curves,
+            tip="Show the hidden curves again",
+            enabled=lambda do: do.shown_curves < len(CONTROLS), submenu=CURVES),
     Command("focus_face", "Move camera with &keys", ViewCommands.focus_face, ("9",),
             "Move the camera: arrows orbit, + and - zoom; Esc returns to the curves"),
     Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,

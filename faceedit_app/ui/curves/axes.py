@@ -19,6 +19,7 @@ from faceedit_app.ui.curves.ticks import (
     time_label,
     time_steps,
 )
+from faceedit_app.ui.curves.view_item import ViewItem
 from faceedit_app.ui.state.clock import Clock, Unit, label
 
 Levels = list[tuple[float, list[float]]]  # spacing and values of each level of ticks
@@ -37,7 +38,6 @@ class ValueAxis(pg.AxisItem):
     def __init__(self) -> None:
         super().__init__("left", textPen=style.MUTED)
         self.setPen(None)  # no line along it
-        self.setTickPen(None)
         self.setCacheMode(self.CacheMode.DeviceCoordinateCache)
         self.enableAutoSIPrefix(False)
         self.setWidth(style.AXIS_WIDTH)
@@ -54,12 +54,17 @@ class ValueAxis(pg.AxisItem):
         rect: QRectF = self.rect()
         return rect
 
+    def generateDrawSpecs(self, painter: QPainter) -> Any:
+        """The numbers alone: ticks without length would leave dots."""
+        specs = super().generateDrawSpecs(painter)
+        return None if specs is None else (specs[0], [], specs[2])
+
     def tickSpacing(self, low: float, high: float, size: float) -> list[tuple[float, float]]:
         """Round steps, wide enough for the numbers."""
         return [(nice_step((high - low) * style.VALUE_SPACING / size), 0.0)]
 
 
-class GridLines(pg.UIGraphicsItem):
+class GridLines(ViewItem):
     """A thin line across the plot at each number of an axis.
 
     The axis could draw them itself, but would measure and paint all of them for every change of
@@ -67,14 +72,14 @@ class GridLines(pg.UIGraphicsItem):
     """
 
     def __init__(self, axis: ValueAxis) -> None:
-        super().__init__()
         self._axis = axis
         self._lines: list[QLineF] | None = None
+        super().__init__()
 
-    def viewRangeChanged(self) -> None:
+    def forget(self) -> None:
         """Redraw: the numbers have moved."""
         self._lines = None
-        super().viewRangeChanged()
+        super().forget()
 
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None

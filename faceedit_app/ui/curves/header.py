@@ -20,9 +20,9 @@ from faceedit_app.ui.curves import style
 
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
-_WIDEST = "88.8 mm"  # of the values
+UNIT = " mm"
+WIDEST = "88.8"  # of the values without a unit
 _APART = 3.0  # pixels between name and value
-_NAME_SIZES = (0.92, 0.86, 0.8, 0.74)  # of the widget's font
 # Pixels that three lines may move closer: rows differ by a pixel but should look the same.
 _SQUEEZE = 6.0
 _LEFT = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
@@ -61,7 +61,7 @@ class Layout:
         text_height = name_height + bold.height()
         # Room for names of two lines, even if this one is shorter, so that all rows match.
         if 2 * metrics.height() + bold.height() > height:
-            return cls._low(widget, label, room)
+            return cls._low(widget, room)
         with_note = text_height + metrics.height() <= height + _SQUEEZE
         whole = text_height + (metrics.height() if with_note else 0.0)
         top = max(0.5 * (height - whole), 0.0)
@@ -71,20 +71,12 @@ class Layout:
         return cls(name, value, places[0], places[1], places[2] if with_note else None)
 
     @classmethod
-    def _low(cls, widget: QWidget, label: str, room: QRectF) -> Layout:
-        """Side by side; the name is made as small as necessary."""
-        value = style.scaled_font(widget, 0.92, bold=True)
-        wide = QFontMetricsF(value).horizontalAdvance(_WIDEST)
+    def _low(cls, widget: QWidget, room: QRectF) -> Layout:
+        """Side by side; the value goes without its unit, so that every name has two lines."""
+        name, value = style.scaled_font(widget, 0.92), style.scaled_font(widget, 1.0, bold=True)
+        wide = QFontMetricsF(value).horizontalAdvance(WIDEST)
         beside = QRectF(room.right() - wide, 0.0, wide, room.height())
-        left = room.adjusted(0.0, 0.0, -wide - _APART, 0.0)
-        fonts = [style.scaled_font(widget, size) for size in _NAME_SIZES]
-        name = next((font for font in fonts if _fits(label, font, left)), fonts[-1])
-        return cls(name, value, left, beside, None, True)
-
-
-def _fits(text: str, font: QFont, room: QRectF) -> bool:
-    needed = QFontMetricsF(font).boundingRect(room, _LEFT, text)
-    return needed.width() <= room.width() and needed.height() <= room.height() + 1.0
+        return cls(name, value, room.adjusted(0.0, 0.0, -wide - _APART, 0.0), beside, None, True)
 
 
 class Header(QWidget):
@@ -181,7 +173,10 @@ class Header(QWidget):
             painter.drawText(layout.name, _MIDDLE if layout.is_low else _LEFT, self.control.label)
             painter.setFont(layout.value_font)
             painter.setPen(style.color(style.TEXT))
-            painter.drawText(layout.value, _RIGHT if layout.is_low else _LEFT, self.value)
+            if layout.is_low:
+                painter.drawText(layout.value, _RIGHT, self.value.removesuffix(UNIT))
+            else:
+                painter.drawText(layout.value, _LEFT, self.value)
             if layout.note is not None:
                 painter.setFont(layout.name_font)
                 painter.setPen(style.color(style.MUTED))

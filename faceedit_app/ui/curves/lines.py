@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-import pyqtgraph as pg
 from pyqtgraph.functions import arrayToQPath, create_qpolygonf, ndarray_from_qpolygonf
 from PySide6.QtGui import QPainter, QPainterPath, QPen, QPolygonF, QTransform
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Interval
+from faceedit_app.ui.curves.view_item import ViewItem
 from faceedit_app.ui.curves.visible_curves import EMPTY, Lines, Polyline
 
 _EDGE = 5.0  # greatest pixels from the centre of a line to its edge
 
 
-class CurveLines(pg.UIGraphicsItem):
+class CurveLines(ViewItem):
     """Draws the tracked, face and asked-for lines; repaints only between the times that changed.
 
     pyqtgraph's own curve items take three times as long: one per line, and wide pens (`Stroke`).
@@ -44,10 +44,10 @@ class CurveLines(pg.UIGraphicsItem):
         if spans:
             self._update_between(min(span[0] for span in spans), max(span[1] for span in spans))
 
-    def viewRangeChanged(self) -> None:
+    def forget(self) -> None:
         """Forget the cached box: the scale changed."""
         self._room = None
-        super().viewRangeChanged()
+        super().forget()
 
     def _update_between(self, first: float, last: float) -> None:
         if self._room is None:

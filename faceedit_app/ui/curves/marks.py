@@ -30,6 +30,7 @@ from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.paint import draw_tag, tag_box
 from faceedit_app.ui.curves.scale import Interval, Scale
+from faceedit_app.ui.curves.view_item import ViewItem
 
 LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is in view
 _NONE = QPen(Qt.PenStyle.NoPen)
@@ -78,13 +79,18 @@ class SpanRegion(pg.LinearRegionItem):
         self._rect = None
         self.prepareGeometryChange()
 
+    def viewTransformChanged(self) -> None:
+        """The pixels are others too."""
+        super().viewTransformChanged()
+        self.viewRangeChanged()
+
     def boundingRect(self) -> QRectF:
         """The whole span, hold and falloffs."""
         if self._rect is None:
-            view = self.viewRect()
+            view = self.getViewBox()
             if view is None:
                 return QRectF()
-            self._rect = self._measure(view, self.getViewBox().viewPixelSize()[0])
+            self._rect = self._measure(view.viewRect(), view.viewPixelSize()[0])
         return self._rect
 
     def _measure(self, view: QRectF, pixel: float) -> QRectF:
@@ -143,7 +149,7 @@ def edit_region() -> SpanRegion:
     return SpanRegion(style.EDITED, falloff=style.hairline(style.EDITED, 100))
 
 
-class Gaps(pg.UIGraphicsItem):
+class Gaps(ViewItem):
     """Hatches the gaps."""
 
     def __init__(self, alpha: int) -> None:

@@ -69,6 +69,7 @@ class CurvesPanel(QWidget):
         self._width = 0.0  # seconds in view
         self._curves: VisibleCurves | None = None
         self._columns = 0  # screen dots across a plot
+        self._shown: frozenset[str] = frozenset(CONTROL_IDS)  # rows
         self._edges = SelectionMouse(timeline, self)
         self._mouse = Interaction(timeline, self.tools, self._edges, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
@@ -150,14 +151,67 @@ class CurvesPanel(QWidget):
         return self._mouse.focused
 
     def focus_curve(self, index: int) -> None:
-        """Focus a curve."""
+        """Focus a curve; if it is hidden, show it."""
+        control = self.plots[index].control.id
+        if control in self._possible - self._shown:
+            self._show_rows(self._shown | {control})
         self._rows.ensureWidgetVisible(self.plots[index])
         self.plots[index].setFocus(Qt.FocusReason.ShortcutFocusReason)
 
+    @property
+    def _focused(self) -> CurvePlot:
+        """The plot that commands act on: the first one if none had the focus yet."""
+        return self.plots[CONTROL_INDEX.get(self._mouse.focused or "", 0)]
+
     def nudge(self, millimetres: float) -> None:
         """Move the focused curve, at the playhead or in the selection around it."""
-        index = CONTROL_INDEX.get(self._mouse.focused or "", 0)
-        self._mouse.nudge(self.plots[index], millimetres)
+        self._mouse.nudge(self._focused, millimetres)
+
+    @property
+    def is_focused_chosen(self) -> bool:
+        """Whether the focused curve is chosen, to be edited together with others."""
+        return self._focused.control.id in self._mouse.chosen
+
+    def choose_focused(self) -> None:
+        """Choose the focused curve, or remove it from the chosen ones."""
+        self._choose(self._mouse.chosen ^ {self._focused.control.id})
+
+    def _choose(self, chosen: frozenset[str]) -> None:
+        self._mouse.chosen = chosen
+        for header in self.headers:
+            header.show_chosen(header.control.id in chosen)
+        self._show_state()
+
+    # --- which curves are shown --------------------------------------------------------------
+
+    @property
+    def shown_controls(self) -> frozenset[str]:
+        """Ids of the curves that are shown."""
+        return self._shown
+
+    @property
+    def _possible(self) -> frozenset[str]:
+        """Ids of the curves that the character has."""
+        missing = self.session.rig.missing_controls if self.session is not None else ()
+        return frozenset(CONTROL_IDS) - frozenset(missing)
+
+    def show_only_focused(self) -> None:
+        """Hide all curves but the focused one and those edited with it."""
+        self._show_rows(frozenset(self._mouse.edited_from(self._focused.control.id)))
+
+    def hide_focused(self) -> None:
+        """Hide the focused curve, unless it is the last one."""
+        self._show_rows(self._shown - {self._focused.control.id} or self._shown)
+
+    def show_all(self) -> None:
+        """Show all curves that the character has."""
+        self._show_rows(self._possible)
+
+    def _show_rows(self, shown: frozenset[str]) -> None:
+        """Show these rows; hidden curves are no longer chosen."""
+        self._shown = shown
+        self._rows.show_rows(shown)
+        self._choose(self._mouse.chosen & shown)
 
     @property
     def is_reshaping(self) -> bool:
@@ -220,9 +274,18 @@ class CurvesPanel(QWidget):
         self._fit_axes()
         self._show_state()
 
-    def fit_values(self, index: int | None = None) -> None:
-        """Fit the value axis of one curve, or of all, to what is in view."""
-        self._axes.release(self.plots if index is None else (self.plots[index],))
+    def fit_values(self) -> None:
+        """Fit all value axes to what is in view, also those that the user set."""
+        self._axes.release(self.plots)
+
+    @property
+    def is_focused_enlarged(self) -> bool:
+        """Whether small movements of the focused curve are enlarged."""
+        return self._focused.close_up
+
+    def enlarge_focused(self) -> None:
+        """Enlarge small movements of the focused curve, or stop doing so."""
+        self._axes.toggle_close_up(self._focused)
 
     def mouse_lost(self) -> None:
         """The mouse is lost to another window: end drags and keep their result."""
@@ -239,10 +302,7 @@ class CurvesPanel(QWidget):
     def _pick(self, plot: CurvePlot, add: bool) -> None:
         """A click on a name focuses its curve; with Ctrl it chooses the curve, or removes it."""
         self._take_focus(plot)
-        self._mouse.chosen = self._mouse.chosen ^ {plot.control.id} if add else frozenset()
-        for header in self.headers:
-            header.show_chosen(header.control.id in self._mouse.chosen)
-        self._show_state()
+        self._choose(self._mouse.chosen ^ {plot.control.id} if add else frozenset())
 
     def _ask_curve_menu(self, plot: CurvePlot, seconds: float, place: QPoint) -> None:
         """Make the menu act on this curve at this time, or on the selection around it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
@@ -21,6 +21,7 @@ class Rows(QScrollArea):
 
     def __init__(self, headers: Sequence[Header], plots: Sequence[CurvePlot]) -> None:
         super().__init__()
+        self._headers, self._plots = headers, plots
         content = QWidget()
         self._grid = QGridLayout(content)
         self._grid.setHorizontalSpacing(0)
@@ -39,6 +40,13 @@ class Rows(QScrollArea):
         bar.setStyleSheet(f"QScrollBar {{ width: {style.RIGHT_MARGIN}px; }}")
         bar.rangeChanged.connect(self._keep_width)
         self._keep_width(0, 0)
+
+    def show_rows(self, shown: Collection[str]) -> None:
+        """Show the rows of these controls, and hide the others."""
+        for header, plot in zip(self._headers, self._plots, strict=True):
+            is_shown = plot.control.id in shown
+            header.setVisible(is_shown)
+            plot.setVisible(is_shown)
 
     def _keep_width(self, _first: int, last: int) -> None:
         self._grid.setContentsMargins(0, 0, 0 if last else style.RIGHT_MARGIN, 0)
