@@ -12,7 +12,7 @@ SOUND_ENDINGS = (".wav", ".m4a", ".mp3", ".flac", ".aif", ".aiff", ".ogg", ".opu
 FILM_ENDINGS = (".mov", ".mp4", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".mpeg")
 ENDINGS = FILM_ENDINGS + SOUND_ENDINGS
 # Suffixes that programs add to the name of a take: our export's, and Live Link Face's.
-_ADDED = ("_edited", "_cal", "_raw", "_neutral")
+_ADDED = ("_edited", "_tracked", "_cal", "_raw", "_neutral")
 
 
 def is_media(path: Path) -> bool:
