@@ -1,4 +1,4 @@
-"""The File menu: ask the user, then let document, opener and projects do it.
+"""The File menu: ask the user, then hand over to the document, the opener or projects.
 
 What comes with the solver is imported once it is needed: the window is there before it.
 """
@@ -54,7 +54,7 @@ class FileCommands:
             self.open(path)
 
     def open(self, path: Path) -> None:
-        """Read a take or a project in the background; on an error the present one stays open."""
+        """Read a take or a project in the background; on an error the current one stays open."""
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return

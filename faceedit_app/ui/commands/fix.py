@@ -44,7 +44,7 @@ class FixCommands:
             self._workspace.add_edits(edits, preset.name)
 
     def _edits_of(self, preset: Preset) -> tuple[Edit, ...]:
-        """What a preset would do now."""
+        """The edits that a preset would make now."""
         from faceedit_app.editing.help.fixes import apply_preset
 
         session, line = self._document.session, self._timeline

@@ -68,7 +68,7 @@ def open_project(
     ask: Callable[[str, Sequence[Path]], Path | None],
     failed: Callable[[FaceEditError], None],
 ) -> None:
-    """Read a project in the background, look for its take, and open it.
+    """Read a project in the background, find its take, and open it.
 
     Args:
         ask: which file is the take, where that is in doubt; given why it is, and likely ones.
@@ -107,7 +107,7 @@ def open_project(
 def _open_take(
     workspace: Workspace, project: Project, path: Path, take: Path, is_as_it_was: bool
 ) -> None:
-    """Open the take of a project.
+    """Open the take of a project that has been read.
 
     Args:
         path: the project's file.

@@ -20,7 +20,7 @@ from faceedit_app.ui.state.take_opener import TakeOpener
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
-if TYPE_CHECKING:  # the window is there before the solver, and before pyqtgraph with the page
+if TYPE_CHECKING:  # the solver, and the page with pyqtgraph; the window appears first
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.session import EditSession

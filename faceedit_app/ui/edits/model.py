@@ -52,7 +52,7 @@ class EditsModel(QAbstractListModel):
         return 0 if parent.isValid() else len(self.edits)
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
-        """Name, switch, and all of it in words for tooltips and screen readers."""
+        """Name, switch, and a description for tooltips and screen readers."""
         if not 0 <= index.row() < len(self.edits):
             return None
         edit = self.edits[index.row()]

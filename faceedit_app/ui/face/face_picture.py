@@ -28,7 +28,7 @@ class FacePicture:
     def __init__(self) -> None:
         self.camera = render.Camera()
         self.image: QImage | None = None
-        self._pixels: Pixels | None = None  # the image is a view of it
+        self._pixels: Pixels | None = None  # memory that the image shares
         self._rig: Rig | None = None
         self._renderer: render.FaceRenderer | None = None
         self._weights: Floats | None = None
@@ -127,7 +127,7 @@ class FacePicture:
         return vertices, tint_of(vertices, rig.vertices(self._against))
 
     def _faces(self, renderer: render.FaceRenderer, rig: Rig, size: Size, smooth: bool) -> Pixels:
-        """(H, W, 4) the picture: one face, or two beside each other."""
+        """(H, W, 4) the picture: one face, or two side by side."""
         if self._begun and not smooth:
             self._begun = False
             return renderer.finish()

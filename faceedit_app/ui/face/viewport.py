@@ -35,7 +35,7 @@ from faceedit_app.ui.face.difference_legend import DifferenceLegend
 from faceedit_app.ui.face.face_picture import FacePicture, Size, paint_names
 from faceedit_app.ui.look.palette import ACCENT, PANEL
 
-IDLE_MS = 150  # after so long without a change the picture is drawn with smooth edges
+IDLE_MS = 150  # without a change, before the picture is drawn with smooth edges
 ORBIT = 0.008  # radians per pixel
 ZOOM_STEP = 0.88  # per notch of the wheel
 # Seconds that a rough picture may take before its resolution is lowered.

@@ -51,7 +51,7 @@ class Screen(QWidget):
         self.broken.connect(self._stop, Qt.ConnectionType.QueuedConnection)
 
     def _load(self) -> None:
-        """Another film, or none."""
+        """Show another film, or none."""
         self.close_film()
         if self._media.film is not None:
             self._film = self._media.film.item

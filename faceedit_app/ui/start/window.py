@@ -27,7 +27,7 @@ from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.preferences import Preferences
 
-if TYPE_CHECKING:  # these bring much along; the window is there before them
+if TYPE_CHECKING:  # these import a lot; the window appears first
     from faceedit_app.core.rig import Rig
     from faceedit_app.networks.engine import Engine
     from faceedit_app.ui.page.editor import Editor
