@@ -42,7 +42,8 @@ class EditSession:
     `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of each plot. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
     read them, but do not keep or change them. `live.patience` limits how long a change may take
-    before the rest is left to `live.work`.
+    before the rest is left to `live.work`. `shown_rig` is the user's character if one is open,
+    else `rig`.
 
     Args:
         take: the open take.
@@ -62,6 +63,7 @@ class EditSession:
 
     def __init__(self, take: Take, rig: Rig, engine: Engine | None = None) -> None:
         self.take, self.rig = take, rig
+        self.shown_rig = rig
         self._solver = Solver(take.clip, rig, engine)
         self._steps = Steps()
         self._saved = self._computed = self._steps.state
@@ -278,6 +280,15 @@ class EditSession:
         self._compute()
         self.changed.emit()
 
+    def use_character(self, theirs: Rig | None) -> None:
+        """Show the user's character from now on, and close lips and lids on it; None = ours."""
+        self.shown_rig = self.rig if theirs is None else theirs
+        self.live.forget()
+        self._solver.use_character(theirs)
+        self._computed = EditState()
+        self._compute()
+        self.changed.emit()
+
     def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
         edits = list(self.edits)
         edits[index] = edit
@@ -301,9 +312,9 @@ class EditSession:
     # --- the result ------------------------------------------------------------------------
 
     def rig_weights(self, frame: int, tracked: bool = False) -> Floats:
-        """(K,) weights of one frame, for `Rig.vertices`."""
+        """(K,) weights of one frame, for `shown_rig.vertices`."""
         source = self._solver.tracked if tracked else self.weights
-        return self.rig.from_arkit(source[frame])
+        return self.shown_rig.from_arkit(source[frame])
 
     def changed_frames(self) -> int:
         """The number of frames that differ from the take as tracked."""

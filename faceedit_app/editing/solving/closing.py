@@ -63,16 +63,22 @@ class Closing:
         )
         self._parts = [part for part in parts if part.rows.size and part.columns.size]
 
-    def __call__(self, weights: Floats, share: Doubles | None = None) -> Floats:
+    def __call__(
+        self, weights: Floats, share: Doubles | Mapping[str, Doubles] | None = None
+    ) -> Floats:
         """(T, 52) weights with lips and lids closed; other frames are unchanged.
 
         Args:
-            share: (T,) in 0..1, how far to close each frame; None = all the way.
+            share: (T,) in 0..1, how far to close each frame, for all regions or by region, of
+                which those left out stay as they are; None = all the way.
         """
         ours = self.ours.measure(weights)
         closed = weights.copy()
         for part in self._parts:
-            part.close(closed, ours[:, part.rows], 1.0 if share is None else share[:, None])
+            mine = share.get(part.region) if isinstance(share, Mapping) else share
+            if mine is None and share is not None:
+                continue
+            part.close(closed, ours[:, part.rows], 1.0 if mine is None else mine[:, None])
         return closed
 
     def where_edited(self, tracked: Floats, weights: Floats, times: Times) -> Floats:
@@ -98,6 +104,7 @@ class _Part:
     """One region: its own controls on our character, and the closures on theirs.
 
     Attributes:
+        region: its id.
         rows: (R,) the entries of `CLOSING` that its channels close.
         columns: (K,) its channels that may change, among the 52.
     """
@@ -110,6 +117,7 @@ class _Part:
         may: frozenset[str],
         covariance: Doubles | None,
     ) -> None:
+        self.region = region.id
         mine = [control_named(name).region == region.id for name in CLOSING]
         self.rows = np.flatnonzero(theirs.has & mine)
         have = [i for i, channel in enumerate(region.channels) if channel in may]

@@ -53,6 +53,7 @@ class MainWindow(WindowBase):
         self.media, self.sound_player = workspace.media, workspace.sound_player
         self._preferences, self._background = preferences, workspace.background
         self._can_draw = False  # once the renderer is prepared
+        self._draws = False  # once a face has been opened
         self._journal_note = ""  # as last shown
         self._lacks_shown: set[str] = set()  # controls of the open take already warned about
         self.commands = Commands(workspace)
@@ -96,6 +97,7 @@ class MainWindow(WindowBase):
         self.document.changed.connect(self._mark_modified)
         self.document.changed.connect(self._warn_of_lacks)
         self.document.saved.connect(self._mark_modified)
+        self.document.character_changed.connect(self._show_character)
         opener.reading.connect(self._show_reading)
         opener.character_loaded.connect(self._prepare_face)
         for message in (workspace.message, media.message):
@@ -154,6 +156,7 @@ class MainWindow(WindowBase):
         except FaceEditError as error:
             self._continue_without_engine(error)
         self.document.adopt(loading.open_session(shipped(DEMO_TAKE), rig))
+        self._draws = True
         self.build_editor().face.viewport.open(rig)
 
     def build_editor(self) -> Editor:
@@ -198,10 +201,19 @@ class MainWindow(WindowBase):
 
     def _open_face(self) -> None:
         """Start drawing the face as soon as a take is open."""
-        rig = self.workspace.rig
-        if self._can_draw and self.document.session is not None and rig is not None:
-            self._can_draw = False
-            self.build_editor().face.viewport.open(rig)
+        session = self.document.session
+        if self._can_draw and session is not None:
+            self._can_draw, self._draws = False, True
+            self.build_editor().face.viewport.open(session.shown_rig)
+
+    def _show_character(self) -> None:
+        """Draw another character, if one is drawn."""
+        session = self.document.session
+        if self._draws and session is not None:
+            face = self.build_editor().face
+            face.viewport.open(session.shown_rig)
+            face.refresh()
+        self.actions_.refresh()
 
     def _use_engine(self, engine: Engine) -> None:
         self.document.use_engine(engine)
