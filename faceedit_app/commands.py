@@ -121,12 +121,11 @@ def apply(
     engine = load_engine(rig, models)
     session = open_session(take, rig, engine, fps)
     session.configure(Settings(Mode(mode), naturalness, reach))
+    if character:
+        session.use_character(character_commands.rig_of(character))
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
-    if character:
-        character_commands.export_closed(session, character, output, engine)
-    else:
-        session.export(output)
+    session.export(output)
     print(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
@@ -195,11 +194,12 @@ def render(
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
+    if character:
+        session.use_character(character_commands.rig_of(character))
     if edits:
         session.load_edits(edits)
     frame = session.take.clip.frame_at(time)
-    shown = character_commands.rig_of(character) if character else rig
-    write_png(output, snapshot(shown, session.weights[frame], width, height))
+    write_png(output, snapshot(session.shown_rig, session.weights[frame], width, height))
     print(f"{output}: frame {frame} of {take}")
 
 

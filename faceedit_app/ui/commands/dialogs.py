@@ -135,6 +135,15 @@ def ask_media(parent: QWidget, folder: Path) -> Path | None:
     return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
 
 
+def ask_character(parent: QWidget, folder: Path) -> Path | None:
+    """Which character to open."""
+    from faceedit_app.characters.registry import FORMATS  # not needed before the window is up
+
+    endings = [ending for kind in FORMATS for ending in kind.endings]
+    kinds = f"Characters ({' '.join(f'*{e} *{e.upper()}' for e in endings)});;All files (*)"
+    return _chosen(QFileDialog.getOpenFileName(parent, "Open a character", str(folder), kinds))
+
+
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the picture of the face."""
     return _save_name(parent, "Save picture", suggestion, PICTURES)

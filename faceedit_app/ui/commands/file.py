@@ -14,8 +14,11 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
+
+CHARACTER = "C&haracter"  # submenu
 
 
 class FileCommands:
@@ -24,6 +27,7 @@ class FileCommands:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._window = workspace, workspace.window
         self._document, self._preferences = workspace.document, workspace.preferences
+        self.character = CharacterCommands(workspace)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
 
@@ -185,6 +189,22 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),
             "Add the edits in a file to this take"),
+    Command("open_character", "&Open…", lambda do: do.character.ask_open(), (),
+            "Show your own character: GLB, glTF, VRM, FBX or OBJ with blendshapes",
+            needs_take=False, submenu=CHARACTER),
+    Command("recent_characters", "Open &recent", submenu=CHARACTER, needs_take=False,
+            fills=lambda do, menu: do.character.fill_recent(menu)),
+    Command("own_character", "&FaceEdit's own", lambda do: do.character.show_own(), (),
+            "Show the character that ships with FaceEdit", needs_take=False,
+            enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("character_checklist", "Chec&klist…", lambda do: do.character.show_checklist(), (),
+            "Show which shapes and points were found in your character, and correct them",
+            needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("close_on_character", "&Close on my character",
+            lambda do: do.character.switch_closing(), (),
+            "Where edits close lips or lids, also close them on your character",
+            enabled=lambda do: do.character.is_shown, checked=lambda do: do.character.closes,
+            submenu=CHARACTER),
     Command("quit", "&Quit", FileCommands.quit, ("Ctrl+Q",), needs_take=False,
             starts_group=True),
 ))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import cast
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
@@ -26,7 +26,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QLabel, QSizePolicy, QWidget
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.rig import Rig
 from faceedit_app.render import Aim, Camera
@@ -51,10 +51,12 @@ class Viewport(QWidget):
 
     Signals:
         opened(): whether a face can be drawn has changed.
+        drawn(): a picture was drawn.
         menu_asked(QPoint): the context menu was asked for, at a place on the screen.
     """
 
     opened = Signal()
+    drawn = Signal()
     menu_asked = Signal(QPoint)
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -231,6 +233,7 @@ class Viewport(QWidget):
             return
         self._stale = False
         self.draws += 1
+        self.drawn.emit()
         if not self._smooth:
             self._adapt(time.perf_counter() - began)
         self._spare.start()
@@ -274,6 +277,17 @@ class Viewport(QWidget):
     def camera(self) -> Camera:
         """Where the face is seen from."""
         return self._picture.camera
+
+    def project(self, vertices: Sequence[int] | None) -> Doubles | None:
+        """Where vertices of the face are in the picture; None if it shows two faces, or none.
+
+        Args:
+            vertices: their numbers; None = all.
+
+        Returns:
+            (N, 3): pixels from the left and from the top, and metres in front of the camera.
+        """
+        return self._picture.project(vertices, self.width(), self.height())
 
     def reset_camera(self) -> None:
         """Look from the front again."""
