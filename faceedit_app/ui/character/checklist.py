@@ -97,7 +97,8 @@ class CharacterChecklist(QDialog):
         self._model.show_character(self._character, self.only_noted.isChecked())
         facts = [f"{len(check.matched)} of {len(ARKIT_CHANNELS)} channels have a shape"]
         if check.dead:
-            facts.append(f"{len(check.dead)} move nothing that can be seen")
+            moves = "moves" if len(check.dead) == 1 else "move"
+            facts.append(f"{len(check.dead)} {moves} nothing that can be seen")
         facts.append(f"{self._character.character.vertex_count:,} vertices")
         self._summary.setText(f"{self._character.character.format}: {'; '.join(facts)}.")
         lines = [_sentence(text) for text in (*check.doubts, *check.lost, *check.remarks)]

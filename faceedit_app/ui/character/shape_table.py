@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
@@ -59,7 +58,9 @@ class ShapeModel(QAbstractTableModel):
         self._notes = dict.fromkeys(check.missing, "missing")
         self._notes |= dict.fromkeys(check.several, "made of several")
         self._notes |= dict.fromkeys(check.dead, "moves nothing that can be seen")
-        self._channels = tuple(c for c in ARKIT_CHANNELS if not only_noted or c in self._notes)
+        noted = tuple(c for c in ARKIT_CHANNELS if c in self._notes)
+        others = tuple(c for c in ARKIT_CHANNELS if c not in self._notes)
+        self._channels = noted if only_noted else noted + others
         self.endResetModel()
 
     def rowCount(self, parent: Index | None = None) -> int:
@@ -140,7 +141,7 @@ class _ShapeDelegate(QStyledItemDelegate):
         model = index.model()
         assert isinstance(model, ShapeModel)
         box = QComboBox(parent)
-        box.addItems([NO_SHAPE, *_plain(model.targets)])
+        box.addItems([NO_SHAPE, *model.targets])
         return box
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
@@ -150,7 +151,3 @@ class _ShapeDelegate(QStyledItemDelegate):
     def setModelData(self, editor: QWidget, model: Any, index: Index) -> None:
         assert isinstance(editor, QComboBox)
         model.setData(index, editor.currentText())
-
-
-def _plain(names: Sequence[str]) -> list[str]:
-    return list(dict.fromkeys(names))

@@ -32,6 +32,14 @@ class Unsaved(Enum):
     CANCEL = auto()
 
 
+class OpenAs(Enum):
+    """What to open of a file that is both a take and a character."""
+
+    TAKE = auto()
+    CHARACTER = auto()
+    CANCEL = auto()
+
+
 class Recover(Enum):
     """What to do with edits that a crash left behind."""
 
@@ -142,6 +150,20 @@ def ask_character(parent: QWidget, folder: Path) -> Path | None:
     endings = [ending for kind in FORMATS for ending in kind.endings]
     kinds = f"Characters ({' '.join(f'*{e} *{e.upper()}' for e in endings)});;All files (*)"
     return _chosen(QFileDialog.getOpenFileName(parent, "Open a character", str(folder), kinds))
+
+
+def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
+    """How to open a file that has both a face and an animation."""
+    box = _question(parent, f"{name} has a face and an animation.", "What should be opened?")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("The animation, as a take", role.AcceptRole): OpenAs.TAKE,
+        box.addButton("The face, as your character", role.AcceptRole): OpenAs.CHARACTER,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:

@@ -131,7 +131,9 @@ class MainWindow(WindowBase):
         """The page, once it is built."""
         return self.workspace.page
 
-    def start(self, take: Path | None = None, demo: bool = False) -> None:
+    def start(
+        self, take: Path | None = None, demo: bool = False, character: Path | None = None
+    ) -> None:
         """Start loading; call it once the window is on the screen."""
         self.document.keeps_journal = True
         if not offer_recovery(self.workspace):
@@ -141,6 +143,8 @@ class MainWindow(WindowBase):
                 self.commands.file.open_demo()
         if not self.workspace.opener.is_reading:
             self.workspace.opener.load_character()
+        if character is not None:
+            self.commands.file.character.open(character)
         self.build_editor()
 
     def open_demo_now(self) -> None:
@@ -291,19 +295,33 @@ class MainWindow(WindowBase):
         self.start_page.show_drop(active)
 
     def take_files(self, paths: list[Path]) -> None:
-        """Open a take, load edits, add sound or film."""
+        """Open a take or a character, load edits, add sound or film."""
         media = [path for path in paths if is_media(path)]
         path = next((path for path in paths if path not in media), None)
         self.commands.take.drop(media, opens_take=path is not None)
         if path is None:
             return
+        from faceedit_app.characters.registry import is_character
         from faceedit_app.formats.registry import is_take  # not needed before the window is up
 
+        if is_character(path):
+            self._take_character(path, is_take(path))
+            return
         is_open = self.document.session is not None
         if path.suffix.lower() == ".json" and is_open and not is_take(path):
             self.commands.file.load_edits(path)
         else:
             self.commands.file.open_if_saved(path)
+
+    def _take_character(self, path: Path, is_take: bool) -> None:
+        """A character was dropped, or a file that may be one."""
+        as_what = dialogs.OpenAs.CHARACTER
+        if is_take:
+            as_what = dialogs.ask_take_or_character(self, path.name)
+        if as_what is dialogs.OpenAs.TAKE:
+            self.commands.file.open_if_saved(path)
+        elif as_what is dialogs.OpenAs.CHARACTER:
+            self.commands.file.character.open(path)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Take the keyboard from the start."""
