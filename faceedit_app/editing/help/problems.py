@@ -93,7 +93,7 @@ def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
         *_jitter(clip, measured),
         *_dropped(clip, measured),
     ]
-    return sorted(found, key=lambda problem: (problem.start, problem.kind))
+    return sorted(found, key=lambda problem: (problem.time, problem.kind))
 
 
 def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
