@@ -87,6 +87,15 @@ class CharacterCommands:
         if session is not None:
             session.configure(replace(session.settings, closes=not session.settings.closes))
 
+    def close_range(self) -> None:
+        """Close lips and lids on the user's character in the selection, or in the whole take."""
+        from faceedit_app.editing.help.on_character import NAME, close_between
+
+        self._workspace.end_gestures()
+        line = self._workspace.timeline
+        start, end = line.selection or (0.0, line.duration)
+        self._workspace.add_edits((close_between(start, end),), NAME)
+
     # --- the checklist ---------------------------------------------------------------------------
 
     def show_checklist(self) -> None:

@@ -205,6 +205,11 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Where edits close lips or lids, also close them on your character",
             enabled=lambda do: do.character.is_shown, checked=lambda do: do.character.closes,
             submenu=CHARACTER),
+    Command("close_range", "Close in the &selection or everywhere",
+            lambda do: do.character.close_range(), (),
+            "Add an edit that closes lips and lids on your character where they are closed on ours",
+            enabled=lambda do: do.character.is_shown and do.character.closes,
+            submenu=CHARACTER),
     Command("quit", "&Quit", FileCommands.quit, ("Ctrl+Q",), needs_take=False,
             starts_group=True),
 ))

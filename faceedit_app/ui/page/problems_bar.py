@@ -27,11 +27,18 @@ _NEAR = 7.0  # pixels
 _CLOSE = 2.0  # seconds in view, at least, to judge a problem by
 _AROUND = 4.0  # times its length
 # Okabe and Ito's colours, safe for colour-blind people; the shapes differ too.
-COLORS = {"lips": "#d55e00", "blink": "#e69f00", "jitter": "#cc79a7", "dropped": "#9aa0aa"}
+COLORS = {
+    "lips": "#d55e00",
+    "blink": "#e69f00",
+    "jitter": "#cc79a7",
+    "character": "#009e73",
+    "dropped": "#9aa0aa",
+}
 NAMES = {
     "lips": "lips that stay open",
     "blink": "half blinks",
     "jitter": "shaking",
+    "character": "open on your character",
     "dropped": "lost frames",
 }
 
@@ -89,6 +96,7 @@ class ProblemsBar(QWidget):
         self._newest += 1
         number, clip = self._newest, session.take.clip
         weights, controls = session.weights.copy(), session.achieved.copy()
+        rigs = session.rig, session.shown_rig
 
         def done(problems: list[Problem]) -> None:
             if number == self._newest and self._document.session is session:
@@ -99,7 +107,7 @@ class ProblemsBar(QWidget):
         def failed(_: Exception) -> None:
             """Show no marks."""
 
-        self._background.run(lambda: problems_of(clip, weights, controls), done, failed)
+        self._background.run(lambda: problems_of(clip, weights, controls, rigs), done, failed)
 
     def search(self) -> None:
         """Search the take as edited."""
@@ -247,9 +255,9 @@ class ProblemsBar(QWidget):
 
     @staticmethod
     def _paint_mark(painter: QPainter, at: QPointF, kind: str, severity: float, lit: bool) -> None:
-        """A circle for lips, a diamond for blinks, a triangle for shaking, a square for gaps.
+        """A circle for lips, a diamond for blinks, triangles for shaking and the user's character.
 
-        The worse the problem, the larger.
+        A square is for gaps. The worse the problem, the larger.
         """
         size = _SIZES[0] + severity * (_SIZES[1] - _SIZES[0]) + (1.0 if lit else 0.0)
         painter.setPen(QPen(style.color(style.TEXT if lit else style.BACKGROUND), 1.4))
@@ -260,6 +268,7 @@ class ProblemsBar(QWidget):
         shapes = {
             "blink": [(-1.2, 0), (0, -1.2), (1.2, 0), (0, 1.2)],
             "jitter": [(-1.1, 0.9), (0, -1.1), (1.1, 0.9)],
+            "character": [(-1.1, -0.9), (0, 1.1), (1.1, -0.9)],
             "dropped": [(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
         }
         corners = [QPointF(at.x() + size * x, at.y() + size * y) for x, y in shapes[kind]]
