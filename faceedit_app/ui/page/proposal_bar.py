@@ -8,6 +8,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout
 
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Elided, icon_button
 from faceedit_app.ui.state.actions import Actions
@@ -51,7 +52,7 @@ class ProposalBar(QFrame):
         self.discard()
         self._name = name
         self.text.setText(text)
-        self.text.setToolTip(text)
+        self.text.setToolTip(plain_tip(text))
         self._show(True)
         self._showing = True
         self._document.preview(*edits)
