@@ -4,20 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-LONGEST = 300  # characters of an error's line, whatever a file or its name contains
+from faceedit_app.core.texts import LONGEST, plain_line, printable
+
 _LONGEST_PLACE = 120
-
-
-def plain_line(text: str, longest: int = LONGEST) -> str:
-    """A text that may come from a file, fit for one line of a message.
-
-    Line ends become spaces. Other characters that do not print, such as terminal escapes, marks
-    that reverse the direction of writing, and the bytes of names that are not UTF-8, become `?`.
-    A text longer than `longest` ends in an ellipsis.
-    """
-    short = " ".join(text[: 4 * longest].split())
-    line = "".join(c if c.isprintable() else "?" for c in short)
-    return line if len(line) <= longest else f"{line[: longest - 1]}…"
 
 
 class FaceEditError(Exception):
@@ -42,7 +31,7 @@ class FileError(FaceEditError):
 
     def __init__(self, path: Path | str, problem: str, remedy: str, line: int | None = None):
         self.path, self.problem, self.remedy, self.line = Path(path), problem, remedy, line
-        place, at = plain_line(str(path), 5_000), "" if line is None else f", line {line}"
+        place, at = printable(str(path)), "" if line is None else f", line {line}"
         if len(place) + len(at) + len(problem) + len(remedy) + 4 > LONGEST:
             place = place if len(place) <= _LONGEST_PLACE else f"…{place[1 - _LONGEST_PLACE :]}"
             room = max(LONGEST - len(place) - len(at) - len(remedy) - 4, 40)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from faceedit_app.core.errors import LONGEST, FaceEditError, FileError, plain_line
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.texts import LONGEST, plain_line, say
 
 
 @pytest.mark.parametrize(
@@ -40,3 +41,8 @@ def test_an_error_of_a_file_names_file_line_and_remedy_in_300_characters(
 
 def test_a_short_error_is_shown_as_it_is() -> None:
     assert str(FileError("a.csv", "is empty", "choose a take")) == "a.csv: is empty; choose a take"
+
+
+def test_commands_print_no_terminal_escapes(capsys: pytest.CaptureFixture[str]) -> None:
+    say("  name \x1b[2J\n  caf\udce9.csv")
+    assert capsys.readouterr().out == "  name ?[2J\n  caf?.csv\n"
