@@ -23,6 +23,7 @@ _HEAD = 1 << 20  # bytes; enough for a header and a row
 _DELIMITERS = (b",", b";", b"\t")
 # What programs write in place of a missing number.
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
+_QUOTED = re.compile('"((?:[^"]|"")*)"(.*)', re.DOTALL)
 
 Cells = list[bytes]
 
@@ -252,8 +253,13 @@ def _cell(delimiter: bytes) -> re.Pattern[bytes]:
 
 
 def plain_text(cell: bytes) -> str:
-    """A cell's text without the quotes and spaces around it."""
-    return cell.decode("utf-8", "replace").strip().strip('"').strip()
+    """A cell's text as Python's csv module reads it, without the spaces around it.
+
+    Quotes after a space also count as quotes, as some tools write them.
+    """
+    text = cell.decode("utf-8", "replace").strip()
+    match = _QUOTED.fullmatch(text) if text[:1] == '"' else None
+    return text if match is None else (match[1].replace('""', '"') + match[2]).strip()
 
 
 def _lost(numbers: Doubles, zero: Bools) -> Bools:
