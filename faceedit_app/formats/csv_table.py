@@ -24,6 +24,7 @@ _DELIMITERS = (b",", b";", b"\t")
 # What programs write in place of a missing number.
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
 _QUOTED = re.compile('"((?:[^"]|"")*)"(.*)', re.DOTALL)
+_SPACED = re.compile(r'\s+"([^"]*)"(\s*)')
 
 Cells = list[bytes]
 
@@ -255,11 +256,13 @@ def _cell(delimiter: bytes) -> re.Pattern[bytes]:
 def plain_text(cell: bytes) -> str:
     """A cell's text as Python's csv module reads it, without the spaces around it.
 
-    Quotes after a space also count as quotes, as some tools write them.
+    One pair of quotes after a space also counts as quotes, as some tools write them.
     """
-    text = cell.decode("utf-8", "replace").strip()
-    match = _QUOTED.fullmatch(text) if text[:1] == '"' else None
-    return text if match is None else (match[1].replace('""', '"') + match[2]).strip()
+    text = cell.decode("utf-8", "replace")
+    quoted = _QUOTED.fullmatch(text) or _SPACED.fullmatch(text)
+    if quoted is None:
+        return text.strip()
+    return (quoted[1].replace('""', '"') + quoted[2]).strip()
 
 
 def _lost(numbers: Doubles, zero: Bools) -> Bools:
