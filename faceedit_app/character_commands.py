@@ -12,6 +12,7 @@ import typer
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.characters.fitted import FittedCharacter
@@ -48,7 +49,7 @@ def inspect(
         if path.exists():
             raise FileError(path, "exists", "edit it, or delete it first")
         map_file.write_map(path, fitted.whole_map)
-    print(json.dumps(_facts(fitted), indent=2) if as_json else _text(fitted))
+    say(json.dumps(_facts(fitted), indent=2) if as_json else _text(fitted))
 
 
 @app.command()
@@ -116,7 +117,7 @@ def seal(
         },
         **figures,
     }
-    print(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
+    say(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
 
 
 @app.command()
@@ -150,8 +151,8 @@ def make(
     write_rig(output, made.rig)
     middle, most = made.distance_to(head)
     for sentence in head.remarks:
-        print(f"{scan}: {sentence}", file=sys.stderr)
-    print(
+        say(f"{scan}: {sentence}", to=sys.stderr)
+    say(
         f"{output}: {len(landmarks.positions)} landmarks; the skin of the face is {middle:.2f} mm "
         f"from the scan (95 % within {most:.2f} mm)"
     )
@@ -167,7 +168,7 @@ def rig_of(path: Path) -> Rig:
 
     fitted = open_character(path)
     for sentence in (*fitted.checklist.remarks, *fitted.checklist.doubts):
-        print(f"{path}: {sentence}", file=sys.stderr)
+        say(f"{path}: {sentence}", to=sys.stderr)
     return fitted.rig
 
 

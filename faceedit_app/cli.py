@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.texts import say
 from faceedit_app.ui.start import display
 
 USAGE_ERROR = 2
@@ -23,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
             return run_command(given)
         return _open_window(given)
     except FaceEditError as error:
-        print(f"faceedit: {error}", file=sys.stderr)
+        say(f"faceedit: {error}", to=sys.stderr)
         return USAGE_ERROR
     except KeyboardInterrupt:
         return 130
@@ -59,7 +60,7 @@ def _open_window(given: list[str]) -> int:
         )
     from faceedit_app.ui.start.headless import run_headless
 
-    print("There is no display: editing the demo take without a window. Written:")
+    say("There is no display: editing the demo take without a window. Written:")
     for path in run_headless(DEMO_OUTPUT):
-        print(f"  {path}")
+        say(f"  {path}")
     return 0

@@ -16,6 +16,7 @@ import typer
 from faceedit_app import __version__, character_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
@@ -59,7 +60,7 @@ def run_command(given: list[str]) -> int:
     try:
         return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
     except typer.TyperException as error:
-        print(f"faceedit: {error.format_message()}", file=sys.stderr)
+        say(f"faceedit: {error.format_message()}", to=sys.stderr)
         return USAGE_ERROR
     except typer.Abort:
         return 130
@@ -71,7 +72,7 @@ def root(
 ) -> None:
     """Edit tracked facial animation by dragging eight plain curves."""
     if version:
-        print(f"FaceEdit {__version__}")
+        say(f"FaceEdit {__version__}")
         raise typer.Exit
 
 
@@ -86,7 +87,7 @@ def info(
     from faceedit_app.formats.summary import summarize, summary_text
 
     summary = summarize(open_take(take, fps))
-    print(json.dumps(summary, indent=2) if as_json else summary_text(summary))
+    say(json.dumps(summary, indent=2) if as_json else summary_text(summary))
 
 
 @app.command()
@@ -126,7 +127,7 @@ def apply(
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
     session.export(output)
-    print(
+    say(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
     )
@@ -164,9 +165,9 @@ def convert(
             raise
         opened = open_take(take, fps)  # frame by frame
     clip = converting.convert(output, opened, chosen, fps)
-    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
+    say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     if opened.carried and chosen.name != opened.kind:
-        print(f"left out because they are not channels: {', '.join(opened.carried)}")
+        say(f"left out because they are not channels: {', '.join(opened.carried)}")
 
 
 @app.command()
@@ -200,7 +201,7 @@ def render(
         session.load_edits(edits)
     frame = session.take.clip.frame_at(time)
     write_png(output, snapshot(session.shown_rig, session.weights[frame], width, height))
-    print(f"{output}: frame {frame} of {take}")
+    say(f"{output}: frame {frame} of {take}")
 
 
 def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
@@ -209,7 +210,7 @@ def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
 
     for number, edit in enumerate(session.edits, start=1):
         for lack in unanswerable(edit, session.take, session.rig, engine):
-            print(f"faceedit: warning: edit {number}: {lack}", file=sys.stderr)
+            say(f"faceedit: warning: edit {number}: {lack}", to=sys.stderr)
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import ENDINGS
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
@@ -91,9 +92,12 @@ def ask_take_of_project(
     """Which take a project's edits apply to, if its own has changed or is gone."""
     box = _question(parent, message, "Which take should the edits be applied to?")
     role = QMessageBox.ButtonRole
-    paths = {box.addButton(f"Use {path.name}", role.AcceptRole): path for path in choices[:3]}
+    paths = {
+        box.addButton(plain_entry(f"Use {path.name}"), role.AcceptRole): path
+        for path in choices[:3]
+    }
     for button, path in paths.items():
-        button.setToolTip(str(path))
+        button.setToolTip(plain_tip(str(path)))
     look = box.addButton("Look for it…", role.ActionRole)
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()

@@ -16,6 +16,7 @@ from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
 CHARACTER = "C&haracter"  # submenu
@@ -79,8 +80,8 @@ class FileCommands:
         """List the takes and projects that were opened recently and still exist."""
         menu.clear()
         for path in self._preferences.recent():
-            action = menu.addAction(path.name)
-            action.setToolTip(str(path))
+            action = menu.addAction(plain_entry(path.name))
+            action.setToolTip(plain_tip(str(path)))
             action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
         if menu.isEmpty():
             menu.addAction("No recent takes").setEnabled(False)

@@ -24,7 +24,7 @@ from PySide6.QtGui import (
     QResizeEvent,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QApplication, QLabel, QSizePolicy, QWidget
+from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
 
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FaceEditError
@@ -33,7 +33,9 @@ from faceedit_app.render import Aim, Camera
 from faceedit_app.ui.face.camera_keys import moved_by_key
 from faceedit_app.ui.face.difference_legend import DifferenceLegend
 from faceedit_app.ui.face.face_picture import FacePicture, Size, paint_names
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import ACCENT, PANEL
+from faceedit_app.ui.look.texts import plain_label
 
 IDLE_MS = 150  # without a change, before the picture is drawn with smooth edges
 ORBIT = 0.008  # radians per pixel
@@ -63,10 +65,10 @@ class Viewport(QWidget):
         super().__init__(parent)
         self.draws = 0
         self.covered_by: tuple[QWidget, ...] = ()  # widgets on top of the picture
-        self._note = QLabel("Preparing the face…", self)
+        self._note = plain_label("Preparing the face…")
+        self._note.setParent(self)
         self._note.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._note.setWordWrap(True)
-        self._note.setTextFormat(Qt.TextFormat.PlainText)
         self._note.setObjectName("caption")
         # So that the command in the message can be copied.
         self._note.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -191,6 +193,7 @@ class Viewport(QWidget):
 
     # --- drawing -----------------------------------------------------------------------------
 
+    @guarded
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the face if it is out of date, then paint the picture."""
         if self._stale:

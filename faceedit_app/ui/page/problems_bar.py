@@ -12,6 +12,8 @@ from faceedit_app.editing.help.problems import Problem, find_problems, problems_
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
+from faceedit_app.ui.look.guard import guarded
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.widgets import icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.background import Background
@@ -222,10 +224,11 @@ class ProblemsBar(QWidget):
         if isinstance(event, QHelpEvent):
             index = self._at(event.pos().x())
             text = self.problems[index].message if index is not None else self.summary
-            QToolTip.showText(event.globalPos(), text or "No problems found", self)
+            QToolTip.showText(event.globalPos(), plain_tip(text or "No problems found"), self)
             return True
         return super().event(event)
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Spans and marks."""
         painter = QPainter(self)
