@@ -173,7 +173,9 @@ def rig_of(path: Path) -> Rig:
     return fitted.rig
 
 
-def export_closed(session: EditSession, path: Path, output: Path, engine: Engine) -> None:
+def export_closed(
+    session: EditSession, path: Path, output: Path, engine: Engine, overwrite: bool
+) -> None:
     """Export a take with lips and lids closed on a character, on the frames that edits change.
 
     Raises:
@@ -182,6 +184,7 @@ def export_closed(session: EditSession, path: Path, output: Path, engine: Engine
     import numpy as np
 
     from faceedit_app.core.arkit import ARKIT_INDEX
+    from faceedit_app.editing.files.originals import make_way
     from faceedit_app.editing.solving.closing import Closing
     from faceedit_app.formats.opening import write_take
 
@@ -192,6 +195,7 @@ def export_closed(session: EditSession, path: Path, output: Path, engine: Engine
     tracked = take.clip.arkit_weights()
     closed = closing.where_edited(tracked, session.weights, take.clip.times)
     columns = [ARKIT_INDEX[channel] for channel in take.clip.channels]
+    make_way(output, take.path, overwrite)
     write_take(output, take, np.ascontiguousarray(closed[:, columns]))
 
 

@@ -144,3 +144,18 @@ def test_what_lies_beside_a_take_under_its_name(tmp_path: Path) -> None:
     assert beside(tmp_path / "slate_1_iPhone_edited.csv") == (sound, film)
     assert is_media(sound)
     assert not is_media(take)
+
+
+@pytest.mark.parametrize(
+    ("take", "film"),
+    [
+        ("slate_1_iPhone_cal_edited.csv", "slate_1_iPhone.mov"),
+        ("slate_1_iPhone_cal_edited_edited.csv", "slate_1_iPhone.mov"),
+        ("talk_blendshape_data.csv", "talk.mp4"),
+        ("talk_blendshape_data_edited.csv", "talk.mp4"),
+        ("_edited.csv", "_edited.mov"),
+    ],
+)
+def test_what_tools_add_to_the_name_of_a_take(take: str, film: str, tmp_path: Path) -> None:
+    (tmp_path / film).touch()
+    assert beside(tmp_path / take) == (None, tmp_path / film)
