@@ -48,6 +48,10 @@ FpsOption = Annotated[
     Optional[float],  # noqa: UP045  (typer reads the annotation at run time)
     typer.Option("--fps", help="Frames per second, if the take does not give them."),
 ]
+OverwriteOption = Annotated[
+    bool,
+    typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
+]
 ModelsOption = Annotated[
     Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
     typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
@@ -105,6 +109,7 @@ def apply(
     character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
+    overwrite: OverwriteOption = False,
 ) -> None:
     """Apply edits to a take and export it in its own format.
 
@@ -126,7 +131,7 @@ def apply(
         session.use_character(character_commands.rig_of(character))
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
-    session.export(output)
+    session.export(output, overwrite)
     say(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"

@@ -22,6 +22,7 @@ from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
+from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.solving.answerable import Lack
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
@@ -104,8 +105,8 @@ class EditSession:
         return self._solver.lacks
 
     @property
-    def is_exported(self) -> bool:
-        """Whether the edits have been exported or saved, and sound and film saved."""
+    def is_saved(self) -> bool:
+        """Whether a project holds the edits, sound and film; an export does not."""
         return self.state == self._saved
 
     # --- gestures ----------------------------------------------------------------------------
@@ -340,24 +341,30 @@ class EditSession:
         columns = [ARKIT_INDEX[c] for c in self.take.clip.channels]
         return np.ascontiguousarray(self.weights[:, columns])
 
-    def export(self, path: Path | str) -> None:
+    def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.
 
+        Args:
+            path: the file to write.
+            overwrite: allow it to be the take itself, or the take of a project beside it; a copy
+                of that recording is then kept.
+
+        Returns:
+            The copy, if one was made.
+
         Raises:
-            FileError: it cannot be written; an existing file is then untouched.
+            FileError: it cannot be written, or is such a take; an existing file is then untouched.
         """
-        write_take(path, self.take, self.clip_weights())
-        self._mark_exported()
+        weights = self.clip_weights()
+        backup = make_way(Path(path), self.take.path, overwrite)
+        write_take(path, self.take, weights)
+        self._steps.seal()  # so that Undo can return to what is in the file
+        return backup
 
     def mark_saved(self) -> None:
         """Note that the present state is saved."""
         self._saved = self.state
         self._steps.seal()  # so that Undo can return to what is in the file
-
-    def _mark_exported(self) -> None:
-        """Note that the edits are in a file; only projects hold sound and film."""
-        self._saved = replace(self.state, media=self._saved.media)
-        self._steps.seal()
 
     def save_edits(self, path: Path | str) -> None:
         """Save the edits, for `faceedit apply` or for another take.
@@ -366,7 +373,7 @@ class EditSession:
             FileError: the file cannot be written.
         """
         write_edits(path, self.edits)
-        self._mark_exported()
+        self._steps.seal()
 
     def load_edits(self, path: Path | str) -> None:
         """Add the edits of a file as one step.

@@ -25,7 +25,7 @@ PICTURES = "Pictures (*.png);;All files (*)"
 
 
 class Unsaved(Enum):
-    """What to do with edits that are neither saved nor exported."""
+    """What to do with edits that no project holds."""
 
     EXPORT = auto()
     SAVE = auto()
@@ -79,6 +79,25 @@ def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the edited take."""
     kinds = f"Takes (*{suggestion.suffix});;All files (*)"
     return _save_name(parent, "Export the edited take", suggestion, kinds)
+
+
+def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
+    """Whether to replace a recording.
+
+    Args:
+        reason: why it should be kept, as a phrase that follows its name.
+    """
+    box = _question(
+        parent,
+        f"{path.name} {reason}.",
+        f"If you overwrite it, the recording is kept as {path.name}.bak.",
+    )
+    other = box.addButton("Choose another name…", QMessageBox.ButtonRole.AcceptRole)
+    overwrite = box.addButton("Overwrite recording", QMessageBox.ButtonRole.DestructiveRole)
+    box.setDefaultButton(other)
+    box.setEscapeButton(other)
+    box.exec()
+    return box.clickedButton() is overwrite
 
 
 def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:
@@ -181,16 +200,29 @@ def ask_preset_name(parent: QWidget) -> str | None:
     return name.strip() if ok and name.strip() else None
 
 
-def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
-    """What to do with edits before their take is closed."""
-    message = f"Your edits to {name} are neither saved nor exported."
-    box = _question(parent, message, "If you discard them, they are lost.")
+def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
+    """What to do with edits before their take is closed.
+
+    Args:
+        name: of the take.
+        exported: the name of the file that it was exported to, if it was.
+    """
+    message = f"Your edits to {name} are not saved in a project."
+    more = "If you discard them, they are lost."
+    if exported:
+        more = (
+            f"{exported} holds the edited take, but the edits themselves can only be changed later "
+            "if you save them in a project."
+        )
+    box = _question(parent, message, more)
     role = QMessageBox.ButtonRole
+    save = box.addButton("Save project…", role.AcceptRole)
     choices = {
+        save: Unsaved.SAVE,
         box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,
-        box.addButton("Save project…", role.AcceptRole): Unsaved.SAVE,
         box.addButton("Discard", role.DestructiveRole): Unsaved.DISCARD,
     }
+    box.setDefaultButton(save)
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()
     clicked = box.clickedButton()

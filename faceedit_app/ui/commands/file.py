@@ -121,8 +121,26 @@ class FileCommands:
         take = self._document.path
         ending = take.suffix if take is not None else ""
         suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
-        path = dialogs.ask_export(self._window, suggestion)
-        return path is not None and self._write(self._document.export, path, "export", "Exported")
+        while (path := dialogs.ask_export(self._window, suggestion)) is not None:
+            reason = self._why_keep(path)
+            overwrite = bool(reason) and dialogs.ask_overwrite(self._window, path, reason)
+            if overwrite or not reason:
+                return self._write(
+                    lambda path: self._document.export(path, overwrite),  # noqa: B023
+                    path,
+                    "export",
+                    "Exported",
+                )
+        return False
+
+    def _why_keep(self, path: Path) -> str:
+        """Why a file should not be replaced; "" if it may be."""
+        from faceedit_app.editing.files.originals import why_keep
+
+        assert self._document.path is not None
+        own = self._document.project
+        projects = [*([own] if own is not None else []), *self._preferences.recent()]
+        return why_keep(path, self._document.path, projects)
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""
@@ -141,7 +159,7 @@ class FileCommands:
         """Add the edits in a file."""
         self._write(self._document.load_edits, path, "edits", "Loaded")
 
-    def _write(self, work: Callable[[Path], None], path: Path, kind: str, done: str) -> bool:
+    def _write(self, work: Callable[[Path], object], path: Path, kind: str, done: str) -> bool:
         try:
             work(path)
         except FaceEditError as error:
@@ -154,18 +172,23 @@ class FileCommands:
     # --- close -------------------------------------------------------------------------------
 
     def may_close(self) -> bool:
-        """Ask about edits that would be lost; False if the user cancels."""
-        if self._document.is_clean or self._document.path is None:
+        """Ask about edits that no project holds; False if the user cancels."""
+        document = self._document
+        if document.path is None:
             return True
-        match dialogs.ask_unsaved(self._window, self._document.path.name):
-            case dialogs.Unsaved.EXPORT:
-                return self.export()
-            case dialogs.Unsaved.SAVE:
-                return self.save()
-            case dialogs.Unsaved.DISCARD:
-                return True
-            case _:
-                return False
+        while not document.is_clean:
+            exported = document.exported.name if document.exported is not None else ""
+            match dialogs.ask_unsaved(self._window, document.path.name, exported):
+                case dialogs.Unsaved.EXPORT:
+                    if not self.export():
+                        return False
+                case dialogs.Unsaved.SAVE:
+                    return self.save()
+                case dialogs.Unsaved.DISCARD:
+                    return True
+                case _:
+                    return False
+        return True
 
     def quit(self) -> None:
         """Close the window, which asks about unsaved edits."""

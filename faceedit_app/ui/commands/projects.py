@@ -85,7 +85,8 @@ def open_project(
         take = located.path
         match located.where:
             case Whereabouts.CHANGED | Whereabouts.MISSING:
-                likely = [*([take] if take is not None else []), *located.others]
+                # The unchanged take first: the other one may contain the edits already.
+                likely = [*located.others, *([take] if take is not None else [])]
                 take = ask(located.message, likely)
             case Whereabouts.MOVED:
                 workspace.warning.emit(located.message)

@@ -29,11 +29,16 @@ class Document(QObject):
 
     Code that changes something calls the session, and leaves it to the document to update views.
 
+    Attributes:
+        path: the take's file.
+        project: the project's file, if there is one.
+        exported: the file that the take was last exported to.
+
     Signals:
         opened(): another take is open.
         previewed(): a gesture is in progress: curves and face show a preview.
         changed(): edits, settings, media or model changed, or a gesture was cancelled.
-        saved(): the edits were exported or saved.
+        saved(): the project was saved.
         character_changed(): another character is shown.
     """
 
@@ -50,13 +55,14 @@ class Document(QObject):
         self.character: FittedCharacter | None = None  # the user's own, if it is shown
         self.path: Path | None = None
         self.project: Path | None = None
+        self.exported: Path | None = None
         self.keeps_journal = False
         self._journal: Journal | None = None
 
     @property
     def is_clean(self) -> bool:
         """Whether nothing would be lost by closing."""
-        return self.session is None or self.session.is_exported
+        return self.session is None or self.session.is_saved
 
     def adopt(self, session: EditSession, project: Path | None = None) -> None:
         """Open a take that has been read, with its project, if any."""
@@ -69,6 +75,7 @@ class Document(QObject):
             self.session.previewed.disconnect(self._pass_on_preview)
             self.session.changed.disconnect(self._pass_on_change)
         self.session, self.path, self.project = session, session.take.path, project
+        self.exported = None
         session.previewed.connect(self._pass_on_preview)
         session.changed.connect(self._pass_on_change)
         if self.keeps_journal:
@@ -87,7 +94,7 @@ class Document(QObject):
 
         self._journal = Journal(session.take.path, self.project, fps=session.take.fps)
         session.stepped.connect(self._journal.record)
-        if not session.is_exported:
+        if not session.is_saved:
             self._journal.record(session.state)
 
     @property
@@ -106,8 +113,6 @@ class Document(QObject):
     def _is_saved(self) -> None:
         if self._journal is not None:
             self._journal.saved(self.project)
-            if self.session is not None and not self.session.is_exported:
-                self._journal.record(self.session.state)  # an export does not contain the media
         self.saved.emit()
 
     # --- changes to the open take ----------------------------------------------------------------
@@ -155,17 +160,23 @@ class Document(QObject):
 
     # --- files ---------------------------------------------------------------------------------
 
-    def export(self, path: Path) -> None:
-        """Write the edited take.
+    def export(self, path: Path, overwrite: bool = False) -> Path | None:
+        """Write the edited take; see `EditSession.export`.
 
         Raises:
             FileError: it cannot be written.
         """
-        if self.session is not None:
-            while self.session.live.work(_SLICE):  # in slices, so that the window stays responsive
-                QCoreApplication.processEvents(_NO_INPUT)
-            self.session.export(path)
-            self._is_saved()
+        if self.session is None:
+            return None
+        self.work_off()
+        backup = self.session.export(path, overwrite)
+        self.exported = path
+        return backup
+
+    def work_off(self) -> None:
+        """Finish the answer to all edits, in slices, so that the window stays responsive."""
+        while self.session is not None and self.session.live.work(_SLICE):
+            QCoreApplication.processEvents(_NO_INPUT)
 
     def save_project(self, path: Path, view: ViewState, media: Placement) -> None:
         """Write take, edits, view, sound and film as one project.
@@ -207,7 +218,6 @@ class Document(QObject):
         """
         if self.session is not None:
             self.session.save_edits(path)
-            self._is_saved()
 
     def load_edits(self, path: Path) -> None:
         """Add the edits in a file, as one step.
