@@ -15,7 +15,7 @@ from faceedit_app.core.optional import require
 
 if TYPE_CHECKING:
     from faceedit_app.characters.fitted import FittedCharacter
-    from faceedit_app.core.arrays import Doubles
+    from faceedit_app.core.arrays import Doubles, Floats
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
@@ -173,11 +173,14 @@ def rig_of(path: Path) -> Rig:
     return fitted.rig
 
 
-def export_closed(session: EditSession, path: Path, output: Path, engine: Engine) -> None:
+def export_closed(session: EditSession, theirs: Rig, output: Path, engine: Engine) -> Floats:
     """Export a take with lips and lids closed on a character, on the frames that edits change.
 
+    Returns:
+        (T, 52) the weights, in ARKit's order.
+
     Raises:
-        FileError: the character cannot be read, or the take cannot be written.
+        FileError: the take cannot be written.
     """
     import numpy as np
 
@@ -188,11 +191,12 @@ def export_closed(session: EditSession, path: Path, output: Path, engine: Engine
     take: Take = session.take
     session.live.work()
     channels = frozenset(take.clip.channels)
-    closing = Closing(session.rig, rig_of(path), channels, _covariances(engine))
+    closing = Closing(session.rig, theirs, channels, _covariances(engine))
     tracked = take.clip.arkit_weights()
     closed = closing.where_edited(tracked, session.weights, take.clip.times)
     columns = [ARKIT_INDEX[channel] for channel in take.clip.channels]
     write_take(output, take, np.ascontiguousarray(closed[:, columns]))
+    return closed
 
 
 def _covariances(engine: Engine) -> dict[str, Doubles]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__, character_commands
+from faceedit_app import __version__, character_commands, word_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 
@@ -37,6 +37,7 @@ app = typer.Typer(
 )
 
 app.add_typer(character_commands.app, name="character")
+app.command("words")(word_commands.words)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[
@@ -124,7 +125,8 @@ def apply(
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
     if character:
-        character_commands.export_closed(session, character, output, engine)
+        theirs = character_commands.rig_of(character)
+        character_commands.export_closed(session, theirs, output, engine)
     else:
         session.export(output)
     print(

@@ -98,6 +98,42 @@ def align(
     return Transcript(tuple(found), used, round(noise_of(voice, found), 1))
 
 
+def align_part(
+    samples: Samples,
+    rate: int,
+    start: float,
+    part: tuple[float, float],
+    lines: Sequence[Line],
+    sounds_like: Mapping[str, str] | None = None,
+    progress: Callable[[float], bool] | None = None,
+) -> Transcript:
+    """Find when words were said in a part of a sound; see `align`.
+
+    Args:
+        start: the time of the first sample, seconds.
+        part: where to look, in the same seconds, as are the times of `lines`.
+
+    Returns:
+        The words, in the same seconds.
+
+    Raises:
+        FaceEditError: as `align`, or there is no sound in that part.
+    """
+    first, last = (round((time - start) * rate) for time in part)
+    first = max(first, 0)
+    inside = samples[first:last]
+    if not len(inside):
+        raise FaceEditError("There is no sound in this part; choose another part")
+    begins = start + first / rate
+    moved = [
+        Line(line.text, line.start - begins, line.end - begins)
+        if line.start is not None and line.end is not None
+        else Line(line.text)
+        for line in lines
+    ]
+    return align(inside, rate, moved, sounds_like, progress).shifted(begins)
+
+
 def noise_of(voice: Samples, words: Sequence[Word]) -> float:
     """The signal-to-noise ratio of a sound at 16 kHz, dB: words against what lies between them."""
     power = _power(voice)
