@@ -120,7 +120,9 @@ def _drawable(vertices: Floats, scan: Scan) -> Rig:
     )
 
 
-def seen_landmarks(rig: Rig, finder: FaceLandmarker) -> tuple[Indices, NDArray[np.intp], Doubles] | None:
+def seen_landmarks(
+    rig: Rig, finder: FaceLandmarker
+) -> tuple[Indices, NDArray[np.intp], Doubles] | None:
     """The landmarks on a head: their numbers, triangles and places (metres), or None."""
     weights = np.zeros(len(rig.channels), np.float32)
     camera = default_camera(rig)

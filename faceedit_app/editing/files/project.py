@@ -26,6 +26,8 @@ from faceedit_app.editing.files.fingerprint import (
     fingerprint_from,
 )
 from faceedit_app.editing.steps import EditState
+from faceedit_app.words.transcript import to_json as words_to_json
+from faceedit_app.words.transcript import transcript_from
 
 VERSION = 1
 
@@ -67,7 +69,7 @@ class Project:
     Attributes:
         take: the file of the take.
         fingerprint: the fingerprint of that file.
-        state: the edits, settings and media.
+        state: the edits, settings, media and words.
         view: what the window showed.
         audio, film: the sound and film of the take, if any.
         fps: the take's frame rate, if the user had to give it.
@@ -116,6 +118,8 @@ def write_project(path: Path | str, project: Project) -> None:
             "path": _relative(project.character.path, path),
             **(asdict(mark) if mark is not None else {}),
         }
+    if project.state.words is not None:
+        tail["words"] = words_to_json(project.state.words)
     # One edit a line, so that people can read the file and compare versions.
     edits = ",".join(f"\n    {to_text(to_json(e))}" for e in project.state.edits)
     begin, end = (to_text(part, indent=2) for part in (head, tail))
@@ -142,7 +146,11 @@ def _from_document(fields: Fields, path: Path) -> Project:
     project = Project(
         take=_absolute(take, path),
         fingerprint=fingerprint_from(take),
-        state=EditState(edits_from(fields), settings_from(fields.fields("settings", {}))),
+        state=EditState(
+            edits_from(fields),
+            settings_from(fields.fields("settings", {})),
+            words=transcript_from(fields.fields_or_none("words")),
+        ),
         view=_view(fields.fields("view", {})),
         audio=_media(fields, "audio", path),
         film=_media(fields, "film", path),
