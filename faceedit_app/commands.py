@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__, character_commands, word_commands
+from faceedit_app import __version__, character_commands, tracking_commands, word_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 from faceedit_app.core.texts import say
@@ -39,6 +39,7 @@ app = typer.Typer(
 
 app.add_typer(character_commands.app, name="character")
 app.command("words")(word_commands.words)
+app.command("track")(tracking_commands.track)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +13,10 @@ from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
 from faceedit_app.formats import livelink
+from faceedit_app.formats.opening import checked_rate
 from faceedit_app.media.container import check
 from faceedit_app.tracking.face_model import FaceModel
 from faceedit_app.tracking.film_landmarks import FilmLandmarks, Progress, Report, read_landmarks
@@ -80,11 +82,26 @@ class Tracked:
             notes.append(f"the face is only {tall:.0f} pixels high: lips and lids are less exact")
         return tuple(notes)
 
-    def to_livelink(self) -> bytes:
-        """The take as a Live Link Face CSV."""
-        rotations = np.concatenate([self.head, eye_rotations(self.weights)], axis=1)
-        lost = self.landmarks.times[~self.sure]
-        return livelink.write_with(self.clip, rotations[self.sure], lost)
+    def to_livelink(self, fps: float | None = None) -> bytes:
+        """The take as a Live Link Face CSV.
+
+        Args:
+            fps: frames per second; None = one frame for each picture of the film.
+        """
+        film, clip, sure = self.landmarks, self.clip, self.sure
+        rotations = np.concatenate([self.head, eye_rotations(self.weights)], axis=1)[sure]
+        lost = film.times[~sure]
+        if fps is not None:
+            began, count = clip.times[0], clip.weights.shape[1]
+            whole = np.concatenate([clip.weights, rotations], axis=1)
+            values = at_rate(clip.times - began, whole, fps, film.rate)
+            times = began + np.arange(len(values)) / fps
+            nearest = np.abs(film.times[:, None] - times).argmin(axis=0)
+            kept, lost = sure[nearest], times[~sure[nearest]]
+            rotations = values[kept, count:]
+            weights = values[kept, :count].astype(np.float32)
+            clip = replace(clip, weights=weights, times=times[kept], rate=fps)
+        return livelink.write_with(clip, rotations, lost)
 
 
 def track_film(
@@ -172,10 +189,15 @@ def eye_rotations(weights: Doubles) -> Doubles:
     return np.stack(columns, axis=1)
 
 
-def write_take(tracked: Tracked, output: Path) -> None:
+def write_take(tracked: Tracked, output: Path, fps: float | None = None) -> None:
     """Write the take as a Live Link Face CSV, completely or not at all.
 
+    Args:
+        fps: as in `Tracked.to_livelink`.
+
     Raises:
-        FileError: it cannot be written.
+        FileError: it cannot be written, or a take cannot have this frame rate.
     """
-    write_atomically(output, tracked.to_livelink())
+    if fps is not None:
+        fps = checked_rate(output, fps)
+    write_atomically(output, tracked.to_livelink(fps))
