@@ -22,6 +22,11 @@ def is_media(path: Path) -> bool:
     return path.suffix.lower() in ENDINGS
 
 
+def is_film(path: Path) -> bool:
+    """Whether a file is a film by its ending."""
+    return path.suffix.lower() in FILM_ENDINGS
+
+
 def beside(take: Path) -> tuple[Path | None, Path | None]:
     """The sound and the film next to a take, by its name.
 

@@ -21,6 +21,9 @@ from faceedit_app.tracking.face_points import (
     UPPER_OUTER_LIP,
 )
 
+ENDING = ".landmarks.npz"
+"""Of the file beside a take that holds what is drawn, see `landmark_file.py`."""
+
 _PLAIN = "#c8ccd4"
 _LIP_COLOUR, _LID_COLOUR = (
     CONTROLS[CONTROL_INDEX[control]].color for control in (LIP_OPENING, LIDS[0])

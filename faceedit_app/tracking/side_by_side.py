@@ -21,7 +21,7 @@ from faceedit_app.tracking.tracker import Tracked
 
 HEIGHT = 480  # pixels of each picture
 _ROWS = 4  # of the picture
-_MARGIN = 1.9  # of the square around the face, in heights of the face
+_MARGIN = 1.6  # of the square around the face, in heights of the face
 _SHARP = 2  # lines are drawn so many times as large and scaled down
 
 

@@ -11,7 +11,7 @@ from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
-from faceedit_app.media import ENDINGS
+from faceedit_app.media import ENDINGS, FILM_ENDINGS
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
+FILMS = f"Films ({' '.join(f'*{e} *{e.upper()}' for e in FILM_ENDINGS)});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
@@ -187,6 +188,17 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
+
+
+def ask_film(parent: QWidget, folder: Path) -> Path | None:
+    """Which film to track."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Track a film", str(folder), FILMS))
+
+
+def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the take of a film."""
+    kinds = "Live Link Face CSV (*.csv);;All files (*)"
+    return _save_name(parent, "Save the tracked take as", suggestion, kinds)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:

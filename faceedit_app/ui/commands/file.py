@@ -70,6 +70,23 @@ class FileCommands:
 
         projects.open_project(self._workspace, path, ask, self._show_error)
 
+    def ask_track(self) -> None:
+        """Track the face in a film that the user chooses."""
+        film = dialogs.ask_film(self._window, self._preferences.folder("media"))
+        if film is not None:
+            self._preferences.set_folder("media", film.resolve().parent)
+            self.track(film)
+
+    def track(self, film: Path) -> None:
+        """Track the face in a film and open the take; until then the present one stays open."""
+        if not self.may_close():
+            return
+        from faceedit_app.ui.commands import tracking
+
+        take = dialogs.ask_save_take(self._window, tracking.suggested_take(film))
+        if take is not None:
+            tracking.FilmTracking(self._workspace, film, take, self._show_error).start()
+
     def _remember(self, path: Path) -> None:
         """Remember the take and its folder."""
         self._preferences.set_folder("take", path.resolve().parent)
@@ -199,6 +216,8 @@ class FileCommands:
 MENU: Menu[FileCommands] = Menu("File", (
     Command("open", "&Open…", FileCommands.ask_open, ("Ctrl+O",),
             "Open a tracked take or a project", "open", needs_take=False),
+    Command("track_film", "&Track a film…", FileCommands.ask_track, (),
+            "Find the face in a film, and open its performance as a take", needs_take=False),
     Command("open_demo", "Open &demo take", FileCommands.open_demo, (),
             "Open the take that ships with FaceEdit", needs_take=False),
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),
