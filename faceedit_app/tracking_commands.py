@@ -102,7 +102,9 @@ def _track_one(
     tracked = track_film(path, rig, line or (lambda progress: None), face=place)
     if line is not None:
         line.clear()
-    write_take(tracked, take, fps)
+    backup = write_take(tracked, take, fps)
+    if backup is not None:
+        print(f"{take}: the file that was there is now {backup}", file=sys.stderr)
     return tracked
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_backup, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resample import at_rate
@@ -189,15 +189,28 @@ def eye_rotations(weights: Doubles) -> Doubles:
     return np.stack(columns, axis=1)
 
 
-def write_take(tracked: Tracked, output: Path, fps: float | None = None) -> None:
+def write_take(tracked: Tracked, output: Path, fps: float | None = None) -> Path | None:
     """Write the take as a Live Link Face CSV, completely or not at all.
+
+    A file that is there already may be a recording: it is kept.
 
     Args:
         fps: as in `Tracked.to_livelink`.
+
+    Returns:
+        The copy of the file that was there, if there was one.
 
     Raises:
         FileError: it cannot be written, or a take cannot have this frame rate.
     """
     if fps is not None:
         fps = checked_rate(output, fps)
-    write_atomically(output, tracked.to_livelink(fps))
+    content = tracked.to_livelink(fps)
+    backup = None
+    if output.is_file():
+        if output.samefile(tracked.landmarks.path):
+            raise FileError(output, "is the film itself", "choose another name for the take")
+        if output.read_bytes() != content:
+            backup = keep_backup(output)
+    write_atomically(output, content)
+    return backup

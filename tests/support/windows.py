@@ -90,7 +90,7 @@ class Bench:
         monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
         for name in (
             *("open", "export", "save_edits", "load_edits", "save_project", "unsaved"),
-            "overwrite",
+            *("overwrite", "film", "save_take"),
         ):
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
         monkeypatch.setattr(loading, "load_character", shipped_rig)

@@ -31,6 +31,7 @@ class FileCommands:
         self.character = CharacterCommands(workspace)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
+        self._tracking: FilmTracking | None = None
 
     def _show_error(self, error: Exception) -> None:
         dialogs.show_error(self._window, error)
@@ -85,7 +86,9 @@ class FileCommands:
 
         take = dialogs.ask_save_take(self._window, tracking.suggested_take(film))
         if take is not None:
-            tracking.FilmTracking(self._workspace, film, take, self._show_error).start()
+            # Kept until the next one: only its dialog knows it otherwise.
+            self._tracking = tracking.FilmTracking(self._workspace, film, take, self._show_error)
+            self._tracking.start()
 
     def _remember(self, path: Path) -> None:
         """Remember the take and its folder."""
