@@ -7,17 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.media import is_film
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
+
+if TYPE_CHECKING:  # loaded with the first film
+    from faceedit_app.ui.commands.tracking import FilmTracking
 
 CHARACTER = "C&haracter"  # submenu
 
@@ -60,7 +65,13 @@ class FileCommands:
             self.open(path)
 
     def open(self, path: Path) -> None:
-        """Read a take or a project in the background; on an error the current one stays open."""
+        """Read a take or a project in the background; on an error the current one stays open.
+
+        The face in a film is tracked first.
+        """
+        if is_film(path):
+            self.track(path)
+            return
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return
@@ -74,14 +85,12 @@ class FileCommands:
     def ask_track(self) -> None:
         """Track the face in a film that the user chooses."""
         film = dialogs.ask_film(self._window, self._preferences.folder("media"))
-        if film is not None:
+        if film is not None and self.may_close():
             self._preferences.set_folder("media", film.resolve().parent)
             self.track(film)
 
     def track(self, film: Path) -> None:
         """Track the face in a film and open the take; until then the present one stays open."""
-        if not self.may_close():
-            return
         from faceedit_app.ui.commands import tracking
 
         take = dialogs.ask_save_take(self._window, tracking.suggested_take(film))
