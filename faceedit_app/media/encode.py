@@ -12,11 +12,14 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.media.container import file_errors
 
-_CODECS = {"libx264": {"crf": "18", "preset": "veryfast"}, "libopenh264": {"b": "6000000"}}
+_CODECS = ("libx264", "libopenh264")
+_RATE = 6_000_000  # bits a second, for the encoder that has no constant quality
 _TICK = Fraction(1, 90_000)  # seconds; what MP4 players expect
 
 
-def write_film(path: Path, pictures: Iterable[Pixels], times: Times, rate: float) -> None:
+def write_film(
+    path: Path, pictures: Iterable[Pixels], times: Times, rate: float, crf: int = 18
+) -> None:
     """Write a film without sound, completely or not at all.
 
     Args:
@@ -24,6 +27,7 @@ def write_film(path: Path, pictures: Iterable[Pixels], times: Times, rate: float
         pictures: (H, W, 3) RGB each, all of one size; both sides even.
         times: when each is shown, seconds from the first.
         rate: nominal pictures per second.
+        crf: x264's constant rate factor; more is smaller and worse.
 
     Raises:
         FileError: it cannot be written.
@@ -39,7 +43,12 @@ def write_film(path: Path, pictures: Iterable[Pixels], times: Times, rate: float
     with file_errors(path), av.open(memory, "w", format="mp4") as out:
         stream = out.add_stream(codec, rate=Fraction(rate).limit_denominator(60_000))
         assert isinstance(stream, VideoStream)
-        stream.pix_fmt, stream.options = "yuv420p", _CODECS[codec]
+        stream.pix_fmt = "yuv420p"
+        if codec == "libx264":
+            # Threads would make the bytes depend on the machine.
+            stream.options = {"crf": str(crf), "preset": "veryfast", "threads": "1"}
+        else:
+            stream.bit_rate = _RATE
         stream.codec_context.time_base = _TICK
         for picture, seconds in zip(pictures, times.tolist(), strict=True):
             if not stream.width or stream.height != picture.shape[0]:

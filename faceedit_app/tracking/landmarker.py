@@ -92,7 +92,7 @@ class FaceLandmarker:
                 networks = [_member(archive, name) for name in (_DETECTOR, _LANDMARKER)]
         except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
             raise FileError(task, "is not a face_landmarker.task", "download it again") from error
-        self._detector, self._landmarker = (_Network(content, threads) for content in networks)
+        self._detector, self._landmarker = (Network(content, threads) for content in networks)
         self._anchors = _anchors()
 
     def find(self, picture: Pixels) -> Doubles | None:
@@ -143,7 +143,7 @@ class FaceLandmarker:
         return Face(local, probability)
 
 
-class _Network:
+class Network:
     """One LiteRT network."""
 
     def __init__(self, content: bytes, threads: int) -> None:
