@@ -50,8 +50,8 @@ def write_film(
         else:
             stream.bit_rate = _RATE
         stream.codec_context.time_base = _TICK
-        for picture, seconds in zip(pictures, times.tolist(), strict=True):
-            if not stream.width or stream.height != picture.shape[0]:
+        for number, (picture, seconds) in enumerate(zip(pictures, times.tolist(), strict=True)):
+            if number == 0:
                 stream.height, stream.width = picture.shape[:2]
             frame = av.VideoFrame.from_ndarray(picture, format="rgb24")
             frame.pts, frame.time_base = round(seconds / _TICK), _TICK

@@ -7,8 +7,12 @@ geometry from monocular video on mobile GPUs", 2019; the irises: Ablavatski et a
 
 from __future__ import annotations
 
+import contextlib
 import math
+import os
+import sys
 import zipfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -149,8 +153,9 @@ class Network:
     def __init__(self, content: bytes, threads: int) -> None:
         from ai_edge_litert.interpreter import Interpreter
 
-        self._interpreter = Interpreter(model_content=content, num_threads=threads)
-        self._interpreter.allocate_tensors()
+        with _silence():
+            self._interpreter = Interpreter(model_content=content, num_threads=threads)
+            self._interpreter.allocate_tensors()
         self._input = self._interpreter.get_input_details()[0]["index"]
         self._outputs = [output["index"] for output in self._interpreter.get_output_details()]
 
@@ -158,6 +163,20 @@ class Network:
         self._interpreter.set_tensor(self._input, values.astype(np.float32))
         self._interpreter.invoke()
         return [self._interpreter.get_tensor(index) for index in self._outputs]
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Hold back what LiteRT says about itself on standard error, which nothing else turns off."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError, ValueError):  # there may be no standard error
+            sys.stderr.flush()
+            kept = os.dup(2)
+            stack.callback(os.close, kept)
+            nowhere = stack.enter_context(open(os.devnull, "wb"))
+            os.dup2(nowhere.fileno(), 2)
+            stack.callback(os.dup2, kept, 2)
+        yield
 
 
 def _member(archive: zipfile.ZipFile, name: str) -> bytes:

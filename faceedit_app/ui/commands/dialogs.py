@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
-FILMS = f"Films ({' '.join(f'*{e} *{e.upper()}' for e in FILM_ENDINGS)});;All files (*)"
+FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
+FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
@@ -70,7 +71,10 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    kinds = f"Takes and projects ({takes_pattern()} *{PROJECT_SUFFIX});;All files (*)"
+    kinds = (
+        f"Takes, projects and films ({takes_pattern()} *{PROJECT_SUFFIX} {FILM_PATTERNS});;"
+        "All files (*)"
+    )
     return _chosen(
         QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
     )
