@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from support.takes import livelink_names, make_livelink_csv, make_plain_csv
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats import livelink
 from faceedit_app.formats.opening import open_take, write_take
 from faceedit_app.formats.summary import summarize, summary_text
 

@@ -13,7 +13,7 @@ from faceedit_app.media.encode import write_film
 from faceedit_app.media.film import Film
 
 
-def grey(count: int, size: tuple[int, int] = (480, 1440)) -> list[NDArray[np.uint8]]:
+def grey(count: int, size: tuple[int, int] = (480, 960)) -> list[NDArray[np.uint8]]:
     return [np.full((*size, 3), 20 * number, np.uint8) for number in range(count)]
 
 
@@ -23,7 +23,7 @@ def test_pictures_and_times_come_back(tmp_path: Path) -> None:
     film = Film(tmp_path / "a.mp4")
     np.testing.assert_allclose(film.times, times, atol=1e-4)
     picture = film.picture(3)
-    assert picture.shape == (480, 1440, 4)
+    assert picture.shape == (480, 960, 4)
     assert picture[..., :3].mean() == pytest.approx(60, abs=3)
     film.close()
 
