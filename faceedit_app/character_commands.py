@@ -139,7 +139,7 @@ def make(
     from faceedit_app.characters.making import make as make_head
     from faceedit_app.characters.scans import read_scan
     from faceedit_app.editing.opening import shipped_rig
-    from faceedit_app.scan_landmarks import find_landmarks, read_points
+    from faceedit_app.scans.landmarks import find_landmarks, read_points
 
     require("rtree", extra="scans")
     template, head = Template.of(shipped_rig()), read_scan(scan)

@@ -175,6 +175,18 @@ def ask_character(parent: QWidget, folder: Path) -> Path | None:
     return _chosen(QFileDialog.getOpenFileName(parent, "Open a character", str(folder), kinds))
 
 
+def ask_scan(parent: QWidget, folder: Path) -> Path | None:
+    """Which scan to make a character from."""
+    kinds = "Scans (*.obj *.OBJ *.ply *.PLY *.stl *.STL *.glb *.GLB *.gltf);;All files (*)"
+    title = "A head without blendshapes"
+    return _chosen(QFileDialog.getOpenFileName(parent, title, str(folder), kinds))
+
+
+def ask_save_character(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save a character."""
+    return _save_name(parent, "Save the character", suggestion, "Characters (*.glb);;All files (*)")
+
+
 def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
     """How to open a file that has both a face and an animation."""
     box = _question(parent, f"{name} has a face and an animation.", "What should be opened?")
