@@ -6,7 +6,6 @@ from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
-    QComboBox,
     QDialog,
     QDialogButtonBox,
     QGridLayout,
@@ -23,7 +22,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.scans.steps import EXPRESSIONS, Attempt, ScanSteps
 from faceedit_app.ui.character.points_overlay import PointsOverlay
 from faceedit_app.ui.character.scan_view import Picture, ScanView
-from faceedit_app.ui.look.widgets import caption
+from faceedit_app.ui.look.widgets import Choice, caption
 from faceedit_app.ui.state.background import Background
 
 _Pictures = dict[str | None, Pixels]
@@ -56,7 +55,7 @@ class ScanDialog(QDialog):
         self.scan, self.result = ScanView(), Picture("The character")
         self.points = PointsOverlay(self.scan)
         self.points.moved.connect(self._move)
-        self.expression = QComboBox()
+        self.expression = Choice()
         self.expression.addItems(list(EXPRESSIONS))
         self.expression.setAccessibleName("Expression")
         self.expression.currentTextChanged.connect(self._show_expression)
