@@ -141,11 +141,12 @@ def test_the_falloff_of_a_chosen_edit_is_not_that_of_the_next_drag(window: MainW
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert panel.current is None
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)
-    # An edit of the whole take shows no band, and takes nothing over.
+    # So it is with an edit of the whole take, which has handles at its ends.
     session.add(Edit(("mouth_width",), Op.OFFSET, 0.0, line.duration, 0.0, 1.0, name="all"))
     click(panel, 3)
     assert panel.current == 3
-    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+    assert line.selection == (0.0, line.duration)
+    assert line.own_falloffs == (0.35, 0.4)
     click(panel, 0)
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)

@@ -196,9 +196,11 @@ class EditCommands:
     def deselect(self) -> None:
         """Cancel the gesture in progress, or clear the selection if there is none."""
         if not self._workspace.cancel_gesture():
+            page = self._workspace.page
+            if page is not None:
+                page.edits.leave()
+                page.curves.setFocus()
             self._timeline.select(None)
-            if self._workspace.page is not None:
-                self._workspace.page.curves.setFocus()
 
     @property
     def mode(self) -> Mode:
@@ -262,7 +264,7 @@ MENU: Menu[EditCommands] = Menu("Edit", (
     Command("select_around", "Select aro&und the playhead", EditCommands.select_around,
             tip="Select a second around the playhead; its edges can be dragged"),
     Command("deselect", "&Deselect", EditCommands.deselect, ("Esc",),
-            "Cancel the drag in progress, or clear the selection"),
+            "Cancel the drag in progress, or leave the chosen edit and clear the selection"),
     Command("preserve", "&Preserve the take", lambda do: do.set_mode(Mode.PRESERVE),
             tip="Change only the frames and curves that your edits affect",
             checked=lambda do: do.mode is Mode.PRESERVE, starts_group=True),

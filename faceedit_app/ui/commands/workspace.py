@@ -13,6 +13,7 @@ from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.undo import MediaSteps
 from faceedit_app.ui.state.background import Background
+from faceedit_app.ui.state.clock import shown_range
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.preferences import Preferences
@@ -98,8 +99,13 @@ class Workspace(QObject):
             self.page.edits.select_new(len(edits))
         start, end = min(e.start for e in edits), max(e.end for e in edits)
         self.message.emit(
-            f"{name}: {start:.2f} to {end:.2f} s; set its strength beside the list of edits"
+            f"{name}: {self.shown_range(start, end)}; set its strength beside the list of edits"
         )
+
+    def shown_range(self, start: float, end: float) -> str:
+        """A time range in the unit in which times are shown."""
+        clip, unit = self.timeline.clip, self.timeline.clock.unit
+        return shown_range(clip, start, end, unit) if clip is not None else ""
 
     # --- gestures in progress ----------------------------------------------------------------
 

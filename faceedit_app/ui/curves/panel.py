@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import CurveDrag, span_at
@@ -28,6 +31,7 @@ from faceedit_app.ui.state.tools import Tool, Tools
 
 _APART = 0.05  # least mm between two lines for a note in the header
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
+_CHOSEN_HINT = "Drag the handles of the chosen edit, or its curve; Esc: done"
 _IDLE_HINTS = {
     Tool.MOVE: "Drag a curve up or down to change the face",
     Tool.DRAW: "Draw a curve freehand",
@@ -47,6 +51,8 @@ class CurvesPanel(QWidget):
     Signals:
         reshaped(): an edge of the selection is being dragged.
         reshape_ended(): it was released.
+        edit_began(): a drag began that makes a new edit.
+        edit_made(): it, or a key, made one.
         curve_menu_asked(place): a right click on a curve, which now has the focus.
         name_menu_asked(place): on its name.
         time_menu_asked(place): on the ruler, or on the bar under it.
@@ -54,6 +60,8 @@ class CurvesPanel(QWidget):
 
     reshaped = Signal()
     reshape_ended = Signal()
+    edit_began = Signal()
+    edit_made = Signal()
     curve_menu_asked = Signal(QPoint)
     name_menu_asked = Signal(QPoint)
     time_menu_asked = Signal(QPoint)
@@ -132,6 +140,8 @@ class CurvesPanel(QWidget):
         self._edges.moved.connect(self.reshaped)
         self._edges.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
+        self._mouse.began.connect(self.edit_began)
+        self._mouse.made.connect(self.edit_made)
 
     # --- for the page ----------------------------------------------------------------------
 
@@ -217,6 +227,10 @@ class CurvesPanel(QWidget):
     def is_reshaping(self) -> bool:
         """Whether an edge of the selection is being moved."""
         return self._edges.is_changing
+
+    def follow_chosen(self, chosen_edit: Callable[[], tuple[int, Edit] | None]) -> None:
+        """Let drags change the chosen edit: row and edit, or None."""
+        self._mouse.chosen_edit = chosen_edit
 
     def cover_legend(self, bar: QWidget) -> None:
         """Put a bar over the legend, where a second click does nothing once the bar is gone."""
@@ -394,8 +408,8 @@ class CurvesPanel(QWidget):
             plot.show_marks(marks, timeline.time, handle, face)
             header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
             header.show_active(here or plot.shows_focus)
-        fades = timeline.falloff, timeline.falloff_out
-        span = span or span_at(timeline.time, timeline.selection, *fades)
+        fades = timeline.own_falloffs
+        span = span or span_at(timeline.time, timeline.own_selection, *fades)
         self.ruler.show_marks(Marks(selection, span, style.STRONG), timeline.time)
         self.legend.show_hint(self._hint())
 
@@ -419,7 +433,7 @@ class CurvesPanel(QWidget):
             return f"Falloff {seconds:.2f} s (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
-        return _IDLE_HINTS[self.tools.tool]
+        return _CHOSEN_HINT if self.timeline.shows_edit else _IDLE_HINTS[self.tools.tool]
 
 
 def _note(tracked: float, asked: float, face: float) -> str:

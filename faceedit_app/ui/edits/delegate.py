@@ -15,7 +15,7 @@ from PySide6.QtCore import (
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
 
-from faceedit_app.ui.edits.model import columns
+from faceedit_app.ui.edits.model import COLUMNS
 from faceedit_app.ui.look.palette import (
     ACCENT,
     ACCENT_DEEP,
@@ -63,7 +63,7 @@ class EditsDelegate(QStyledItemDelegate):
         selected = bool(state & QStyle.StateFlag.State_Selected)
         quiet = QColor(FAINT) if not edit.enabled else QColor(TEXT if selected else MUTED)
         name = str(index.data(Qt.ItemDataRole.DisplayRole))
-        (text, room), *others = cells(rect, name, *columns(edit))
+        (text, room), *others = cells(rect, name, *index.data(COLUMNS))
         painter.setPen(QColor(TEXT if edit.enabled else FAINT))
         self._write(painter, room, text, Qt.AlignmentFlag.AlignLeft)
         painter.setPen(quiet)

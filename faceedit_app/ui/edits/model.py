@@ -14,10 +14,14 @@ from PySide6.QtCore import (
     Signal,
 )
 
+from faceedit_app.core.clip import Clip
 from faceedit_app.editing.edits.describe import describe, describe_controls
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.ui.state.clock import Unit, label
 from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
 
+COLUMNS = Qt.ItemDataRole.UserRole + 1  # when, on what, how strongly
 _MIME = "application/x-faceedit-row"
 Index = QModelIndex | QPersistentModelIndex
 _ROOT = QModelIndex()
@@ -32,9 +36,9 @@ class EditsModel(QAbstractListModel):
 
     moving = Signal(int)
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, timeline: Timeline) -> None:
         super().__init__(document)
-        self._document = document
+        self._document, self._timeline = document, timeline
 
     @property
     def edits(self) -> Sequence[Edit]:
@@ -63,11 +67,17 @@ class EditsModel(QAbstractListModel):
                 return Qt.CheckState.Checked if edit.enabled else Qt.CheckState.Unchecked
             case Qt.ItemDataRole.ToolTipRole | Qt.ItemDataRole.AccessibleTextRole:
                 state = "" if edit.enabled else ", switched off"
-                return f"{describe(edit)}, {', '.join(columns(edit))}{state}"
+                return f"{describe(edit)}, {', '.join(self.columns(edit))}{state}"
             case Qt.ItemDataRole.UserRole:
                 return edit
+            case _ if role == COLUMNS:
+                return self.columns(edit)
             case _:
                 return None
+
+    def columns(self, edit: Edit) -> tuple[str, str, str]:
+        """When an edit acts, on what, and how strongly, with times in the chosen unit."""
+        return columns(edit, self._timeline.clip, self._timeline.clock.unit)
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
         """Rename an edit, or switch it."""
@@ -130,11 +140,24 @@ class EditsModel(QAbstractListModel):
             self._document.act(lambda session: session.move(row, to))
 
 
-def columns(edit: Edit) -> tuple[str, str, str]:
-    """When it acts, on what, and how strongly."""
-    start, end = (f"{max(seconds, 0.0):.2f}" for seconds in (edit.start, edit.end))
+def columns(
+    edit: Edit, clip: Clip | None = None, unit: Unit = Unit.SECONDS
+) -> tuple[str, str, str]:
+    """When it acts, on what, and how strongly.
+
+    Args:
+        edit: the edit.
+        clip, unit: for times in frames or timecode; otherwise they are in seconds.
+    """
+    ends = (max(seconds, 0.0) for seconds in (edit.start, edit.end))
+    if clip is None or unit is Unit.SECONDS:
+        start, end = (f"{seconds:.2f}" for seconds in ends)
+        tail = " s"
+    else:
+        start, end = (label(clip, seconds, unit) for seconds in ends)
+        tail = ""
     return (
-        f"{start} s" if start == end else f"{start} – {end} s",
+        f"{start}{tail}" if start == end else f"{start} – {end}{tail}",
         describe_controls(edit.controls),
         f"{100 * edit.strength:.0f} %",
     )

@@ -104,6 +104,9 @@ class Editor(QWidget):
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
         self.curves.fields.left.connect(document.seal)
+        self.curves.edit_began.connect(self.edits.leave)
+        self.curves.edit_made.connect(self.edits.select_new)
+        self.curves.follow_chosen(lambda: self.edits.chosen_edit)
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)

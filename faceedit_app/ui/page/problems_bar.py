@@ -34,6 +34,12 @@ NAMES = {
     "jitter": "shaking",
     "dropped": "lost frames",
 }
+ONE = {
+    "lips": "Lips stay open",
+    "blink": "Half blink",
+    "jitter": "Shaking",
+    "dropped": "Lost frames",
+}
 
 
 class ProblemsBar(QWidget):
