@@ -167,6 +167,40 @@ def test_the_edge_of_a_short_edit_does_not_catch_a_drag_of_the_curve(window: Mai
     assert len(session.edits) == 2
 
 
+def test_with_time_as_frames_everything_is_in_frames(window: MainWindow) -> None:
+    session, fields = session_of(window), curves_of(window).fields
+    times = session.take.clip.times
+    trigger(window, "unit_frames")
+    window.timeline.set_falloffs(0.2, 0.2)
+    session.add(Edit(("mouth_opening",), Op.OFFSET, float(times[60]), float(times[96]), 0.1, 4.0))
+    edits = editor_of(window).edits
+    edits.select(0)
+    assert (fields.start.text(), fields.end.text()) == ("61", "97")
+    assert fields.fade_in.value() == pytest.approx(0.1 * session.take.clip.rate)
+    fields.start.setValue(71)
+    fields.fade_out.setValue(9)
+    (edit,) = session.edits
+    assert edit.start == times[70]
+    assert edit.end == times[96]
+    assert edit.fade_out == pytest.approx(9 / session.take.clip.rate)
+    assert edits.model.columns(edit)[0] == "71 – 97"
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    assert fields.start.text() == "–"
+    fields.end.setValue(100)
+    assert window.timeline.selection == (times[99], times[99])
+    trigger(window, "fix_smile")
+    assert "frames 100 to 100" in window.status.currentMessage()
+
+
+def test_a_typed_start_does_not_round_the_end(window: MainWindow) -> None:
+    session, fields = session_of(window), curves_of(window).fields
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 0.5, 1.23456, 0.1, 4.0))
+    editor_of(window).edits.select(0)
+    fields.start.setValue(0.612)
+    assert (session.edits[0].start, session.edits[0].end) == (0.612, 1.23456)
+    assert fields.end.text() == "1.235"
+
+
 def test_a_new_selection_leaves_the_edit_as_it_is(window: MainWindow) -> None:
     session = session_of(window)
     drag_curve(window, 0, 1.0, 15)

@@ -26,6 +26,7 @@ from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
 from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
+from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool, Tools
 
@@ -426,11 +427,18 @@ class CurvesPanel(QWidget):
         words = drag.words, f"asked {asked:.1f} · face {face:.1f}"
         return Handle(time, asked, True, words)
 
+    def _in_unit(self, seconds: float) -> str:
+        """A length of time in the unit in which times are shown."""
+        clip = self.timeline.clip
+        if clip is None or self.timeline.clock.unit is not Unit.FRAMES:
+            return f"{seconds:.2f} s"
+        return f"{seconds * clip.rate:.1f} frames"
+
     def _hint(self) -> str:
         mouse = self._mouse
         if mouse.is_dragging:
-            seconds = self.timeline.falloff
-            return f"Falloff {seconds:.2f} s (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
+            falloff = self._in_unit(self.timeline.falloff)
+            return f"Falloff {falloff} (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
         return _CHOSEN_HINT if self.timeline.shows_edit else _IDLE_HINTS[self.tools.tool]
