@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.faces import shipped_rig, talking_clip
+from support.leaky import leaky_rig, speech
 from support.places import SHARED
 from support.sessions import demo_take, session_by_rig
 
@@ -202,3 +203,16 @@ def test_real_takes_show_lips_that_nearly_meet() -> None:
     seconds = sum(open_session(path, shipped_rig()).take.clip.duration for path in LIVELINK)
     count = sum(p.kind is Kind.LIPS for problems in found for p in problems)
     assert count < seconds / 10, "speech closes the lips once a second: few of them are missed"
+
+
+def test_gaps_on_the_shown_character_are_found_and_the_proposals_close_them() -> None:
+    session = session_by_rig(Clip(speech(), ARKIT_CHANNELS, np.arange(120) / 30.0, 30.0))
+    assert Kind.CHARACTER not in {problem.kind for problem in find_problems(session)}
+    session.use_character(leaky_rig())
+    found = [problem for problem in find_problems(session) if problem.kind is Kind.CHARACTER]
+    assert {problem.controls[0] for problem in found} >= {"mouth_opening"}
+    ours = session.achieved.copy()
+    session.add(*(edit for problem in found for edit in problem.fix))
+    after = [problem for problem in find_problems(session) if problem.kind is Kind.CHARACTER]
+    assert len(after) < len(found) / 4
+    assert np.median(np.abs(session.achieved - ours)) < 0.1

@@ -10,6 +10,7 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
+from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import (
@@ -19,6 +20,7 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
+from faceedit_app.editing.help.on_character import Gap, gaps_on_character
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.filters import moving_mean
 from faceedit_app.formats.timing import counted
@@ -44,6 +46,7 @@ class Kind(StrEnum):
     LIPS = "lips"  # the lips nearly meet, but do not
     BLINK = "blink"  # a blink does not close the eyes
     JITTER = "jitter"  # a curve shakes from frame to frame
+    CHARACTER = "character"  # lips or lids are open on the user's character only
     DROPPED = "dropped"  # the recording lost frames
 
 
@@ -75,16 +78,20 @@ class Problem:
 
 def find_problems(session: EditSession) -> list[Problem]:
     """The problems of the take with its edits, in order of time."""
-    return problems_of(session.take.clip, session.weights, session.achieved)
+    rigs = session.rig, session.shown_rig
+    return problems_of(session.take.clip, session.weights, session.achieved, rigs)
 
 
-def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
+def problems_of(
+    clip: Clip, weights: Floats, controls: Floats, rigs: tuple[Rig, Rig] | None = None
+) -> list[Problem]:
     """The problems of a clip, in order of time.
 
     Args:
         clip: its times, rate and gaps are used, not its weights.
         weights: (T, 52) in ARKit order.
         controls: (T, C) mm, measured with these weights.
+        rigs: FaceEdit's own character, and the one shown.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
@@ -93,6 +100,8 @@ def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
         *_jitter(clip, measured),
         *_dropped(clip, measured),
     ]
+    if rigs is not None and rigs[0] is not rigs[1]:
+        found += map(_on_character, gaps_on_character(clip, weights, *rigs))
     return sorted(found, key=lambda problem: (problem.time, problem.kind))
 
 
@@ -130,6 +139,21 @@ def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
         )
         for dip, lids in half_blinks(clip.times, controls, clip.rate)
     ]
+
+
+def _on_character(gap: Gap) -> Problem:
+    what = "lips" if gap.are_lips else "lids"
+    return Problem(
+        Kind.CHARACTER,
+        gap.start,
+        gap.end,
+        gap.time,
+        gap.controls,
+        f"On your character the {what} stay {gap.width:.1f} mm apart",
+        f"{gap.width:.1f} mm",
+        _share(gap.width, WIDE_APART),
+        (gap.fix,),
+    )
 
 
 def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:

@@ -21,6 +21,7 @@ from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -87,18 +88,18 @@ class FixCommands:
         presets, notes = load_presets()
         own = [preset for preset in presets if preset.own]
         for preset in own:
-            action = menu.addAction(preset.name)
-            action.setToolTip(preset.hint)
+            action = menu.addAction(plain_entry(preset.name))
+            action.setToolTip(plain_tip(preset.hint))
             action.triggered.connect(lambda _checked=False, p=preset: self.apply(p))
         if not own:
             menu.addAction("No presets of your own").setEnabled(False)
         for note in notes:
-            menu.addAction(note).setEnabled(False)
+            menu.addAction(plain_entry(note)).setEnabled(False)
         if own:
             menu.addSeparator()
             delete = menu.addMenu("Delete")
             for preset in own:
-                action = delete.addAction(preset.name)
+                action = delete.addAction(plain_entry(preset.name))
                 action.triggered.connect(lambda _checked=False, p=preset: self._delete(p))
 
     def save_preset(self) -> None:

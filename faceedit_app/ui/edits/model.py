@@ -17,6 +17,7 @@ from PySide6.QtCore import (
 from faceedit_app.core.clip import Clip
 from faceedit_app.editing.edits.describe import describe, describe_controls
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.state.clock import Unit, label
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -67,7 +68,8 @@ class EditsModel(QAbstractListModel):
                 return Qt.CheckState.Checked if edit.enabled else Qt.CheckState.Unchecked
             case Qt.ItemDataRole.ToolTipRole | Qt.ItemDataRole.AccessibleTextRole:
                 state = "" if edit.enabled else ", switched off"
-                return f"{describe(edit)}, {', '.join(self.columns(edit))}{state}"
+                words = f"{describe(edit)}, {', '.join(self.columns(edit))}{state}"
+                return plain_tip(words) if role == Qt.ItemDataRole.ToolTipRole else words
             case Qt.ItemDataRole.UserRole:
                 return edit
             case _ if role == COLUMNS:

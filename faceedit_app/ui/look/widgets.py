@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.icons import SIZE
 from faceedit_app.ui.look.palette import FAINT, TEXT
 from faceedit_app.ui.look.theme import GAP, MARGIN
@@ -57,6 +58,7 @@ class Choice(QComboBox):
         # A click does not take the focus, so that the arrows still move the playhead.
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
+    @guarded
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the list and its arrow."""
         super().paintEvent(event)
@@ -86,6 +88,7 @@ class Elided(QLabel):
         room = self.contentsRect().width()
         return self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room)
 
+    @guarded
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the text in the style sheet's colour."""
         with QPainter(self) as painter:

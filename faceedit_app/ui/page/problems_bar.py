@@ -12,6 +12,8 @@ from faceedit_app.editing.help.problems import Problem, find_problems, problems_
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
+from faceedit_app.ui.look.guard import guarded
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.widgets import icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.background import Background
@@ -27,11 +29,18 @@ _NEAR = 7.0  # pixels
 _CLOSE = 2.0  # seconds in view, at least, to judge a problem by
 _AROUND = 4.0  # times its length
 # Okabe and Ito's colours, safe for colour-blind people; the shapes differ too.
-COLORS = {"lips": "#d55e00", "blink": "#e69f00", "jitter": "#cc79a7", "dropped": "#9aa0aa"}
+COLORS = {
+    "lips": "#d55e00",
+    "blink": "#e69f00",
+    "jitter": "#cc79a7",
+    "character": "#009e73",
+    "dropped": "#9aa0aa",
+}
 NAMES = {
     "lips": "lips that stay open",
     "blink": "half blinks",
     "jitter": "shaking",
+    "character": "open on your character",
     "dropped": "lost frames",
 }
 ONE = {
@@ -95,6 +104,7 @@ class ProblemsBar(QWidget):
         self._newest += 1
         number, clip = self._newest, session.take.clip
         weights, controls = session.weights.copy(), session.achieved.copy()
+        rigs = session.rig, session.shown_rig
 
         def done(problems: list[Problem]) -> None:
             if number == self._newest and self._document.session is session:
@@ -105,7 +115,7 @@ class ProblemsBar(QWidget):
         def failed(_: Exception) -> None:
             """Show no marks."""
 
-        self._background.run(lambda: problems_of(clip, weights, controls), done, failed)
+        self._background.run(lambda: problems_of(clip, weights, controls, rigs), done, failed)
 
     def search(self) -> None:
         """Search the take as edited."""
@@ -220,10 +230,11 @@ class ProblemsBar(QWidget):
         if isinstance(event, QHelpEvent):
             index = self._at(event.pos().x())
             text = self.problems[index].message if index is not None else self.summary
-            QToolTip.showText(event.globalPos(), text or "No problems found", self)
+            QToolTip.showText(event.globalPos(), plain_tip(text or "No problems found"), self)
             return True
         return super().event(event)
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Spans and marks."""
         painter = QPainter(self)
@@ -253,9 +264,9 @@ class ProblemsBar(QWidget):
 
     @staticmethod
     def _paint_mark(painter: QPainter, at: QPointF, kind: str, severity: float, lit: bool) -> None:
-        """A circle for lips, a diamond for blinks, a triangle for shaking, a square for gaps.
+        """A circle for lips, a diamond for blinks, triangles for shaking and the user's character.
 
-        The worse the problem, the larger.
+        A square is for gaps. The worse the problem, the larger.
         """
         size = _SIZES[0] + severity * (_SIZES[1] - _SIZES[0]) + (1.0 if lit else 0.0)
         painter.setPen(QPen(style.color(style.TEXT if lit else style.BACKGROUND), 1.4))
@@ -266,6 +277,7 @@ class ProblemsBar(QWidget):
         shapes = {
             "blink": [(-1.2, 0), (0, -1.2), (1.2, 0), (0, 1.2)],
             "jitter": [(-1.1, 0.9), (0, -1.1), (1.1, 0.9)],
+            "character": [(-1.1, -0.9), (0, 1.1), (1.1, -0.9)],
             "dropped": [(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
         }
         corners = [QPointF(at.x() + size * x, at.y() + size * y) for x, y in shapes[kind]]

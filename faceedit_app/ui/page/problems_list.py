@@ -73,8 +73,8 @@ class ProblemsList(QWidget):
         rows.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         rows.header().setStretchLastSection(False)
         rows.header().setSectionResizeMode(_KIND, rows.header().ResizeMode.Stretch)
-        for column in (_TIME, _AMOUNT):
-            rows.header().setSectionResizeMode(column, rows.header().ResizeMode.ResizeToContents)
+        for place in (_TIME, _AMOUNT):
+            rows.header().setSectionResizeMode(place, rows.header().ResizeMode.ResizeToContents)
         self._empty.setObjectName("caption")
         self._empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         bar = QHBoxLayout()

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout
 
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.help.problems import Problem
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Elided, OneClick, icon_button
 from faceedit_app.ui.state.actions import Actions
@@ -68,7 +69,7 @@ class ProposalBar(QFrame):
         self.discard()
         self._name, self.problem, self.is_for_all = name, problem, problem is None
         self.text.setText(text)
-        self.text.setToolTip(text)
+        self.text.setToolTip(plain_tip(text))
         self._show(True)
         self._showing = True
         self._document.preview(*edits)
