@@ -79,6 +79,17 @@ class Workspace(QObject):
         """The character, once it is loaded."""
         return self.opener.rig
 
+    def beside(self, kind: str) -> Path:
+        """The take's folder; for the demo take and without one, where the dialog was last used.
+
+        Args:
+            kind: of the dialog, see `Preferences.folder`.
+        """
+        take = self.document.path
+        if take is None or is_demo_take(take) or not take.parent.is_dir():
+            return self.preferences.folder(kind)
+        return take.parent
+
     def suggest(self, kind: str, tail: str, ending: str) -> Path:
         """A file name beside the take; for the demo take, in another folder.
 

@@ -74,6 +74,7 @@ class Interaction(QObject):
         self.chosen: frozenset[str] = frozenset()  # ids of curves to edit together
         self.chosen_edit: Callable[[], tuple[int, Edit] | None] = lambda: None
         self._changes: tuple[int, Edit] | None = None  # the chosen edit, if the drag changes it
+        self._clicks = False  # a click is moving the playhead
         self._x = 0.0  # pixels of the pointer, in its plot
         self._came_from = 0  # playhead's frame before the drag
         self._shown = 0.0  # seconds to which the drag moved the playhead
@@ -104,21 +105,30 @@ class Interaction(QObject):
         if self.drag is not None:
             return self.drag.span(line.falloff, line.falloff_out)
         time = self.hover_time
-        return self._span_at(time) if time is not None else None
+        return self._span_at(time, self._grasp) if time is not None else None
 
-    def _span_at(self, seconds: float) -> Span:
+    @property
+    def _grasp(self) -> float:
+        """Seconds by which the pointer may miss."""
+        return GRASP * self.plot.current_scale.seconds_per_pixel if self.plot is not None else 0.0
+
+    def _span_at(self, seconds: float, slack: float) -> Span:
         line = self._timeline
-        if line.own_selection is None and not self._is_in_chosen(seconds):
+        if line.own_selection is None and not self._is_in_chosen(seconds, slack):
             return Span(seconds, seconds, *line.own_falloffs)
         return span_at(seconds, line.selection, line.falloff, line.falloff_out)
 
-    def _is_in_chosen(self, seconds: float) -> bool:
-        """Whether a time is in the hold of the chosen edit, if that is a part of the take."""
+    def _is_in_chosen(self, seconds: float, slack: float) -> bool:
+        """Whether a time is in the hold of the chosen edit, if that is a part of the take.
+
+        Args:
+            seconds: the time.
+            slack: seconds that it may lie outside.
+        """
         line = self._timeline
         if not line.shows_edit or line.selection is None:
             return False
         start, end = line.selection
-        slack = GRASP * self.plot.current_scale.seconds_per_pixel if self.plot is not None else 0.0
         is_part = end - start < line.duration - 2 * slack
         return is_part and start - slack <= seconds <= end + slack
 
@@ -209,6 +219,11 @@ class Interaction(QObject):
             fade_out = line.falloff_out if left else fade_out
         line.set_falloffs(fade_in, fade_out)
 
+    def forget_pointer(self) -> None:
+        """Keys or playback moved the playhead: show no hover until the pointer moves again."""
+        if not (self.is_held or self._clicks):
+            self.plot = None
+
     def leave(self, plot: CurvePlot) -> None:
         """The pointer left the plot."""
         if not self.is_held and self.plot is plot:
@@ -233,7 +248,8 @@ class Interaction(QObject):
 
     def _begin(self, plot: CurvePlot, pointer: Pointer) -> None:
         time = self._timeline.snap(plot.current_scale.time_at(pointer.x))
-        press = self._press(plot, time, (pointer.x, pointer.y), pointer.one_side)
+        at = pointer.x, pointer.y
+        press = self._press(plot, time, at, self._grasp, pointer.one_side)
         self.drag = begin(self._tools.tool, press, self._tools.smooth)
         self._changes = self._changed_by(press)
         if self.drag.moving:
@@ -242,7 +258,12 @@ class Interaction(QObject):
         self.changed.emit()
 
     def _press(
-        self, plot: CurvePlot, time: float, at: tuple[float, float], one_side: bool = False
+        self,
+        plot: CurvePlot,
+        time: float,
+        at: tuple[float, float],
+        slack: float,
+        one_side: bool = False,
     ) -> Press:
         """What a gesture needs to know about the curve at a time."""
         session, control = self.session, plot.control.id
@@ -254,7 +275,7 @@ class Interaction(QObject):
             at,
             time,
             plot.current_scale,
-            self._span_at(time),
+            self._span_at(time, slack),
             float(session.asked[frame, column]),
             float(session.tracked[frame, column]),
             session.limits[column],
@@ -268,7 +289,7 @@ class Interaction(QObject):
         if session is None or self.is_held:
             return
         self.plot, self._x = plot, plot.current_scale.x_of(line.time)
-        press = self._press(plot, line.time, (0.0, 0.0))
+        press = self._press(plot, line.time, (0.0, 0.0), slack=0.0)
         millimetres = clamped(millimetres, move(press).limits)
         edit = press.span.edit(press.controls, Op.OFFSET, millimetres)
         edits, key = session.edits, ("nudge", replace(edit, value=0.0))
@@ -351,7 +372,9 @@ class Interaction(QObject):
         else:
             self.drag = None
             if drag.is_click:
+                self._clicks = True
                 self._timeline.go_to_time(drag.time)
+                self._clicks = False
 
     def _commit(self) -> None:
         """Keep what the drag did, as one step."""

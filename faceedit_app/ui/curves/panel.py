@@ -136,6 +136,7 @@ class CurvesPanel(QWidget):
             strip.menu_asked.connect(self.time_menu_asked)
         self.plots[0].view.sigResized.connect(self._show_columns)
         self.timeline.view_changed.connect(self._show_view)
+        self.timeline.playhead_moved.connect(self._mouse.forget_pointer)
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
         self.timeline.falloff_changed.connect(self._show_state)
@@ -400,6 +401,7 @@ class CurvesPanel(QWidget):
         frame = min(timeline.frame, len(session.tracked) - 1)
         arrays = session.tracked, session.asked, session.achieved
         values = zip(*(array[frame].tolist() for array in arrays), strict=True)
+        limits = session.limits
         dragging, span, selection = mouse.is_dragging, mouse.span, self._edges.span
         plain = Marks(selection, span if dragging else None, style.WEAK)
         lit = Marks(selection, span, style.STRONG if dragging else style.HOVER)
@@ -410,7 +412,9 @@ class CurvesPanel(QWidget):
             marks = lit if (plot.control.id in edited if dragging else here) else plain
             handle = self._handle(session, i) if here else None
             plot.show_marks(marks, timeline.time, handle, face)
-            header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
+            low, high = limits[i]
+            share = f"{100 * (face - low) / (high - low):.0f} %" if high > low else ""
+            header.show_value(f"{face:.1f} mm", _note(tracked, asked, face), share)
             header.show_active(here or plot.shows_focus)
         fades = timeline.own_falloffs
         span = span or span_at(timeline.time, timeline.own_selection, *fades)

@@ -52,7 +52,7 @@ class EditsPanel(QWidget):
         self.list = QListView()
         self.strength = self._slider()
         self.percent = QLabel()
-        self.done = icon_button(actions["deselect"], "tool", "Done")
+        self.done = icon_button(actions["deselect"], "small_button", "Done")
         self._pages = QStackedWidget()
         self._showing = False  # the panel is changing the range, not the user
         self._is_dragged = False  # the strength; the preview is the slider's
@@ -101,7 +101,7 @@ class EditsPanel(QWidget):
         bar.setSpacing(GAP // 2)
         bar.addWidget(self.done)
         bar.addStretch()
-        bar.addWidget(caption("Edit strength", self.strength))
+        bar.addWidget(caption("Strength", self.strength))
         bar.addWidget(self.strength)
         bar.addWidget(self.percent)
         bar.addSpacing(GAP)
@@ -114,7 +114,7 @@ class EditsPanel(QWidget):
 
     def _slider(self) -> GestureSlider:
         slider = GestureSlider(0, STRONGEST, 130)
-        slider.setToolTip("Edit strength: how much of the edit is applied.\n100 %: as you made it.")
+        slider.setToolTip("Strength: how much of the edit is applied.\n100 %: as you made it.")
         slider.dragged.connect(self._drag_strength)
         slider.sliderReleased.connect(self._released)
         slider.stepped.connect(self._step_strength)

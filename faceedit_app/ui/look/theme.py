@@ -67,6 +67,7 @@ QToolButton#tool::menu-indicator {{ image: none; width: 0; }}
 QToolButton#small {{ background: transparent; padding: 2px; }}
 QToolButton#small:hover {{ background: {HOVER}; }}
 QToolButton#accept {{ background: {ACCENT_DEEP}; padding: 2px 10px; }}
+QToolButton#small_button {{ padding: 2px 10px; }}
 QToolButton#proposal_button {{ background: transparent; padding: 2px 7px; }}
 QToolButton#proposal_button:hover {{ background: {HOVER}; }}
 QToolButton#accept:hover {{ background: #2d6d94; }}

@@ -155,6 +155,10 @@ class Timeline(QObject):
             self.set_falloffs(*own)
         self.select(selection)
 
+    def restore_falloffs(self) -> None:
+        """Set both falloffs as they are at first."""
+        self.set_falloffs(DEFAULT_FALLOFF, DEFAULT_FALLOFF)
+
     def keep_falloffs(self) -> None:
         """Make the falloffs that are shown those of the next edit."""
         if self._own is not None:
