@@ -22,9 +22,10 @@ from faceedit_app.ui.look.palette import (
     ACCENT_DEEP,
     BACKGROUND,
     BORDER,
-    FAINT,
-    HOVER,
+    DISABLED,
+    LABEL,
     MUTED,
+    RAISED,
     TEXT,
 )
 
@@ -55,7 +56,7 @@ class EditsDelegate(QStyledItemDelegate):
         if state & QStyle.StateFlag.State_Selected:
             painter.fillRect(rect, QColor(ACCENT_DEEP))
         elif state & QStyle.StateFlag.State_MouseOver:
-            painter.fillRect(rect, QColor(HOVER))
+            painter.fillRect(rect, QColor(RAISED))
         # Rows that end between two pixels of the screen would leave a line behind.
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if state & QStyle.StateFlag.State_HasFocus:
@@ -63,10 +64,14 @@ class EditsDelegate(QStyledItemDelegate):
             painter.drawRect(rect.adjusted(0.5, 0.5, -0.5, -0.5))
         self._paint_switch(painter, switch_rect(rect), edit.enabled)
         selected = bool(state & QStyle.StateFlag.State_Selected)
-        quiet = QColor(FAINT) if not edit.enabled else QColor(TEXT if selected else MUTED)
+        hovered = bool(state & QStyle.StateFlag.State_MouseOver)
+        off = MUTED if hovered else DISABLED
+        if selected:
+            off = LABEL
+        quiet = QColor(off) if not edit.enabled else QColor(TEXT if selected else MUTED)
         name = str(index.data(Qt.ItemDataRole.DisplayRole))
         (text, room), *others = cells(rect, name, *index.data(COLUMNS))
-        painter.setPen(QColor(TEXT if edit.enabled else FAINT))
+        painter.setPen(QColor(TEXT if edit.enabled else off))
         self._write(painter, room, text, Qt.AlignmentFlag.AlignLeft)
         painter.setPen(quiet)
         for text, room in others:

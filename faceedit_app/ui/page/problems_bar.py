@@ -242,7 +242,7 @@ class ProblemsBar(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if not self.problems:
             painter.setFont(style.scaled_font(self, 0.82))
-            painter.setPen(style.color(style.FAINT))
+            painter.setPen(style.color(style.MUTED))
             words = "No problems found" if self.is_searched else "Looking for problems…"
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, words)
             return
