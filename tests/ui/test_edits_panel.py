@@ -7,8 +7,16 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit, QStyle, QStyleOptionViewItem
+from PySide6.QtWidgets import (
+    QApplication,
+    QLineEdit,
+    QSpinBox,
+    QStyle,
+    QStyleOptionViewItem,
+    QWidget,
+)
 from support.curves import drag, turn
+from support.waiting import run_events
 from support.windows import Bench, drag_curve, session_of
 
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -114,6 +122,48 @@ def test_rename(bench: Bench, window: MainWindow) -> None:
     QTest.keyClicks(editor, "open wide")
     QTest.keyClick(editor, Qt.Key.Key_Return)
     bench.qtbot.waitUntil(lambda: names(window) == ["first", "open wide", "third"])
+
+
+def double_click(panel: EditsPanel, row: int, from_right: int) -> QWidget:
+    """On a part of a row; returns the field that opens."""
+    rect = panel.list.visualRect(panel.model.index(row))
+    place = QPoint(rect.right() - from_right, rect.center().y())
+    QTest.mouseClick(panel.list.viewport(), LEFT, pos=place)
+    QTest.mouseDClick(panel.list.viewport(), LEFT, pos=place)
+    field = QApplication.focusWidget()
+    assert field is not None
+    return field
+
+
+def enter(field: QWidget) -> None:
+    """Qt commits what was typed once the field has handled the key."""
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    run_events()
+
+
+def test_strength_and_range_are_typed_in_the_list(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    field = double_click(panel, 1, 20)
+    assert isinstance(field, QSpinBox)
+    field.setValue(60)
+    enter(field)
+    assert session.edits[1].strength == 0.6
+    assert session.undo_name == "Edit strength"
+    for typed, expected in (("0.75 - 2", (0.75, 2.0)), ("nothing", (0.75, 2.0)), ("1", (1, 1))):
+        line = double_click(panel, 1, 100)
+        assert isinstance(line, QLineEdit)
+        line.setText(typed)
+        enter(line)
+        assert (session.edits[1].start, session.edits[1].end) == expected
+    window.actions_["unit_frames"].trigger()
+    line = double_click(panel, 1, 100)
+    assert isinstance(line, QLineEdit)
+    assert line.text() == "61 – 61"
+    line.setText("61 – 91")
+    enter(line)
+    times = session.take.clip.times
+    assert (session.edits[1].start, session.edits[1].end) == (times[60], times[90])
+    assert session.edits[1].strength == 0.6
 
 
 def test_after_renaming_the_list_has_the_keyboard_again(bench: Bench, window: MainWindow) -> None:

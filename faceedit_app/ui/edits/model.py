@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import (
@@ -23,6 +25,8 @@ from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 COLUMNS = Qt.ItemDataRole.UserRole + 1  # when, on what, how strongly
+STRENGTH, RANGE = (Qt.ItemDataRole.UserRole + i for i in (2, 3))  # to set them
+_NUMBER = re.compile(r"\d+(?:\.\d*)?|\.\d+", re.ASCII)
 _MIME = "application/x-faceedit-row"
 Index = QModelIndex | QPersistentModelIndex
 _ROOT = QModelIndex()
@@ -88,10 +92,38 @@ class EditsModel(QAbstractListModel):
             on = Qt.CheckState(value) is Qt.CheckState.Checked
             self._document.act(lambda session: session.set_enabled(row, on))
             return True
+        if role == STRENGTH:
+            self._replace(row, replace(self.edits[row], strength=float(value)), "Edit strength")
+            return True
+        if role == RANGE:
+            self._replace(row, self.edits[row].stretched(*value), "Range")
+            return True
         if role == Qt.ItemDataRole.EditRole and str(value) != self.data(index):
             self._document.act(lambda session: session.rename(row, str(value)))
             return True
         return False
+
+    def _replace(self, row: int, edit: Edit, name: str) -> None:
+        if edit != self.edits[row]:
+            self._document.act(lambda session: session.replace_edit(row, edit, name))
+
+    def typed_range(self, text: str) -> tuple[float, float] | None:
+        """The range that a text such as `1.2 – 3` means, in the unit of `ends`; None if none."""
+        clip, numbers = self._timeline.clip, [float(n) for n in _NUMBER.findall(text)]
+        if clip is None or not 1 <= len(numbers) <= 2:
+            return None
+        if self._timeline.clock.unit is Unit.FRAMES:
+            frames = (min(max(round(n), 1), len(clip)) - 1 for n in numbers)
+            numbers = [float(clip.times[frame]) for frame in frames]
+        first, last = (min(max(n, 0.0), clip.duration) for n in (numbers[0], numbers[-1]))
+        return min(first, last), max(first, last)
+
+    def ends(self, edit: Edit) -> str:
+        """The range of an edit as it is typed: in frames, or else in seconds."""
+        clip = self._timeline.clip
+        if clip is not None and self._timeline.clock.unit is Unit.FRAMES:
+            return " – ".join(label(clip, s, Unit.FRAMES) for s in (edit.start, edit.end))
+        return f"{max(edit.start, 0.0):.3f} – {max(edit.end, 0.0):.3f}"
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         """What can be done with a row; edits are dropped between rows."""

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.ui.edits.delegate import EditsDelegate
+from faceedit_app.ui.edits.delegate import STRONGEST, EditsDelegate, Part
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.look.theme import GAP, MARGIN
@@ -28,7 +28,6 @@ from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
-STRONGEST = 150  # per cent
 _EMPTY = (
     "No edits yet. Drag a curve, or click one of the fixes above.\n"
     "Every edit is listed here; you can change its strength, switch it off or delete it."
@@ -50,6 +49,7 @@ class EditsPanel(QWidget):
         self._actions, self._document, self._timeline = actions, document, timeline
         self.model = EditsModel(document, timeline)
         self.list = QListView()
+        self._delegate = EditsDelegate(self.list)
         self.strength = self._slider()
         self.percent = QLabel()
         self.done = icon_button(actions["deselect"], "small_button", "Done")
@@ -78,7 +78,7 @@ class EditsPanel(QWidget):
         view = self.list
         view.setObjectName("edits_list")
         view.setModel(self.model)
-        view.setItemDelegate(EditsDelegate(view))
+        view.setItemDelegate(self._delegate)
         view.setAccessibleName("Edits")
         view.setMouseTracking(True)
         view.setUniformItemSizes(True)
@@ -366,6 +366,7 @@ class EditsPanel(QWidget):
         """Let the user type another name."""
         if self.current is not None:
             self.list.setFocus()
+            self._delegate.edits = Part.NAME
             self.list.edit(self.list.currentIndex())
 
     def move_edit(self, by: int) -> None:
