@@ -40,7 +40,7 @@ class FileCommands:
     def ask_open(self) -> None:
         """Open a take or a project that the user chooses."""
         if self.may_close():
-            path = dialogs.ask_open(self._window, self._preferences.folder("take"))
+            path = dialogs.ask_open(self._window, self._workspace.beside("take"))
             if path is not None:
                 self.open(path)
 
@@ -151,7 +151,7 @@ class FileCommands:
 
     def ask_load_edits(self) -> None:
         """Add the edits in a file that the user chooses."""
-        path = dialogs.ask_load_edits(self._window, self._preferences.folder("edits"))
+        path = dialogs.ask_load_edits(self._window, self._workspace.beside("edits"))
         if path is not None:
             self.load_edits(path)
 

@@ -67,7 +67,7 @@ class TakeCommands:
     def ask_add(self) -> None:
         """Add a sound or a film that the user chooses."""
         preferences = self._workspace.preferences
-        path = dialogs.ask_media(self._workspace.window, preferences.folder("media"))
+        path = dialogs.ask_media(self._workspace.window, self._workspace.beside("media"))
         if path is not None:
             preferences.set_folder("media", path.resolve().parent)
             self._media.add(path)

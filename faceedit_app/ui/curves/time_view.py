@@ -211,10 +211,13 @@ def _pointer(
 ) -> Pointer:
     """The event's position and keys."""
     keys, key = event.modifiers(), Qt.KeyboardModifier
+    shift, ctrl = bool(keys & key.ShiftModifier), bool(keys & key.ControlModifier)
+    # Many window managers take Alt with the mouse; Shift and Ctrl together do the same.
+    both = shift and ctrl
     return Pointer(
         event.pos().x(),
         event.pos().y(),
-        fine=bool(keys & key.ShiftModifier),
-        snap=bool(keys & key.ControlModifier),
-        one_side=bool(keys & key.AltModifier),
+        fine=shift and not both,
+        snap=ctrl and not both,
+        one_side=both or bool(keys & key.AltModifier),
     )
