@@ -90,7 +90,7 @@ class SpanRegion(pg.LinearRegionItem):
             view = self.getViewBox()
             if view is None:
                 return QRectF()
-            self._rect = self._measure(view.viewRect(), view.viewPixelSize()[0])
+            self._rect = self._measure(view.viewRect(), view.pixel)
         return self._rect
 
     def _measure(self, view: QRectF, pixel: float) -> QRectF:
@@ -200,7 +200,7 @@ class Playhead(pg.InfiniteLine):
         if self._rect is None:
             view = self.getViewBox()
             low, high = view.viewRange()[1]
-            edge = 2.0 * view.viewPixelSize()[0]
+            edge = 2.0 * view.pixel
             self._rect = QRectF(low, -edge, high - low, 2.0 * edge)
         return self._rect
 
