@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.resources import shipped
@@ -10,7 +11,9 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
-from faceedit_app.networks.engine import Engine
+
+if TYPE_CHECKING:
+    from faceedit_app.networks.engine import Engine
 
 
 def shipped_rig() -> Rig:
@@ -32,6 +35,8 @@ def load_engine(rig: Rig, models: Path | None = None) -> Engine:
     Raises:
         FileError: the model is missing or damaged, or made for another character.
     """
+    from faceedit_app.networks.engine import Engine  # ONNX Runtime; the take does not wait for it
+
     return Engine.load(models if models is not None else shipped("models"), rig)
 
 
