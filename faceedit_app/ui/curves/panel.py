@@ -220,6 +220,11 @@ class CurvesPanel(QWidget):
         """Whether an edge of the selection is being moved."""
         return self._edges.is_changing
 
+    def cover_legend(self, bar: QWidget) -> None:
+        """Put a bar over the legend, where a second click does nothing once the bar is gone."""
+        bar.setFixedHeight(style.LEGEND_HEIGHT)
+        self._grid.addWidget(bar, 0, 0, 1, 3)
+
     def add_row(self, head: QWidget, strip: QWidget) -> None:
         """Add a strip on the time axis, under the curves."""
         row = self._grid.rowCount()
