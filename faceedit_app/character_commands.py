@@ -134,7 +134,7 @@ def make(
     ] = None,
 ) -> None:
     """Make all 52 blendshapes for a head that has none, from FaceEdit's own character."""
-    from faceedit_app.characters.glb import write_rig
+    from faceedit_app.characters.glb_writing import write_rig
     from faceedit_app.characters.making import Template
     from faceedit_app.characters.making import make as make_head
     from faceedit_app.characters.scans import read_scan
