@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -19,6 +20,7 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
+from faceedit_app.editing.help.spoken import NEAR, Closure, close_at, closures_of
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.filters import moving_mean
 
@@ -64,25 +66,52 @@ class Problem:
 
 def find_problems(session: EditSession) -> list[Problem]:
     """The problems of the take with its edits, in order of time."""
-    return problems_of(session.take.clip, session.weights, session.achieved)
+    return problems_of(session.take.clip, session.weights, session.achieved, closures_of(session))
 
 
-def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
+def problems_of(
+    clip: Clip, weights: Floats, controls: Floats, spoken: Sequence[Closure] = ()
+) -> list[Problem]:
     """The problems of a clip, in order of time.
 
     Args:
         clip: its times, rate and gaps are used, not its weights.
         weights: (T, 52) in ARKit order.
         controls: (T, C) mm, measured with these weights.
+        spoken: each m, b and p, if the words are known.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
-        *_lips(clip, values, measured),
+        *_spoken(spoken),
+        *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
         *_jitter(clip, measured),
         *_dropped(clip, measured),
     ]
     return sorted(found, key=lambda problem: (problem.start, problem.kind))
+
+
+def _spoken(closures: Sequence[Closure]) -> list[Problem]:
+    return [
+        Problem(
+            Kind.LIPS,
+            round(min(closure.phoneme.start, closure.time), 4),
+            round(max(closure.phoneme.end, closure.time), 4),
+            (LIP_OPENING,),
+            closure.message,
+            (close_at(closure),),
+        )
+        for closure in closures
+        if closure.is_open
+    ]
+
+
+def _unspoken(lips: list[Problem], spoken: Sequence[Closure]) -> list[Problem]:
+    """Lips that nearly meet where no words are known: words say better where they should."""
+    if not spoken:
+        return lips
+    first, last = spoken[0].phoneme.start - NEAR, spoken[-1].phoneme.end + NEAR
+    return [problem for problem in lips if problem.end < first or problem.start > last]
 
 
 def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:

@@ -36,6 +36,7 @@ class Closure:
         word, phoneme: what is said.
         frame, time: the dip of the mouth opening that belongs to it; `time` in seconds.
         gap: mm between the lips there.
+        touching: the mouth opening of lips that touch, mm.
     """
 
     word: Word
@@ -43,6 +44,7 @@ class Closure:
     frame: int
     time: float
     gap: float
+    touching: float
 
     @property
     def is_open(self) -> bool:
@@ -80,20 +82,23 @@ class LipGap:
         return gap
 
 
-def closures(words: Transcript, times: Times, gap: Doubles) -> list[Closure]:
+def closures(words: Transcript, times: Times, gap: Doubles, touching: float) -> list[Closure]:
     """Each m, b and p within the take, in order of time.
 
     Args:
         words: in seconds of the take.
         times: (T,) seconds.
         gap: (T,) mm between the lips.
+        touching: the mouth opening of lips that touch, mm.
     """
     found = []
     for word, phoneme in words.phonemes():
         if lips_of(phoneme.symbol) is Lips.CLOSE:
             frame = dip_at(times, gap, phoneme)
             if frame is not None:
-                found.append(Closure(word, phoneme, frame, float(times[frame]), float(gap[frame])))
+                found.append(
+                    Closure(word, phoneme, frame, float(times[frame]), float(gap[frame]), touching)
+                )
     return found
 
 
@@ -116,19 +121,15 @@ def dip_at(times: Times, curve: Doubles, phoneme: Phoneme) -> int | None:
     return int(frames[np.argmin(cost)])
 
 
-def close_at(closure: Closure, touching: float) -> Edit:
-    """An edit that closes the lips at one phoneme, and ends within 80 ms of its dip.
-
-    Args:
-        touching: the mouth opening of lips that touch, mm.
-    """
+def close_at(closure: Closure) -> Edit:
+    """An edit that closes the lips at one phoneme, and ends within 80 ms of its dip."""
     return Edit(
         (LIP_OPENING,),
         Op.SET,
         round(closure.time - _HOLD, 4),
         round(closure.time + _HOLD, 4),
         falloff=_FALLOFF,
-        value=round(touching, 2),
+        value=round(closure.touching, 2),
         name=f"Close lips: {spelled(closure.phoneme.symbol)} of {closure.word.text}"[:200],
     )
 
@@ -147,7 +148,8 @@ def closures_of(
         return []
     shown = session.weights if weights is None else weights
     gap = LipGap.of(rig or session.rig).measure(shown)
-    return closures(words, session.take.clip.times, gap)
+    touching = LipGap.of(session.rig).touching  # edits are made on the session's character
+    return closures(words, session.take.clip.times, gap, touching)
 
 
 def closing_edits(
@@ -159,9 +161,8 @@ def closing_edits(
         span: first and last second to look at; None = the whole take.
         rig: the character on which they stay open; None = the session's.
     """
-    touching = LipGap.of(session.rig).touching
     return tuple(
-        close_at(closure, touching)
+        close_at(closure)
         for closure in closures_of(session, rig)
         if closure.is_open and _within(closure.time, span)
     )
