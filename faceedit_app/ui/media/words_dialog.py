@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.state.background import Background
-from faceedit_app.words.dictionary import LANGUAGE, unknown_words
+from faceedit_app.words.dictionary import LANGUAGE, spoken, unknown_words
 from faceedit_app.words.transcript import Transcript
 
 if TYPE_CHECKING:  # these import PyAV and scipy
@@ -112,13 +112,13 @@ class WordsDialog(QDialog):
         self.find.clicked.connect(self.start)
         buttons = QDialogButtonBox()
         role = QDialogButtonBox.ButtonRole
-        self.open = buttons.addButton("O&pen…", role.ActionRole)
-        self.open.setToolTip("Open TextGrid, SRT, VTT, JSON or TXT")
-        self.open.clicked.connect(self._open)
-        self.save = buttons.addButton("&Export…", role.ActionRole)
-        self.save.setToolTip("Write the take's words as TextGrid, SRT or JSON")
-        self.save.setEnabled(self._present is not None)
-        self.save.clicked.connect(save)
+        self.open_file = buttons.addButton("O&pen…", role.ActionRole)
+        self.open_file.setToolTip("Open TextGrid, SRT, VTT, JSON or TXT")
+        self.open_file.clicked.connect(self._open)
+        self.export = buttons.addButton("&Export…", role.ActionRole)
+        self.export.setToolTip("Write the take's words as TextGrid, SRT or JSON")
+        self.export.setEnabled(self._present is not None)
+        self.export.clicked.connect(save)
         buttons.addButton(self.find, role.AcceptRole)
         self.stop = buttons.addButton(QDialogButtonBox.StandardButton.Cancel)
         self.stop.clicked.connect(self._stop)
@@ -143,9 +143,11 @@ class WordsDialog(QDialog):
         """Ask for unknown words, else find the times in the background."""
         if self._job is not None:
             return
-        for word, field in self._asked.items():
-            if field.text().strip():
-                self._spellings[word] = field.text().strip()
+        try:
+            self._take_spellings()
+        except FaceEditError as error:
+            self.message.setText(f"{error}.")
+            return
         if self._imported is not None and self._imported.transcript is not None:
             self._finish(self._imported.transcript.shifted(self._place.offset))
             return
@@ -157,6 +159,19 @@ class WordsDialog(QDialog):
         self._job.moved.connect(self._moved)
         self._show_state()
         self._background.run(self._work(self._job), self._found, self._failed)
+
+    def _take_spellings(self) -> None:
+        """Read what unknown words sound like.
+
+        Raises:
+            FaceEditError: a spelling is not in the dictionary either.
+        """
+        for word, field in self._asked.items():
+            spelling = field.text().strip()
+            if spelling:
+                field.setFocus()
+                spoken(spelling)
+                self._spellings[word] = spelling
 
     def _work(self, job: _Job) -> Callable[[], Transcript]:
         place, spellings = self._place, dict(self._spellings)
@@ -257,7 +272,7 @@ class WordsDialog(QDialog):
         self.find.setText("&Use these times" if has_times else "&Find times")
         self.find.setEnabled(not busy and bool(self.text.toPlainText().strip()))
         self.text.setReadOnly(busy)
-        self.open.setEnabled(not busy)
+        self.open_file.setEnabled(not busy)
         self.progress.setVisible(busy)
         self.progress.setValue(0)
         if busy:

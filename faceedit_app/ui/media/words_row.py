@@ -26,6 +26,7 @@ class WordsRow(QWidget):
         self.search.setAccessibleName("Find a word")
         self.search.setToolTip("Type the beginning of a word; Enter selects it, then the next one.")
         self.search.setClearButtonEnabled(True)
+        self.search.setFocusPolicy(Qt.FocusPolicy.ClickFocus)  # the keys belong to the curves
         self.search.setAcceptDrops(False)  # dropped files go to the window
         self.search.returnPressed.connect(self._find)
         self.search.textEdited.connect(lambda _text: self._show_found(True))
