@@ -11,6 +11,8 @@ import pytest
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip
+from faceedit_app.media.sound import read_sound
+from faceedit_app.words.aligning import Line, align
 from faceedit_app.words.transcript import Phoneme, Transcript, Word
 
 SENTENCE = "my mother made a bowl of apple soup"
@@ -48,3 +50,17 @@ def mumbling_clip(words: Transcript, seconds: float = 3.0, rate: float = 60.0) -
     weights = np.zeros((len(times), 52), np.float32)
     weights[:, ARKIT_INDEX["jawOpen"]] = jaw
     return Clip(weights, ARKIT_CHANNELS, times, rate)
+
+
+def mumbling_take(folder: Path, text: str = SENTENCE) -> tuple[Path, Transcript]:
+    """A take with its sound beside it, in which the lips stay open; and the words as they are."""
+    sound = read_sound(speak(folder / "mumble.wav", text))
+    assert sound is not None
+    words = align(sound.samples, sound.rate, [Line(text)]).shifted(sound.start)
+    clip = mumbling_clip(words, sound.end)
+    lines = [",".join(["time_s", *ARKIT_CHANNELS])]
+    for seconds, row in zip(clip.times, clip.weights, strict=True):
+        lines.append(",".join([f"{seconds:.4f}", *(f"{weight:.5f}" for weight in row)]))
+    path = folder / "mumble.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="")
+    return path, words
