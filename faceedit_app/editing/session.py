@@ -22,6 +22,7 @@ from faceedit_app.editing.edits.media import Placement, sound_moved
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
+from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.solving.answerable import Lack
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
@@ -43,7 +44,8 @@ class EditSession:
     `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of each plot. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
     read them, but do not keep or change them. `live.patience` limits how long a change may take
-    before the rest is left to `live.work`.
+    before the rest is left to `live.work`. `shown_rig` is the user's character if one is open,
+    else `rig`.
 
     Args:
         take: the open take.
@@ -63,6 +65,7 @@ class EditSession:
 
     def __init__(self, take: Take, rig: Rig, engine: Engine | None = None) -> None:
         self.take, self.rig = take, rig
+        self.shown_rig = rig
         self._solver = Solver(take.clip, rig, engine)
         self._steps = Steps()
         self._saved = self._computed = self._steps.state
@@ -108,8 +111,8 @@ class EditSession:
         return self._solver.lacks
 
     @property
-    def is_exported(self) -> bool:
-        """Whether the edits have been exported or saved, and sound and film saved."""
+    def is_saved(self) -> bool:
+        """Whether a project holds the edits, sound and film; an export does not."""
         return self.state == self._saved
 
     # --- gestures ----------------------------------------------------------------------------
@@ -297,6 +300,15 @@ class EditSession:
         self._compute()
         self.changed.emit()
 
+    def use_character(self, theirs: Rig | None) -> None:
+        """Show the user's character from now on, and close lips and lids on it; None = ours."""
+        self.shown_rig = self.rig if theirs is None else theirs
+        self.live.forget()
+        self._solver.use_character(theirs)
+        self._computed = EditState()
+        self._compute()
+        self.changed.emit()
+
     def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
         edits = list(self.edits)
         edits[index] = edit
@@ -326,9 +338,9 @@ class EditSession:
     # --- the result ------------------------------------------------------------------------
 
     def rig_weights(self, frame: int, tracked: bool = False) -> Floats:
-        """(K,) weights of one frame, for `Rig.vertices`."""
+        """(K,) weights of one frame, for `shown_rig.vertices`."""
         source = self._solver.tracked if tracked else self.weights
-        return self.rig.from_arkit(source[frame])
+        return self.shown_rig.from_arkit(source[frame])
 
     def changed_frames(self) -> int:
         """The number of frames that differ from the take as tracked."""
@@ -354,24 +366,30 @@ class EditSession:
         columns = [ARKIT_INDEX[c] for c in self.take.clip.channels]
         return np.ascontiguousarray(self.weights[:, columns])
 
-    def export(self, path: Path | str) -> None:
+    def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.
 
+        Args:
+            path: the file to write.
+            overwrite: allow it to be the take itself, or the take of a project beside it; a copy
+                of that recording is then kept.
+
+        Returns:
+            The copy, if one was made.
+
         Raises:
-            FileError: it cannot be written; an existing file is then untouched.
+            FileError: it cannot be written, or is such a take; an existing file is then untouched.
         """
-        write_take(path, self.take, self.clip_weights())
-        self._mark_exported()
+        weights = self.clip_weights()
+        backup = make_way(Path(path), self.take.path, overwrite)
+        write_take(path, self.take, weights)
+        self._steps.seal()  # so that Undo can return to what is in the file
+        return backup
 
     def mark_saved(self) -> None:
         """Note that the present state is saved."""
         self._saved = self.state
         self._steps.seal()  # so that Undo can return to what is in the file
-
-    def _mark_exported(self) -> None:
-        """Note that the edits are in a file; only projects hold sound, film and words."""
-        self._saved = replace(self.state, media=self._saved.media, words=self._saved.words)
-        self._steps.seal()
 
     def save_edits(self, path: Path | str) -> None:
         """Save the edits, for `faceedit apply` or for another take.
@@ -380,7 +398,7 @@ class EditSession:
             FileError: the file cannot be written.
         """
         write_edits(path, self.edits)
-        self._mark_exported()
+        self._steps.seal()
 
     def load_edits(self, path: Path | str) -> None:
         """Add the edits of a file as one step.

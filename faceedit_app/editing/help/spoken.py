@@ -136,36 +136,27 @@ def close_at(closure: Closure) -> Edit:
     )
 
 
-def closures_of(
-    session: EditSession, rig: Rig | None = None, weights: Floats | None = None
-) -> list[Closure]:
-    """Each m, b and p of a take with its edits.
-
-    Args:
-        rig: the character on which the lips are measured; None = the session's.
-        weights: (T, 52) in ARKit's order; None = the session's.
-    """
+def closures_of(session: EditSession) -> list[Closure]:
+    """Each m, b and p of a take with its edits, on the character that is shown."""
     words = session.words
     if words is None or LIP_OPENING in session.lacks:
         return []
-    shown = session.weights if weights is None else weights
-    gap = LipGap.of(rig or session.rig).measure(shown)
+    gap = LipGap.of(session.shown_rig).measure(session.weights)
     touching = LipGap.of(session.rig).touching  # edits are made on the session's character
     return closures(words, session.take.clip.times, gap, touching)
 
 
 def closing_edits(
-    session: EditSession, span: tuple[float, float] | None = None, rig: Rig | None = None
+    session: EditSession, span: tuple[float, float] | None = None
 ) -> tuple[Edit, ...]:
     """Edits that close the lips at each m, b and p at which they stay open.
 
     Args:
         span: first and last second to look at; None = the whole take.
-        rig: the character on which they stay open; None = the session's.
     """
     return tuple(
         close_at(closure)
-        for closure in closures_of(session, rig)
+        for closure in closures_of(session)
         if closure.is_open and _within(closure.time, span)
     )
 

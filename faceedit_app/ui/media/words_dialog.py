@@ -24,6 +24,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.ui.look.texts import plain_label
 from faceedit_app.ui.state.background import Background
 from faceedit_app.words.dictionary import LANGUAGE, spoken, unknown_words
 from faceedit_app.words.transcript import Transcript
@@ -104,8 +105,7 @@ class WordsDialog(QDialog):
         self.progress = QProgressBar()
         self.progress.setRange(0, _STEPS)
         self.progress.setTextVisible(False)
-        self.message = QLabel()
-        self.message.setTextFormat(Qt.TextFormat.PlainText)
+        self.message = plain_label()
         self.message.setWordWrap(True)
         self.find = QPushButton("&Find times")
         self.find.setDefault(True)
@@ -208,9 +208,7 @@ class WordsDialog(QDialog):
             field.setPlaceholderText("sounds like, in English words")
             field.setAccessibleName(f"{word} sounds like")
             self._asked[word] = field
-            label = QLabel(f"“{word[:40]}”")
-            label.setTextFormat(Qt.TextFormat.PlainText)
-            self.spellings.addRow(label, field)
+            self.spellings.addRow(plain_label(f"“{word[:40]}”"), field)
         self.message.setText(
             "Not in the dictionary. Correct the spelling above, or type what it sounds like:"
             " “two” for 2."

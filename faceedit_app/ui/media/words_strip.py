@@ -14,6 +14,7 @@ from faceedit_app.ui.curves import paint, style
 from faceedit_app.ui.curves.gestures import FINE, Pointer, Span
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.words.speech_sounds import Lips, lips_of, spelled
@@ -209,6 +210,7 @@ class _Marks(pg.GraphicsObject):
         rect: QRectF = self._strip.view.rect()
         return rect
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None
     ) -> None:
