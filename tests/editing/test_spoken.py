@@ -193,6 +193,6 @@ def test_an_export_does_not_save_the_words(session: EditSession, tmp_path: Path)
     session.mark_saved()
     session.say(WORDS.shifted(0.1))
     session.save_edits(tmp_path / "edits.json")
-    assert not session.is_exported
+    assert not session.is_saved
     session.mark_saved()
-    assert session.is_exported
+    assert session.is_saved
