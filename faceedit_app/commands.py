@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 USAGE_ERROR = 2
 # The laboratory's commands, named here because the installed application leaves it out.
 LABORATORY = (
-    *("bench", "train", "evaluate", "evaluate-character"),
+    *("bench", "train", "evaluate", "evaluate-character", "evaluate-words"),
     *("experiment", "synthesize", "statistics"),
 )
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
+WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
+WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
 EDITS = "Edits (*.json);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
@@ -164,6 +166,16 @@ def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
 def ask_media(parent: QWidget, folder: Path) -> Path | None:
     """Which sound or film to add."""
     return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
+
+
+def ask_words(parent: QWidget, folder: Path) -> Path | None:
+    """Which file says what is said."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Open words", str(folder), WORDS))
+
+
+def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the words; the ending says as what."""
+    return _save_name(parent, "Export words", suggestion, WRITTEN_WORDS)
 
 
 def ask_character(parent: QWidget, folder: Path) -> Path | None:
