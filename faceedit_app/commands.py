@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__, character_commands
+from faceedit_app import __version__, character_commands, export_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 
@@ -37,6 +37,7 @@ app = typer.Typer(
 )
 
 app.add_typer(character_commands.app, name="character")
+app.command()(export_commands.convert)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[
@@ -136,43 +137,6 @@ def apply(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
     )
-
-
-@app.command()
-def convert(
-    take: TakeArgument,
-    output: Annotated[Path, typer.Argument(help="The file to write.")],
-    form: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option("--format", help="livelink, csv or audio2face; default: by the ending."),
-    ] = None,
-    fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second to write; default: the take's."),
-    ] = None,
-    take_fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--take-fps", help="Frames per second of the take, if it does not give them."),
-    ] = None,
-) -> None:
-    """Write a take in another format, or at another frame rate."""
-    from faceedit_app.formats import converting
-    from faceedit_app.formats.opening import checked_rate, open_take
-    from faceedit_app.formats.timing import RateNeeded, format_rate
-
-    chosen = converting.choose_format(output, form)
-    if fps is not None:
-        fps = checked_rate(output, fps)
-    try:
-        opened = open_take(take, take_fps)
-    except RateNeeded:
-        if fps is None or take_fps is not None:
-            raise
-        opened = open_take(take, fps)  # frame by frame
-    clip = converting.convert(output, opened, chosen, fps)
-    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
-    if opened.carried and chosen.name != opened.kind:
-        print(f"left out because they are not channels: {', '.join(opened.carried)}")
 
 
 @app.command()

@@ -1,0 +1,73 @@
+"""The commands of `faceedit` that write takes for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+if TYPE_CHECKING:
+    from faceedit_app.formats.take import Take
+
+
+def convert(
+    take: Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")],
+    output: Annotated[Path, typer.Argument(help="The file to write.")],
+    form: Annotated[
+        Optional[str],  # noqa: UP045  (typer reads the annotation at run time)
+        typer.Option(
+            "--format",
+            help="livelink, csv, audio2face, glb, fbx or usd; default: by the ending.",
+        ),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second to write; default: the take's."),
+    ] = None,
+    take_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--take-fps", help="Frames per second of the take, if it does not give them."),
+    ] = None,
+    character: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--character", help="For glb, fbx, usd: your character; default: FaceEdit's."),
+    ] = None,
+    compact: Annotated[
+        bool, typer.Option("--compact", help="For glb: weights in 16 bits, without zeros.")
+    ] = False,
+    overwrite: Annotated[
+        bool,
+        typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
+    ] = False,
+) -> None:
+    """Write a take in another format, or at another frame rate."""
+    from faceedit_app.editing import exporting
+    from faceedit_app.formats.opening import checked_rate
+    from faceedit_app.formats.timing import format_rate
+
+    if fps is not None:
+        fps = checked_rate(output, fps)
+    exporting.choose(output, form)  # before a long take is read
+    opened = _opened(take, take_fps, fps)
+    keeps_layout = fps is None and character is None
+    chosen = exporting.choose(output, form, opened if keeps_layout else None)
+    options = exporting.Options(fps, character, compact, overwrite)
+    written = exporting.export_take(opened, opened.clip.weights, output, chosen, options)
+    clip = written.clip
+    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
+    for line in (*written.remarks, *chosen.hints(clip.rate)):
+        print(f"  {line}")
+
+
+def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
+    """Open a take; one without a rate is written frame by frame at the rate to write."""
+    from faceedit_app.formats.opening import open_take
+    from faceedit_app.formats.timing import RateNeeded
+
+    try:
+        return open_take(path, take_fps)
+    except RateNeeded:
+        if fps is None or take_fps is not None:
+            raise
+        return open_take(path, fps)
