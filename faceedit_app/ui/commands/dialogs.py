@@ -15,11 +15,14 @@ from faceedit_app.media import ENDINGS
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
+    from faceedit_app.editing.exporting import Options, OutFormat
     from faceedit_app.editing.files.journal import Pending
+    from faceedit_app.formats.take import Take
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
+CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
 
@@ -70,6 +73,33 @@ def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the edited take."""
     kinds = f"Takes (*{suggestion.suffix});;All files (*)"
     return _save_name(parent, "Export the edited take", suggestion, kinds)
+
+
+def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
+    """How to export a take.
+
+    Args:
+        folder: where to look for a character first.
+    """
+    from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
+
+    def choose(dialog: QWidget) -> Path | None:
+        answer = QFileDialog.getOpenFileName(dialog, "Your character", str(folder), CHARACTERS)
+        return _chosen(answer)
+
+    dialog = ExportDialog(parent, take, choose)
+    return (dialog.chosen, dialog.options) if dialog.exec() else None
+
+
+def show_exported(parent: QWidget, path: Path, lines: Sequence[str]) -> None:
+    """Show what to do with an exported file; the window need not wait for the answer."""
+    box = QMessageBox(QMessageBox.Icon.Information, "Exported", "", parent=parent)
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setText(f"Exported {path.name}")
+    box.setInformativeText("\n".join(lines))
+    box.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    box.open()
 
 
 def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
