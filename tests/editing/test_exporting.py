@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.blender import opened_in_blender
+from support.blender import opened_in_blender, run_in_blender
 from support.character_files import picture_of, write_fbx, write_glb, write_vrm
 from support.faces import shipped_rig, talking_clip
 from support.gltf import NO_VALIDATOR, accessor_errors, has_validator, parts, validator_errors
-from support.places import SHARED
+from support.places import ROOT, SHARED
 from support.takes import NoFile, make_livelink_csv
 
 from faceedit_app.characters.fitted import open_character
@@ -310,3 +310,29 @@ def test_the_command_says_how_to_go_on(tmp_path: Path, capfd: pytest.CaptureFixt
         said = capfd.readouterr().out
         assert "with character, 50 frames at 25 fps" in said
         assert "Blender:" in said
+
+
+def test_the_script_of_the_guide_puts_a_take_on_a_head_in_blender(tmp_path: Path) -> None:
+    export(tmp_path / "head.glb")
+    export_take(take_of(), CLIP.weights, tmp_path / "take.csv", choose(Path("x"), "csv"))
+    guide = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+    script = guide.partition("<!-- script: blender -->\n```python\n")[2].partition("```")[0]
+    assert "keyframe_insert" in script
+    facts = run_in_blender(
+        f"""
+import bpy, json, sys
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.import_scene.gltf(filepath=sys.argv[-1])
+bpy.context.scene.render.fps = 30
+head = next(o for o in bpy.data.objects if o.type == "MESH")
+head.data.shape_keys.animation_data_clear()
+bpy.context.view_layer.objects.active = head
+{script.replace('"take.csv"', repr(str(tmp_path / "take.csv")))}
+bpy.context.scene.frame_set(bpy.context.scene.frame_start + 17)
+print("FACTS " + json.dumps({{key.name: key.value for key in blocks[1:]}}))
+""",
+        tmp_path,
+        tmp_path / "head.glb",
+    )
+    found = np.array([facts[name] for name in ARKIT_CHANNELS])
+    np.testing.assert_allclose(found, CLIP.weights[17], atol=2e-6)

@@ -8,7 +8,6 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QCheckBox,
-    QComboBox,
     QDialog,
     QDialogButtonBox,
     QFormLayout,
@@ -22,6 +21,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.editing.exporting import Options, OutFormat, out_formats, own_format
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import COMMON_RATES, format_rate
+from faceedit_app.ui.look.widgets import Choice
 
 _OWN_CHARACTER = "FaceEdit’s own"
 
@@ -54,7 +54,9 @@ class ExportDialog(QDialog):
         form.setLabelAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         form.addRow("&Format", self._format_box(own))
         form.addRow("Frame &rate", self._rate_box())
-        form.addRow("&Character", self._character_row())
+        label = QLabel("&Character")
+        form.addRow(label, self._character_row())
+        label.setBuddy(self.choose)
         self.compact = QCheckBox("S&maller file: weights in steps of 1/65535")
         form.addRow("", self.compact)
         column.addLayout(form)
@@ -89,15 +91,15 @@ class ExportDialog(QDialog):
         rate: float | None = self.rate.currentData()
         return rate
 
-    def _format_box(self, own: OutFormat | None) -> QComboBox:
-        self.format = QComboBox()
+    def _format_box(self, own: OutFormat | None) -> Choice:
+        self.format = Choice()
         for form in self._formats:
             note = " (as the take came)" if form == own else ""
             self.format.addItem(f"{form.name}{note}  *{form.ending}")
         return self.format
 
-    def _rate_box(self) -> QComboBox:
-        self.rate = QComboBox()
+    def _rate_box(self) -> Choice:
+        self.rate = Choice()
         own = self._take.clip.rate
         self.rate.addItem(f"As the take: {format_rate(own)}", None)
         for rate in COMMON_RATES:
