@@ -142,9 +142,33 @@ def apply(
 @app.command()
 def render(
     take: TakeArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help="The picture (PNG).")],
-    time: Annotated[float, typer.Option(help="Seconds from the first frame.")] = 0.0,
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", help="A picture (.png), or a film (.mp4, .webm)."),
+    ],
+    time: Annotated[float, typer.Option(help="For a picture: seconds from the first frame.")] = 0.0,
     size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
+    view: Annotated[
+        str,
+        typer.Option(help="For a film: face, both (tracked, edited), or film (beside the face)."),
+    ] = "face",
+    film_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--film-fps", help="Pictures per second of the film; default: the take's."),
+    ] = None,
+    form: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--format", help="mp4, webm, or png (numbered pictures in a folder)."),
+    ] = None,
+    sound: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="For a film: its sound; default: what is found beside the take."),
+    ] = None,
+    film: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="The film of the take; default: what is found beside it."),
+    ] = None,
+    silent: Annotated[bool, typer.Option("--silent", help="A film without sound.")] = False,
     edits: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(help="Edits (JSON) to apply first."),
@@ -153,8 +177,9 @@ def render(
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
-    """Draw the face at a time of a take."""
+    """Draw the face at a time of a take, or film the whole take."""
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+    from faceedit_app.formats.opening import checked_rate
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
@@ -166,8 +191,14 @@ def render(
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
     if edits:
         session.load_edits(edits)
-    frame = session.take.clip.frame_at(time)
     shown = character_commands.rig_of(character) if character else rig
+    if form is not None or output.suffix.lower() != ".png":
+        if film_fps is not None:
+            film_fps = checked_rate(output, film_fps)
+        shot = (view, (width, height), film_fps, form, not silent)
+        export_commands.film(session, shown, output, shot, sound, film)
+        return
+    frame = session.take.clip.frame_at(time)
     write_png(output, snapshot(shown, session.weights[frame], width, height))
     print(f"{output}: frame {frame} of {take}")
 

@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
+from faceedit_app.core.errors import FaceEditError
+
 if TYPE_CHECKING:
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
 
 
@@ -71,3 +75,42 @@ def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
         if fps is None or take_fps is not None:
             raise
         return open_take(path, fps)
+
+
+def film(
+    session: EditSession,
+    rig: Rig,
+    output: Path,
+    shot: tuple[str, tuple[int, int], float | None, str | None, bool],
+    sound: Path | None,
+    pictures: Path | None,
+) -> None:
+    """Film a take, and say how far it is.
+
+    Args:
+        rig: the character to show.
+        shot: view, size, rate, format, and whether to add the sound.
+        sound, pictures: the take's sound and film; None = those found beside it.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from faceedit_app.editing.filming import Shot, View, film_take, media_of
+    from faceedit_app.formats.timing import format_rate
+
+    view, size, rate, form, has_sound = shot
+    if view not in list(View):
+        raise FaceEditError(f"--view {view}: must be {', '.join(View)}")
+    media = media_of(session.take, sound, pictures)
+    session.live.work()
+    chosen = Shot(View(view), size, rate, form, has_sound=has_sound)
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(output.name, total=None)
+        filmed = film_take(
+            session.take, session.weights, rig, media, output, chosen,
+            lambda done, of: bar.update(task, completed=done, total=of),
+        )  # fmt: skip
+    assert filmed is not None  # nothing stops it
+    rate = filmed.rate
+    print(f"{output}: {filmed.frames} pictures at {format_rate(rate)}, {filmed.codecs}")

@@ -8,6 +8,8 @@ from typing import Any
 
 from faceedit_app.core.fields import Fields
 
+_NEAR = 60.0  # seconds from the take's start within which a clock may place a sound or film
+
 
 @dataclass(frozen=True)
 class MediaFile:
@@ -28,6 +30,22 @@ class Placement:
 
     sound: MediaFile | None = None
     film: MediaFile | None = None
+
+
+def offset_by_clock(take: float | None, media: float | None, lasts: float) -> float:
+    """When a sound or film begins, in seconds of the take, by the time of day.
+
+    Args:
+        take, media: when each began, seconds since midnight; None if it does not record it.
+        lasts: seconds of the sound or film.
+
+    Returns:
+        0 if one is unknown, or if the clocks disagree, so that it would be out of sight.
+    """
+    if take is None or media is None:
+        return 0.0
+    offset = round(media - take, 4)
+    return offset if -lasts < offset < _NEAR else 0.0
 
 
 def describe_change(before: Placement, after: Placement) -> str:

@@ -17,7 +17,9 @@ from faceedit_app.ui.page.rate_dialog import RateDialog
 if TYPE_CHECKING:
     from faceedit_app.editing.exporting import Options, OutFormat
     from faceedit_app.editing.files.journal import Pending
+    from faceedit_app.editing.filming import Shot
     from faceedit_app.formats.take import Take
+    from faceedit_app.media.film_writer import FilmFormat
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
@@ -70,9 +72,9 @@ def ask_open(parent: QWidget, folder: Path) -> Path | None:
 
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
-    """Where to write the edited take."""
-    kinds = f"Takes (*{suggestion.suffix});;All files (*)"
-    return _save_name(parent, "Export the edited take", suggestion, kinds)
+    """Where to write the take; a suggestion without an ending is a new folder."""
+    kinds = f"*{suggestion.suffix} (*{suggestion.suffix});;All files (*)"
+    return _save_name(parent, "Export", suggestion, kinds)
 
 
 def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
@@ -89,6 +91,32 @@ def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat,
 
     dialog = ExportDialog(parent, take, choose)
     return (dialog.chosen, dialog.options) if dialog.exec() else None
+
+
+def ask_film(
+    parent: QWidget, rate: float, has_sound: bool, has_film: bool
+) -> tuple[FilmFormat, Shot] | None:
+    """How to film a take.
+
+    Args:
+        rate: of the take.
+        has_sound, has_film: whether the take has them.
+    """
+    from faceedit_app.ui.page.film_dialog import FilmDialog  # brings PyAV's wrappers
+
+    dialog = FilmDialog(parent, rate, has_sound, has_film)
+    return (dialog.chosen, dialog.shot) if dialog.exec() else None
+
+
+def ask_stop_film(parent: QWidget) -> bool:
+    """Whether to give up a film that is being written."""
+    box = _question(parent, "A film is still being written.", "If you stop it, there is no film.")
+    stop = box.addButton("Stop it", QMessageBox.ButtonRole.DestructiveRole)
+    go_on = box.addButton("Go on filming", QMessageBox.ButtonRole.RejectRole)
+    box.setDefaultButton(go_on)
+    box.setEscapeButton(go_on)
+    box.exec()
+    return box.clickedButton() is stop
 
 
 def show_exported(parent: QWidget, path: Path, lines: Sequence[str]) -> None:

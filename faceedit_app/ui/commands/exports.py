@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.film_export import FilmExport
 from faceedit_app.ui.commands.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ class Exports:
 
     def __init__(self, workspace: Workspace, failed: Callable[[Exception], None]) -> None:
         self._workspace, self._failed = workspace, failed
+        self._film = FilmExport(workspace, self._place, failed)
 
     def export(self) -> bool:
         """Export the take as it came; False if the user cancels or it fails."""
@@ -74,6 +76,19 @@ class Exports:
         self._workspace.background.run(
             lambda: export_take(take, weights, path, form, options), done, self._report
         )
+
+    def export_film(self) -> None:
+        """Film the take."""
+        self._film.export()
+
+    @property
+    def is_filming(self) -> bool:
+        """Whether a film is being written."""
+        return self._film.is_filming
+
+    def stop(self) -> None:
+        """Give up what is being written, as the window closes."""
+        self._film.stop()
 
     def _place(self, tail: str, ending: str) -> tuple[Path, bool] | None:
         """Where to write, and whether to replace a recording there; None if the user cancels."""

@@ -116,9 +116,22 @@ class FileCommands:
         """Export the take as it came; False if the user cancels or it fails."""
         return self._exports.export()
 
+    @property
+    def is_filming(self) -> bool:
+        """Whether a film is being written."""
+        return self._exports.is_filming
+
+    def stop(self) -> None:
+        """Give up what is being written, as the window closes."""
+        self._exports.stop()
+
     def export_as(self) -> None:
         """Export the take for another program."""
         self._exports.export_as()
+
+    def export_film(self) -> None:
+        """Film the take."""
+        self._exports.export_film()
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""
@@ -168,6 +181,10 @@ class FileCommands:
                     return False
         return True
 
+    def may_stop(self) -> bool:
+        """Ask about a film that is still being written; False if the user goes on with it."""
+        return not self.is_filming or dialogs.ask_stop_film(self._window)
+
     def quit(self) -> None:
         """Close the window, which asks about unsaved edits."""
         self._window.close()
@@ -189,6 +206,9 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Write the edited take in the format it was opened from", "export", starts_group=True),
     Command("export_as", "Export &as…", FileCommands.export_as, ("Ctrl+Shift+E",),
             "Write the edited take in another format, or as a character that plays it"),
+    Command("export_film", "Export fil&m…", FileCommands.export_film, (),
+            "Film the face, both faces, or the face beside the take’s film, with its sound",
+            enabled=lambda file: not file.is_filming),
     Command("save_edits", "Save list of edi&ts…", FileCommands.save_edits, (),
             "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),
