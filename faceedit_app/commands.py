@@ -38,6 +38,7 @@ app = typer.Typer(
 
 app.add_typer(character_commands.app, name="character")
 app.command()(export_commands.convert)
+app.command()(export_commands.batch)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Optional
 
@@ -62,6 +63,83 @@ def convert(
     print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     for line in (*written.remarks, *chosen.hints(clip.rate)):
         print(f"  {line}")
+
+
+def batch(
+    what: Annotated[
+        str,
+        typer.Argument(
+            metavar="WHAT",
+            help="Edits (JSON), a preset such as smile, fix:lips,blinks,shaking,gaps, or none.",
+        ),
+    ],
+    source: Annotated[Path, typer.Argument(help="The folder with the takes.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The folder for the results.")],
+    jobs: Annotated[int, typer.Option(min=1, help="How many takes are worked on at once.")] = 1,
+    form: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--format", help="As for convert; default: as each take came."),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second to write; needs --format."),
+    ] = None,
+    take_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--take-fps", help="Frames per second of takes that do not give them."),
+    ] = None,
+    character: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--character", help="For glb, fbx, usd: your character; default: FaceEdit's."),
+    ] = None,
+    models: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
+    ] = None,
+    scheduler: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="A Dask scheduler, such as tcp://host:8786, whose workers do the work."),
+    ] = None,
+) -> None:
+    """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
+
+    Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from faceedit_app import batch as batches
+    from faceedit_app import batch_report
+
+    if (fps is not None or character is not None) and form is None:
+        raise FaceEditError("--fps and --character need --format")
+    recipe = replace(
+        batches.parse_recipe(what),
+        form=form or "",
+        rate=fps,
+        character=None if character is None else str(character.absolute()),
+        fps=take_fps,
+        models=None if models is None else str(models.absolute()),
+    )
+    tasks = batches.plan(source, output, recipe)
+    console = Console(stderr=True)
+    log = batches.Log(output)
+    try:
+        with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+            shown = bar.add_task(source.name, total=len(tasks))
+
+            def report(outcome: batches.Outcome, done: int, of: int) -> None:
+                bar.update(shown, completed=done)
+                said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
+                print(f"[{done}/{of}] {outcome.name}: {said}")
+
+            outcomes = batches.run(tasks, log, jobs, scheduler, report)
+    finally:
+        log.close()
+    _, page = batch_report.write_reports(output, outcomes)
+    print(f"{batch_report.summary(outcomes)}; see {page}")
+    if any(outcome.error for outcome in outcomes):
+        raise typer.Exit(1)
 
 
 def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:

@@ -99,7 +99,7 @@ class Exported:
 
 def out_formats() -> tuple[OutFormat, ...]:
     """All formats that any take can be exported in."""
-    return tuple(map(OutFormat, (*registry.writable(), *SCENES)))
+    return (*(OutFormat(form) for form in registry.writable()), *map(OutFormat, SCENES))
 
 
 def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutFormat:

@@ -24,9 +24,7 @@ from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 from faceedit_app.media.sound import Sound
 
 if TYPE_CHECKING:
-    from av.audio.stream import AudioStream
     from av.container import OutputContainer
-    from av.video.stream import VideoStream
 
 _SAMPLES = 48_000  # a second; what all players take
 _BLOCK = 4_800  # samples that are encoded at once
@@ -249,7 +247,8 @@ class _FilmWriter:
     def _open_video(self, form: FilmFormat, size: tuple[int, int]) -> Encoder:
         for encoder in form.video:
             if self._works(encoder, size):
-                stream: VideoStream = self._container.add_stream(encoder.codec, rate=self._rate)
+                stream = self._container.add_stream(encoder.codec, rate=self._rate)
+                assert isinstance(stream, self._av.VideoStream)
                 stream.options = dict(encoder.options)
                 self._describe(stream.codec_context, size)
                 stream.codec_context.open()
@@ -280,7 +279,8 @@ class _FilmWriter:
     def _open_sound(self, form: FilmFormat) -> Encoder:
         for encoder in form.sound:
             if encoder.codec in self._av.codecs_available:
-                stream: AudioStream = self._container.add_stream(encoder.codec, rate=_SAMPLES)
+                stream = self._container.add_stream(encoder.codec, rate=_SAMPLES)
+                assert isinstance(stream, self._av.AudioStream)
                 stream.options = dict(encoder.options)
                 stream.layout = "stereo"
                 stream.codec_context.open()

@@ -74,7 +74,8 @@ def film(path: Path, media: Placement | None = None, **options: Any) -> Filmed:
 
 def pictures_of(path: Path) -> list[NDArray[np.uint8]]:
     with av.open(str(path)) as container:
-        return [f.to_ndarray(format="rgb24") for f in container.decode(video=0)]
+        frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+        return [np.asarray(frame, np.uint8) for frame in frames]
 
 
 def openings(weights: NDArray[np.float32]) -> list[int]:

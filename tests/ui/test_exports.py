@@ -131,7 +131,7 @@ def test_the_film_dialog_offers_what_the_take_has(qtbot: QtBot) -> None:
     assert not plain.shot.has_sound
     assert full.shot.has_sound
     full.view.setCurrentIndex(1)
-    full.size.setCurrentText("960 × 480")
+    full.picture_size.setCurrentText("960 × 480")
     assert full.shot == Shot(View.BOTH, (960, 480), form="mp4")
 
 

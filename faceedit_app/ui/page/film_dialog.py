@@ -51,8 +51,8 @@ class FilmDialog(QDialog):
             if view is not View.FILM or has_film:
                 self.view.addItem(text, view)
         form.addRow("&Show", self.view)
-        self.size = Choice()
-        form.addRow("Si&ze", self.size)
+        self.picture_size = Choice()
+        form.addRow("Si&ze", self.picture_size)
         self.rate = Choice()
         self.rate.addItem(f"As the take: {format_rate(rate)}", None)
         for other in COMMON_RATES:
@@ -87,17 +87,17 @@ class FilmDialog(QDialog):
         """What was chosen; the camera is left to the caller."""
         return Shot(
             view=View(self.view.currentData()),
-            size=tuple(self.size.currentData()),
+            size=tuple(self.picture_size.currentData()),
             rate=self.rate.currentData(),
             form=self.chosen.key,
             has_sound=self.sound.isChecked(),
         )
 
     def _offer_sizes(self) -> None:
-        before = max(self.size.currentIndex(), 0)
+        before = max(self.picture_size.currentIndex(), 0)
         aspect = _ASPECTS[View(self.view.currentData())]
-        self.size.clear()
+        self.picture_size.clear()
         for height in _HEIGHTS:
             width = 2 * round(height * aspect / 2)
-            self.size.addItem(f"{width} × {height}", (width, height))
-        self.size.setCurrentIndex(before)
+            self.picture_size.addItem(f"{width} × {height}", (width, height))
+        self.picture_size.setCurrentIndex(before)
