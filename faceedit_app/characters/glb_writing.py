@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +11,7 @@ import numpy as np
 import pygltflib as gltf
 from numpy.typing import NDArray
 
+from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.rig import Rig
@@ -72,21 +75,45 @@ class _Writer:
         )
         return len(self.document.accessors) - 1
 
+    def add_texture(self, picture: Pixels) -> int:
+        """Add a picture (H, W, 4) as a texture; returns its index."""
+        from PIL import Image  # only characters of other makers have textures
+
+        buffer = io.BytesIO()
+        Image.fromarray(picture).save(buffer, "PNG")
+        view = self._view(buffer.getvalue(), None)
+        self.document.images.append(gltf.Image(bufferView=view, mimeType="image/png"))
+        self.document.textures.append(gltf.Texture(source=len(self.document.images) - 1))
+        return len(self.document.textures) - 1
+
 
 def write_rig(path: Path | str, rig: Rig) -> None:
-    """Write a rig as GLB; the same rig always gives the same bytes.
+    """Write a rig as GLB; see `rig_content`.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    write_atomically(path, rig_content(rig))
+
+
+def rig_content(rig: Rig, shapes: Sequence[str] | None = None) -> bytes:
+    """A rig as GLB; the same rig always gives the same bytes.
 
     glTF cannot hold everything: materials without faces are left out, and colours are clipped to
     0..1.
 
-    Raises:
-        FileError: the file cannot be written.
+    Args:
+        shapes: the names of its blendshapes in the file; None = those of its channels.
     """
     out = _Writer()
     attributes = gltf.Attributes(
         POSITION=out.add(rig.neutral.astype("<f4"), "VEC3", _FLOAT, gltf.ARRAY_BUFFER),
         COLOR_0=out.add(rig.colors.clip(0, 1).astype("<f4"), "VEC4", _FLOAT, gltf.ARRAY_BUFFER),
     )
+    if rig.uv is not None:
+        attributes.TEXCOORD_0 = out.add(rig.uv.astype("<f4"), "VEC2", _FLOAT, gltf.ARRAY_BUFFER)
+    for picture in rig.textures:
+        out.add_texture(picture)
     targets = [{"POSITION": out.add_sparse(d.astype("<f4"))} for d in rig.deltas]
     primitives = []
     for i, material in enumerate(m for m in rig.materials if m.stop > m.start):
@@ -103,8 +130,14 @@ def write_rig(path: Path | str, rig: Rig) -> None:
             gltf.Material(
                 name=material.name,
                 doubleSided=True,
+                alphaMode="MASK" if material.cutoff > 0 else "OPAQUE",
+                alphaCutoff=material.cutoff if material.cutoff > 0 else None,
                 pbrMetallicRoughness=gltf.PbrMetallicRoughness(
-                    roughnessFactor=material.roughness, metallicFactor=material.metallic
+                    roughnessFactor=material.roughness,
+                    metallicFactor=material.metallic,
+                    baseColorTexture=None
+                    if material.texture is None
+                    else gltf.TextureInfo(index=material.texture),
                 ),
             )
         )
@@ -115,7 +148,7 @@ def write_rig(path: Path | str, rig: Rig) -> None:
         primitives=primitives,
         weights=[0.0] * len(rig.channels),
         extras={
-            "targetNames": list(rig.channels),
+            "targetNames": list(shapes or rig.channels),
             "controls": controls,
             "attribution": rig.attribution,
         },
@@ -127,4 +160,4 @@ def write_rig(path: Path | str, rig: Rig) -> None:
     document.scene = 0
     document.buffers = [gltf.Buffer(byteLength=len(out.blob))]
     document.set_binary_blob(bytes(out.blob))
-    write_atomically(path, b"".join(document.save_to_bytes()))
+    return b"".join(document.save_to_bytes())

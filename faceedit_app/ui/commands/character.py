@@ -96,7 +96,7 @@ class CharacterCommands:
 
     def _save_made(self, attempt: Attempt, scan: Path) -> None:
         """Save a character that was made from a scan, and show it."""
-        from faceedit_app.characters.glb import write_rig
+        from faceedit_app.characters.glb_writing import write_rig
 
         suggestion = scan.with_name(f"{scan.stem}_character.glb")
         path = dialogs.ask_save_character(self._workspace.window, suggestion)

@@ -15,6 +15,7 @@ from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.character import CharacterCommands
+from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
@@ -29,6 +30,7 @@ class FileCommands:
         self._workspace, self._window = workspace, workspace.window
         self._document, self._preferences = workspace.document, workspace.preferences
         self.character = CharacterCommands(workspace)
+        self._exports = Exports(workspace, self._show_error)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
 
@@ -116,31 +118,25 @@ class FileCommands:
         return self._write(save, path, "project", "Saved")
 
     def export(self) -> bool:
-        """Export the take; False if the user cancels or it fails."""
-        self._workspace.end_gestures()
-        take = self._document.path
-        ending = take.suffix if take is not None else ""
-        suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
-        while (path := dialogs.ask_export(self._window, suggestion)) is not None:
-            reason = self._why_keep(path)
-            overwrite = bool(reason) and dialogs.ask_overwrite(self._window, path, reason)
-            if overwrite or not reason:
-                return self._write(
-                    lambda path: self._document.export(path, overwrite),  # noqa: B023
-                    path,
-                    "export",
-                    "Exported",
-                )
-        return False
+        """Export the take as it came; False if the user cancels or it fails."""
+        return self._exports.export()
 
-    def _why_keep(self, path: Path) -> str:
-        """Why a file should not be replaced; "" if it may be."""
-        from faceedit_app.editing.files.originals import why_keep
+    @property
+    def is_filming(self) -> bool:
+        """Whether a film is being written."""
+        return self._exports.is_filming
 
-        assert self._document.path is not None
-        own = self._document.project
-        projects = [*([own] if own is not None else []), *self._preferences.recent()]
-        return why_keep(path, self._document.path, projects)
+    def stop(self) -> None:
+        """Give up what is being written, as the window closes."""
+        self._exports.stop()
+
+    def export_as(self) -> None:
+        """Export the take for another program."""
+        self._exports.export_as()
+
+    def export_film(self) -> None:
+        """Film the take."""
+        self._exports.export_film()
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""
@@ -159,7 +155,7 @@ class FileCommands:
         """Add the edits in a file."""
         self._write(self._document.load_edits, path, "edits", "Loaded")
 
-    def _write(self, work: Callable[[Path], object], path: Path, kind: str, done: str) -> bool:
+    def _write(self, work: Callable[[Path], None], path: Path, kind: str, done: str) -> bool:
         try:
             work(path)
         except FaceEditError as error:
@@ -190,6 +186,10 @@ class FileCommands:
                     return False
         return True
 
+    def may_stop(self) -> bool:
+        """Ask about a film that is still being written; False if the user goes on with it."""
+        return not self.is_filming or dialogs.ask_stop_film(self._window)
+
     def quit(self) -> None:
         """Close the window, which asks about unsaved edits."""
         self._window.close()
@@ -209,6 +209,11 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Save the project under another name"),
     Command("export", "&Export…", FileCommands.export, ("Ctrl+E",),
             "Write the edited take in the format it was opened from", "export", starts_group=True),
+    Command("export_as", "Export &as…", FileCommands.export_as, ("Ctrl+Shift+E",),
+            "Write the edited take in another format, or as a character that plays it"),
+    Command("export_film", "Export fil&m…", FileCommands.export_film, (),
+            "Film the face, both faces, or the face beside the take’s film, with its sound",
+            enabled=lambda file: not file.is_filming),
     Command("save_edits", "Save list of edi&ts…", FileCommands.save_edits, (),
             "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),

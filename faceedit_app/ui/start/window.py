@@ -344,7 +344,7 @@ class MainWindow(WindowBase):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved edits, remember the layout, stop everything."""
         self.workspace.end_gestures()
-        if not self.commands.file.may_close():
+        if not (self.commands.file.may_close() and self.commands.file.may_stop()):
             event.ignore()
             return
         if self.editor is not None:
@@ -354,4 +354,5 @@ class MainWindow(WindowBase):
 
     def leave(self) -> None:
         """Stop everything and free the graphics memory."""
+        self.commands.file.stop()
         self.workspace.close()
