@@ -13,7 +13,13 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__, character_commands, export_commands, word_commands
+from faceedit_app import (
+    __version__,
+    character_commands,
+    export_commands,
+    tracking_commands,
+    word_commands,
+)
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 from faceedit_app.core.texts import say
@@ -25,7 +31,7 @@ if TYPE_CHECKING:
 USAGE_ERROR = 2
 # The laboratory's commands, named here because the installed application leaves it out.
 LABORATORY = (
-    *("bench", "train", "evaluate", "evaluate-character", "evaluate-words"),
+    *("bench", "train", "evaluate", "evaluate-character", "evaluate-words", "evaluate-tracking"),
     *("experiment", "synthesize", "statistics"),
 )
 
@@ -41,6 +47,7 @@ app.add_typer(character_commands.app, name="character")
 app.command("words")(word_commands.words)
 app.command()(export_commands.convert)
 app.command()(export_commands.batch)
+app.command("track")(tracking_commands.track)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[

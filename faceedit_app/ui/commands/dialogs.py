@@ -11,7 +11,7 @@ from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
-from faceedit_app.media import ENDINGS
+from faceedit_app.media import ENDINGS, FILM_ENDINGS
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
@@ -26,6 +26,8 @@ PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
 WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
 WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
+FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
+FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
 CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
@@ -76,7 +78,10 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    kinds = f"Takes and projects ({takes_pattern()} *{PROJECT_SUFFIX});;All files (*)"
+    kinds = (
+        f"Takes, projects and films ({takes_pattern()} *{PROJECT_SUFFIX} {FILM_PATTERNS});;"
+        "All files (*)"
+    )
     return _chosen(
         QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
     )
@@ -269,6 +274,17 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
+
+
+def ask_film_to_track(parent: QWidget, folder: Path) -> Path | None:
+    """Which film to track."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Track a film", str(folder), FILMS))
+
+
+def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the take of a film."""
+    kinds = "Live Link Face CSV (*.csv);;All files (*)"
+    return _save_name(parent, "Save the tracked take as", suggestion, kinds)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
