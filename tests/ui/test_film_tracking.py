@@ -53,7 +53,7 @@ def tracked(bench: Bench, window: MainWindow, take: Path) -> None:
 def test_a_film_becomes_a_take_beside_its_film(bench: Bench, own: Path) -> None:
     window = bench.window()
     take = own.with_name("face.csv")
-    bench.answers |= {"film": own, "save_take": take}
+    bench.answers |= {"film_to_track": own, "save_take": take}
     trigger(window, "track_film")
     tracked(bench, window, take)
     assert not dialog_of(window).isVisible()
@@ -81,7 +81,7 @@ def test_a_film_dropped_on_the_empty_window_is_tracked(bench: Bench, own: Path) 
 def test_cancel_keeps_the_open_take(bench: Bench, own: Path) -> None:
     window = bench.editing()
     take = own.with_name("face.csv")
-    bench.answers |= {"film": own, "save_take": take}
+    bench.answers |= {"film_to_track": own, "save_take": take}
     trigger(window, "track_film")
     QTest.keyClick(dialog_of(window), Qt.Key.Key_Escape)
     bench.qtbot.waitUntil(lambda: "not tracked" in window.status.currentMessage(), timeout=60_000)
@@ -91,7 +91,10 @@ def test_cancel_keeps_the_open_take(bench: Bench, own: Path) -> None:
 
 def test_a_film_without_a_face_is_one_message(bench: Bench, tmp_path: Path) -> None:
     window = bench.editing()
-    bench.answers |= {"film": make_film(tmp_path / "n.mp4"), "save_take": tmp_path / "n.csv"}
+    bench.answers |= {
+        "film_to_track": make_film(tmp_path / "n.mp4"),
+        "save_take": tmp_path / "n.csv",
+    }
     trigger(window, "track_film")
     bench.qtbot.waitUntil(lambda: bool(bench.errors), timeout=30_000)
     assert "shows no face" in bench.errors[0]
@@ -112,7 +115,7 @@ def test_a_click_on_the_picture_tracks_the_face_there(
     monkeypatch.setattr(tracking.tracker, "track_film", noted)
     window = bench.window()
     take = own.with_name("face.csv")
-    bench.answers |= {"film": own, "save_take": take}
+    bench.answers |= {"film_to_track": own, "save_take": take}
     trigger(window, "track_film")
     dialog = dialog_of(window)
     bench.qtbot.waitUntil(lambda: dialog.bar.value() > 0, timeout=30_000)

@@ -15,7 +15,7 @@ from faceedit_app.characters.points import POINTS
 from faceedit_app.characters.scans import Scan
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FileError
-from faceedit_app.scan_landmarks import find_landmarks, read_points
+from faceedit_app.scans.landmarks import find_landmarks, read_points
 
 
 def test_points_are_read(tmp_path: Path) -> None:
