@@ -15,6 +15,7 @@ from faceedit_app.tracking.pose import Lens, Poses, fit_poses
 _NEUTRAL = 1 / 15  # share of the pictures that count as neutral
 _FEWEST = 3
 _MOST = 1500  # pictures, spread over the film, that show enough of a person
+_WHILE = 9  # pictures
 _DEPTH = 0.5  # how far the landmarks' depth is believed
 _TOUCH = 3.0  # percentile of the distance between the lips at which they touch
 _OPEN = 70.0  # percentile of the distance between the lids at which an eye is at rest
@@ -109,7 +110,7 @@ def gap_of(model: FaceModel, points: Doubles, control: str) -> Doubles:
 
 
 def _quiet(gaps: dict[str, Doubles]) -> Indices:
-    """The calmest pictures: mouth shut, lids and width as they mostly are."""
+    """The calmest pictures: mouth shut, lids and width as they mostly are, nothing moving."""
 
     def apart(values: Doubles) -> Doubles:
         away: Doubles = np.abs(values / max(float(np.median(values)), 1e-6) - 1.0)
@@ -118,6 +119,9 @@ def _quiet(gaps: dict[str, Doubles]) -> Indices:
     lips = gaps[LIP_OPENING]
     unrest = (lips - lips.min()) / 5.0 + apart(gaps[MOUTH_WIDTH])
     unrest = unrest + 2.0 * sum(apart(gaps[lid]) for lid in LIDS)
+    # Lips that are pressed for a b are shut as well: a face at rest stays as it is for a while.
+    steps = sum(np.abs(np.diff(gap, prepend=gap[0])) for gap in gaps.values())
+    unrest = unrest + np.convolve(steps, np.full(_WHILE, 1.0 / _WHILE), "same")
     count = max(_FEWEST, round(len(lips) * _NEUTRAL))
     return np.argsort(unrest, kind="stable")[:count].astype(np.intp)
 
