@@ -25,6 +25,7 @@ from faceedit_app.ui.media.words_dialog import WordsDialog
 from faceedit_app.ui.media.words_strip import WordsStrip
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.words import aligning
+from faceedit_app.words.denoising import Stopped
 from faceedit_app.words.files import read_words
 from faceedit_app.words.transcript import Transcript
 
@@ -155,7 +156,7 @@ def test_from_typed_words_to_an_export_with_closed_lips(
     settle(bench, window)
     dialog = dialog_of(window)
     dialog.text.setPlainText(SENTENCE)
-    dialog.find.click()
+    dialog.search.click()
     wait_for_background(window.workspace.background)
     session, editor = session_of(window), editor_of(window)
     assert session.words is not None
@@ -190,15 +191,15 @@ def test_unknown_and_wrong_words_are_asked_for(
     settle(bench, window)
     dialog = dialog_of(window)
     dialog.text.setPlainText(SENTENCE.replace("soup", "zoop"))
-    dialog.find.click()
+    dialog.search.click()
     (field,) = dialog._asked.values()
     for spelling, says in (("qqq", "not in the dictionary"), ("", "Not in the dictionary")):
         field.setText(spelling)
-        dialog.find.click()
+        dialog.search.click()
         assert says in dialog.message.text()
         (field,) = dialog._asked.values()
     field.setText("soup")
-    dialog.find.click()
+    dialog.search.click()
     wait_for_background(window.workspace.background)
     session = session_of(window)
     assert session.words is not None
@@ -206,10 +207,10 @@ def test_unknown_and_wrong_words_are_asked_for(
     again = dialog_of(window)
     assert again.text.toPlainText().endswith("zoop")
     again.text.setPlainText("set white in nine again")
-    again.find.click()
+    again.search.click()
     wait_for_background(window.workspace.background)
     assert "do not fit" in again.message.text()
-    assert again.find.isEnabled()
+    assert again.search.isEnabled()
     again.reject()
     assert session.words.text.endswith("zoop")
 
@@ -222,14 +223,14 @@ def test_the_search_can_be_cancelled(
     def search(*given: Any) -> Transcript:
         going.wait(PATIENCE)
         shares.append(given[-1](0.5))
-        raise aligning.Stopped("Cancelled")
+        raise Stopped("Cancelled")
 
     monkeypatch.setattr(aligning, "align_part", search)
     window = with_media(bench, make_wav(tmp_path / "voice.wav"))
     dialog = dialog_of(window)
     dialog.text.setPlainText(SENTENCE)
-    dialog.find.click()
-    assert not dialog.find.isEnabled()
+    dialog.search.click()
+    assert not dialog.search.isEnabled()
     dialog.stop.click()
     going.set()
     wait_for_background(window.workspace.background)
@@ -255,7 +256,7 @@ def test_a_file_with_times_needs_no_sound(
     dialog = dialog_of(window)
     dialog.open_file.click()
     assert dialog.text.toPlainText() == "bob sees map"
-    dialog.find.click()
+    dialog.search.click()
     assert session_of(window).words == WORDS
     path.write_text("junk")
     dialog = dialog_of(window)
@@ -268,7 +269,7 @@ def test_typed_words_need_a_sound(bench: Bench) -> None:
     window = bench.editing()
     dialog = dialog_of(window)
     dialog.text.setPlainText("hello")
-    dialog.find.click()
+    dialog.search.click()
     wait_for_background(window.workspace.background)
     assert "no sound" in dialog.message.text()
     dialog.reject()
