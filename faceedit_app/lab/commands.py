@@ -169,6 +169,32 @@ def evaluate_words(
     print(json.dumps(figures.as_json(), indent=2) if as_json else text)
 
 
+def evaluate_tracking(
+    takes: Annotated[list[Path], typer.Argument(help="Takes, or folders of takes, to render.")],
+    seconds: Annotated[float, typer.Option(min=1.0, help="Of each take, the liveliest.")] = 6.0,
+    exclude: ExcludeOption = None,
+    output: Annotated[
+        OptionalPath, typer.Option("--json", help="Write all figures to this file.")
+    ] = None,
+) -> None:
+    """Render films of takes, track them, and measure what was found."""
+    from faceedit_app.lab.evaluation import tracking
+    from faceedit_app.lab.training.data import take_paths
+
+    paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Rendering and tracking", total=None)
+        figures = tracking.evaluate_tracking(
+            paths,
+            seconds,
+            progress=lambda done, of: progress.update(bar, completed=done, total=of),
+        )
+    if output is not None:
+        text = json.dumps(tracking.as_json(figures), indent=2) + "\n"
+        write_atomically(output, text.encode())
+    print(tracking.table(figures))
+
+
 def experiment(
     name: Annotated[str, typer.Argument(help="Its name, or all; a wrong name lists them.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")] = Path(

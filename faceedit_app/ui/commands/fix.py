@@ -30,6 +30,9 @@ if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.help.problems import Problem
 
 
+WHOLE = 0.98  # of the take: an edit with such a range is one of the whole take
+
+
 class FixCommands:
     """Applies fixes and presets, and steps through problems."""
 
@@ -59,9 +62,12 @@ class FixCommands:
     def _range_meant(self) -> tuple[float, float] | None:
         """The selection; if it is the selected edit's, only while the playhead is in it."""
         selection, page = self._timeline.selection, self._workspace.page
-        if selection is None or page is None or not page.edits.is_tied:
+        line = self._timeline
+        if selection is None or page is None or line.own_selection is not None:
             return selection
-        return selection if selection[0] <= self._timeline.time <= selection[1] else None
+        is_whole = selection[1] - selection[0] > WHOLE * line.duration
+        is_here = selection[0] <= line.time <= selection[1]
+        return selection if is_here and not is_whole else None
 
     def expression(self) -> None:
         """Show the slider from sad to smiling."""
@@ -69,7 +75,7 @@ class FixCommands:
             return
         presets = {preset.id: preset for preset in shipped_presets()}
         span = self._range_meant()
-        where = "in the whole take" if span is None else f"from {span[0]:.2f} to {span[1]:.2f} s"
+        where = f"from {self._workspace.shown_range(*span)}" if span else "in the whole take"
         SliderDialog(
             self._workspace.window,
             self._document,
@@ -158,7 +164,7 @@ class FixCommands:
         page, problem = self._workspace.page, self.problem
         if page is not None and problem is not None and problem.fix:
             self._workspace.end_gestures()
-            message = f"{problem.message}. The proposed fix is shown."
+            message = f"Fix shown. {problem.message}."
             page.proposal.offer(message, problem.fix, "Fix problem", problem)
 
     def fix_all(self) -> None:

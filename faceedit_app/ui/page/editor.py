@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QAbstractSlider,
@@ -54,6 +56,8 @@ class Editor(QWidget):
     ) -> None:
         super().__init__()
         self._document, self._timeline, self._playback = document, timeline, playback
+        self._tools = tools
+        self._take: Path | None = None
         self.settings_bar = SettingsBar(actions, document)
         self.tool_bar = ToolBar(actions, tools)
         self.proposal = ProposalBar(actions, document)
@@ -106,6 +110,9 @@ class Editor(QWidget):
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
         self.curves.fields.left.connect(document.seal)
+        self.curves.edit_began.connect(self.edits.leave)
+        self.curves.edit_made.connect(self.edits.select_new)
+        self.curves.follow_chosen(lambda: self.edits.chosen_edit)
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)
@@ -167,6 +174,9 @@ class Editor(QWidget):
         assert session is not None
         clip = session.take.clip
         self._timeline.open(clip)
+        if session.take.path != self._take:  # not the same one at another frame rate
+            self._restore_settings()
+        self._take = session.take.path
         self.curves.set_session(session)
         self.transport.set_clip(clip)
         self.problems.restart()
@@ -174,6 +184,13 @@ class Editor(QWidget):
         self.settings_bar.sync()
         self.edits.refresh()
         self.face.refresh()
+
+    def _restore_settings(self) -> None:
+        """Undo what the last take left on, which nobody expects in the next."""
+        self._timeline.restore_falloffs()
+        self._tools.link(True)
+        self._playback.set_loop(False)
+        self.transport.restore_speed()
 
     def cancel_gesture(self) -> bool:
         """Esc: close hints, cancel a drag, discard a proposal; False if there is none."""

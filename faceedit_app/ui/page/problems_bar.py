@@ -44,6 +44,12 @@ NAMES = {
     "character": "open on your character",
     "dropped": "lost frames",
 }
+ONE = {
+    "lips": "Lips stay open",
+    "blink": "Half blink",
+    "jitter": "Shaking",
+    "dropped": "Lost frames",
+}
 
 
 class ProblemsBar(QWidget):
@@ -240,7 +246,7 @@ class ProblemsBar(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if not self.problems:
             painter.setFont(style.scaled_font(self, 0.82))
-            painter.setPen(style.color(style.FAINT))
+            painter.setPen(style.color(style.MUTED))
             words = "No problems found" if self.is_searched else "Looking for problems…"
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, words)
             return
