@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMenu
 from support.films import make_wav
 from support.media import FakeOutput, editor_of, settle, with_media
 from support.speech import SENTENCE, mumbling_take, needs_espeak, said, speak
@@ -101,6 +101,19 @@ def test_a_double_click_selects_a_word(bench: Bench) -> None:
     assert window.timeline.selection is None
 
 
+def test_a_right_click_selects_a_word_and_opens_the_menu(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = with_words(bench)
+    strip, opened = strip_of(window), []
+    monkeypatch.setattr(QMenu, "popup", lambda menu, _place: opened.append(menu))
+    QTest.mouseClick(strip.viewport(), Qt.MouseButton.RightButton, pos=at(strip, 0.9, 10))
+    assert window.timeline.selection is not None
+    (menu,) = opened
+    assert window.actions_["loop"] in menu.actions()
+    assert window.actions_["close_on_words"] in menu.actions()
+
+
 def test_a_click_moves_the_playhead(bench: Bench) -> None:
     window = with_words(bench)
     strip = strip_of(window)
@@ -144,7 +157,11 @@ def test_a_word_is_searched_again_and_again(bench: Bench) -> None:
         assert window.timeline.selection is not None
         starts.append(window.timeline.selection[0])
     assert starts == pytest.approx([0.4, 1.12, 0.4], abs=0.01)
-    assert not strip_of(window).find("zebra")
+    search.setText("zebra")
+    QTest.keyClick(search, Qt.Key.Key_Return)
+    assert search.property("refused")
+    QTest.keyClick(search, Qt.Key.Key_Escape)
+    assert not search.hasFocus()
 
 
 @needs_espeak
