@@ -14,10 +14,11 @@ from psygnal import Signal
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import clean_text
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe, describe_edits
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import MOST_EDITS, Edit, Op
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
@@ -361,6 +362,10 @@ class EditSession:
         """Add the edits of a file as one step.
 
         Raises:
-            FileError: it cannot be read or is not an edits file.
+            FileError: it cannot be read, is not an edits file, or has too many edits.
         """
-        self.add(*read_edits(path), name="Load edits")
+        edits = read_edits(path)
+        if len(self.edits) + len(edits) > MOST_EDITS:
+            problem = f"has {len(edits):,} edits, a take can have {MOST_EDITS:,} in all"
+            raise FileError(path, problem, "delete some of them")
+        self.add(*edits, name="Load edits")

@@ -39,6 +39,8 @@ class FaceLandmarker:
     def __init__(self, task: Path) -> None:
         require("ai_edge_litert", extra="scans")
         try:
+            if task.exists() and not task.is_file():  # a pipe may never end
+                raise ValueError(task)
             with zipfile.ZipFile(task) as archive:
                 networks = [_member(archive, name) for name in (_DETECTOR, _LANDMARKER)]
         except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
