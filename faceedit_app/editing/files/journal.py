@@ -23,10 +23,10 @@ import platformdirs
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import MOST_BYTES, Fields, parse
+from faceedit_app.core.filelock import lock, try_lock
 from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
 from faceedit_app.editing.edits.media import placement_from
 from faceedit_app.editing.edits.media import to_json as placement_to_json
-from faceedit_app.editing.files.filelock import lock, try_lock
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint, fingerprint_from
 from faceedit_app.editing.files.project import settings_from
 from faceedit_app.editing.steps import EditState
