@@ -13,6 +13,7 @@ from psygnal import Signal
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
+from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import clean_text
@@ -22,12 +23,17 @@ from faceedit_app.editing.edits.edit import MOST_EDITS, Edit, Op
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
-from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
+from faceedit_app.editing.files.fingerprint import (
+    Fingerprint,
+    fingerprint_of,
+    fingerprint_of_content,
+    is_same_file,
+)
 from faceedit_app.editing.solving.answerable import Lack
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState, Steps
-from faceedit_app.formats.opening import write_take
+from faceedit_app.formats.opening import encoded_take
 from faceedit_app.formats.take import Take
 
 if TYPE_CHECKING:  # the networks are imported after the window is up
@@ -55,14 +61,20 @@ class EditSession:
         changed(): the kept state is shown, after a commit, cancel, undo or redo, or after the
             engine has changed.
         stepped(EditState): the kept state has changed; sent before `changed`, for the journal.
+        exporting(Fingerprint): the take's own file is about to be replaced by the edited take.
+
+    Attributes:
+        exported: the fingerprint of what was exported over the take's file, if anything was.
     """
 
     previewed = Signal()
     changed = Signal()
     stepped = Signal(EditState)
+    exporting = Signal(Fingerprint)
 
     def __init__(self, take: Take, rig: Rig, engine: Engine | None = None) -> None:
         self.take, self.rig = take, rig
+        self.exported: Fingerprint | None = None
         self._solver = Solver(take.clip, rig, engine)
         self._steps = Steps()
         self._saved = self._computed = self._steps.state
@@ -336,7 +348,11 @@ class EditSession:
         Raises:
             FileError: it cannot be written; an existing file is then untouched.
         """
-        write_take(path, self.take, self.clip_weights())
+        content = encoded_take(path, self.take, self.clip_weights())
+        if is_same_file(Path(path), self.take.path):
+            self.exported = fingerprint_of_content(content)
+            self.exporting.emit(self.exported)
+        write_atomically(path, content)
         self._mark_exported()
 
     def mark_saved(self) -> None:

@@ -28,7 +28,7 @@ from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
 from faceedit_app.editing.edits.media import placement_from
 from faceedit_app.editing.edits.media import to_json as placement_to_json
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint, fingerprint_from
-from faceedit_app.editing.files.project import settings_from
+from faceedit_app.editing.files.project import exported_from, settings_from
 from faceedit_app.editing.steps import EditState
 
 VERSION = 1
@@ -53,6 +53,8 @@ class Journal:
         project: the project that it was opened from, if any.
         folder: where journals are; None = `journal_folder()`.
         fps: the take's frame rate, if the user had to give it.
+        opened: the fingerprint of the take as it was opened; None = that of the file now.
+        exported: the fingerprint of what was exported over the take, if anything was.
     """
 
     def __init__(
@@ -61,13 +63,16 @@ class Journal:
         project: Path | None = None,
         folder: Path | None = None,
         fps: float | None = None,
+        opened: Fingerprint | None = None,
+        exported: Fingerprint | None = None,
     ) -> None:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{_SUFFIX}"
         self._take, self._project, self._fps = take.absolute(), project, fps
-        self._print: Fingerprint | None = None  # as opened: the file may be overwritten
-        with contextlib.suppress(FileError):
-            self._print = fingerprint(take)
+        self._print, self._exported = opened, exported
+        if opened is None:
+            with contextlib.suppress(FileError):
+                self._print = fingerprint(take)
         self._file: int | None = None
         self._length = 0  # bytes that are complete lines
         self._last: EditState | None = None  # the state after those lines
@@ -126,6 +131,17 @@ class Journal:
         else:
             self._last = None  # write all edits again if the disk comes back
 
+    def exporting(self, exported: Fingerprint) -> None:
+        """Note that the take is about to be exported over: its edits must not be applied to that.
+
+        Args:
+            exported: the fingerprint of what will be written.
+        """
+        self._exported = exported
+        if self._file is not None and not self._closed:
+            self._append({"exported": asdict(exported)})
+            self._wake.set()
+
     def saved(self, project: Path | None = None) -> None:
         """Forget the gestures so far: they are saved."""
         if project is not None:
@@ -162,6 +178,8 @@ class Journal:
             head["fingerprint"] = asdict(self._print)
         if self._fps is not None:
             head["fps"] = self._fps
+        if self._exported is not None:
+            head["exported"] = asdict(self._exported)
         return head
 
     def _append(self, entry: dict[str, Any]) -> bool:
@@ -222,6 +240,7 @@ class Pending:
         gestures: the number of gestures since the last save.
         when: the time of the last gesture, in seconds since the epoch.
         fps: the take's frame rate, if the user had to give it.
+        exported: the fingerprint of what was exported over the take, if anything was.
     """
 
     path: Path
@@ -232,6 +251,7 @@ class Pending:
     gestures: int
     when: float
     fps: float | None = None
+    exported: Fingerprint | None = None
 
     def discard(self) -> None:
         """Delete its journal."""
@@ -261,7 +281,20 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
         elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # no gesture was made
             with contextlib.suppress(OSError):
                 path.unlink()
-    return sorted(found, key=lambda pending: pending.when, reverse=True)
+    found.sort(key=lambda pending: pending.when, reverse=True)
+    return [pending for k, pending in enumerate(found) if not _is_repeated(pending, found[:k])]
+
+
+def _is_repeated(pending: Pending, newer: Sequence[Pending]) -> bool:
+    """Whether a newer session has the same edits: it recovered them, and crashed as well.
+
+    Its journal is deleted then.
+    """
+    mine = pending.take, pending.fingerprint, pending.state
+    if mine not in [(other.take, other.fingerprint, other.state) for other in newer]:
+        return False
+    pending.discard()
+    return True
 
 
 def _read(path: Path, content: bytes, when: float) -> Pending | None:
@@ -277,12 +310,16 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         project = Path(head.path("project")) if head.has("project") else None
         print_ = fingerprint_from(head.fields("fingerprint")) if head.has("fingerprint") else None
         fps = head.number_or_none("fps", 1.0, 1000.0)
+        exported = exported_from(head)
     except ValueError:
         return None
     state, step, gestures = None, 0, 0
     for line in lines[1:]:
         try:
             entry = Fields(parse(line))
+            if entry.has("exported"):
+                exported = exported_from(entry)
+                continue
             state = _replay(state, step, entry)
             step = entry.whole("step")
         except ValueError:
@@ -290,7 +327,7 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         gestures += 1
     if state is None:
         return None
-    return Pending(path, take, print_, project, state, gestures, when, fps)
+    return Pending(path, take, print_, project, state, gestures, when, fps, exported)
 
 
 def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
