@@ -33,6 +33,14 @@ class Unsaved(Enum):
     CANCEL = auto()
 
 
+class Changed(Enum):
+    """What to do if another program has changed a file that is about to be replaced."""
+
+    REPLACE = auto()
+    ELSEWHERE = auto()
+    CANCEL = auto()
+
+
 class Recover(Enum):
     """What to do with edits that a crash left behind."""
 
@@ -164,6 +172,21 @@ def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), Unsaved.CANCEL)
+
+
+def ask_changed(parent: QWidget, name: str) -> Changed:
+    """What to do if another program, or window, has changed a file since it was read."""
+    message = f"{name} has been changed by another program, or in another window."
+    box = _question(parent, message, "If you replace it, those changes are lost.")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("Save under another name…", role.AcceptRole): Changed.ELSEWHERE,
+        box.addButton("Replace", role.DestructiveRole): Changed.REPLACE,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), Changed.CANCEL)
 
 
 def show_error(parent: QWidget | None, error: Exception | str) -> None:

@@ -105,6 +105,13 @@ class FileCommands:
     def _save(self, path: Path) -> bool:
         from faceedit_app.ui.commands import projects
 
+        if self._document.was_changed(path):
+            match dialogs.ask_changed(self._window, path.name):
+                case dialogs.Changed.ELSEWHERE:
+                    return self.save_as()
+                case dialogs.Changed.CANCEL:
+                    return False
+
         def save(path: Path) -> None:
             projects.save(self._workspace, path)
             self._preferences.add_recent(path)
@@ -118,7 +125,17 @@ class FileCommands:
         ending = take.suffix if take is not None else ""
         suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
         path = dialogs.ask_export(self._window, suggestion)
-        return path is not None and self._write(self._document.export, path, "export", "Exported")
+        if path is None:
+            return False
+        if self._document.was_changed(path):
+            match dialogs.ask_changed(self._window, path.name):
+                case dialogs.Changed.ELSEWHERE:
+                    return self.export()
+                case dialogs.Changed.CANCEL:
+                    return False
+        if self._document.awaits_engine:
+            self._workspace.message.emit("Waiting for the face model before exporting…")
+        return self._write(self._document.export, path, "export", "Exported")
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
+from faceedit_app.core.errors import FileError
+
 if TYPE_CHECKING:  # the window is there before the solver and the networks are imported
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
+    from faceedit_app.editing.files.fingerprint import Fingerprint
     from faceedit_app.editing.files.journal import Journal
     from faceedit_app.editing.files.project import ViewState
     from faceedit_app.editing.session import EditSession
@@ -30,12 +33,14 @@ class Document(QObject):
         previewed(): a gesture is in progress: curves and face show a preview.
         changed(): edits, settings, media or model changed, or a gesture was cancelled.
         saved(): the edits were exported or saved.
+        engine_settled(): the engine has been loaded, or cannot be.
     """
 
     opened = Signal()
     previewed = Signal()
     changed = Signal()
     saved = Signal()
+    engine_settled = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -44,6 +49,8 @@ class Document(QObject):
         self.path: Path | None = None
         self.project: Path | None = None
         self.keeps_journal = False
+        self.awaits_engine = False  # it is being loaded
+        self._project_mark: Fingerprint | None = None  # as it was read or saved last
         self._journal: Journal | None = None
 
     @property
@@ -60,6 +67,7 @@ class Document(QObject):
             self.session.previewed.disconnect(self._pass_on_preview)
             self.session.changed.disconnect(self._pass_on_change)
         self.session, self.path, self.project = session, session.take.path, project
+        self._project_mark = None
         session.previewed.connect(self._pass_on_preview)
         session.changed.connect(self._pass_on_change)
         if self.keeps_journal:
@@ -76,8 +84,15 @@ class Document(QObject):
         """Record every step from now on, and unsaved edits at once."""
         from faceedit_app.editing.files.journal import Journal
 
-        self._journal = Journal(session.take.path, self.project, fps=session.take.fps)
+        self._journal = Journal(
+            session.take.path,
+            self.project,
+            fps=session.take.fps,
+            opened=session.fingerprint,
+            exported=session.exported,
+        )
         session.stepped.connect(self._journal.record)
+        session.exporting.connect(self._journal.exporting)
         if not session.is_exported:
             self._journal.record(session.state)
 
@@ -91,6 +106,7 @@ class Document(QObject):
         if self._journal is not None:
             if self.session is not None:
                 self.session.stepped.disconnect(self._journal.record)
+                self.session.exporting.disconnect(self._journal.exporting)
             self._journal.close()
             self._journal = None
 
@@ -112,6 +128,12 @@ class Document(QObject):
         """Use the engine from now on."""
         self.engine = engine
         self.act(lambda session: session.use_engine(engine))
+        self.settle_engine()
+
+    def settle_engine(self) -> None:
+        """Note that the engine is loaded, or cannot be."""
+        self.awaits_engine = False
+        self.engine_settled.emit()
 
     def preview(self, *edits: Edit) -> None:
         """Preview additional edits, as a proposal."""
@@ -139,12 +161,40 @@ class Document(QObject):
 
     # --- files ---------------------------------------------------------------------------------
 
+    def was_changed(self, path: Path) -> bool:
+        """Whether another program has changed a file since this window read or wrote it.
+
+        True only for the open take and its project; a file that is gone has not changed.
+        """
+        from faceedit_app.editing.files.fingerprint import fingerprint, is_same_file
+
+        session = self.session
+        known: set[Fingerprint | None] = set()
+        if session is not None and is_same_file(path, session.take.path):
+            known = {session.fingerprint, session.exported}
+        elif self.project is not None and is_same_file(path, self.project):
+            known = {self._project_mark}
+        if not known - {None} or not path.is_file():
+            return False
+        try:
+            return fingerprint(path) not in known
+        except FileError:
+            return False  # writing will say why
+
+    def project_read(self, mark: Fingerprint) -> None:
+        """Note the fingerprint of the open project as it was read."""
+        self._project_mark = mark
+
     def export(self, path: Path) -> None:
-        """Write the edited take.
+        """Write the edited take, once the engine that answers the edits is loaded.
 
         Raises:
             FileError: it cannot be written.
         """
+        if self.awaits_engine:
+            waiting = QEventLoop()
+            self.engine_settled.connect(waiting.quit)
+            waiting.exec(_NO_INPUT)
         if self.session is not None:
             while self.session.live.work(_SLICE):  # in slices, so that the window stays responsive
                 QCoreApplication.processEvents(_NO_INPUT)
@@ -157,6 +207,7 @@ class Document(QObject):
         Raises:
             FileError: it cannot be written; an existing file is then untouched.
         """
+        from faceedit_app.editing.files.fingerprint import fingerprint
         from faceedit_app.editing.files.project import Project, write_project
 
         session = self.session
@@ -165,9 +216,10 @@ class Document(QObject):
         take = session.take.path.absolute()
         # Of the take as opened: the file may be gone or overwritten by now.
         mark = session.fingerprint
-        parts = (view, media.sound, media.film, session.take.fps)
+        parts = (view, media.sound, media.film, session.take.fps, session.exported)
         project = Project(take, mark, session.state, *parts)
         write_project(path, project)
+        self._project_mark = fingerprint(path)
         session.mark_saved()
         self.project = path
         self._is_saved()
