@@ -26,7 +26,7 @@ USAGE_ERROR = 2
 # The laboratory's commands, named here because the installed application leaves it out.
 LABORATORY = (
     *("bench", "train", "evaluate", "evaluate-character"),
-    *("experiment", "synthesize", "statistics"),
+    *("experiment", "synthesize", "statistics", "fuzz"),
 )
 
 app = typer.Typer(

@@ -1,4 +1,4 @@
-"""The laboratory's commands: bench, train, evaluate, experiment, synthesize, statistics."""
+"""The laboratory's commands: bench, train, evaluate, experiment, attacks and more."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
 from faceedit_app.core.resources import shipped
+from faceedit_app.core.texts import say
 
 # typer reads the annotations at run time, where `X | None` is not yet understood by all versions.
 OptionalPath = Optional[Path]  # noqa: UP045
@@ -228,3 +229,36 @@ def bench(
 
     found = run(QUICK if quick else BenchPlan(), lambda what: print(f"{what}…", file=sys.stderr))
     print(json.dumps(found, indent=2) if as_json else text(found))
+
+
+SeedOption = Annotated[int, typer.Option(min=0, help="Same seed: same attack.")]
+KeepOption = Annotated[Path, typer.Option("--keep", help="Folder for what goes wrong.")]
+
+
+def fuzz(
+    samples: Annotated[
+        Paths, typer.Argument(metavar="[FILE]...", help="Valid files to damage as well.")
+    ] = None,
+    inputs: Annotated[int, typer.Option(min=1, help="Damaged files in all.")] = 10_000,
+    seed: SeedOption = 1,
+    keep: KeepOption = Path("fuzz-failures"),
+) -> int:
+    """Feed damaged files to every reader: each is read rightly or refused in one line."""
+    from faceedit_app.lab.attacks.fuzz import fuzz as attack
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Fuzzing", total=inputs)
+        found = attack(
+            inputs, seed, keep, samples or (), lambda done: progress.update(bar, completed=done)
+        )
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.failures))
+
+
+def _verdict(seed: int, failures: int) -> int:
+    """Print how an attack ended; returns the exit code."""
+    if not failures:
+        say(f"Nothing is wrong (seed {seed})")
+        return 0
+    say(f"{failures} wrong (seed {seed})")
+    return 1
