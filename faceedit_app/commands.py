@@ -26,7 +26,8 @@ USAGE_ERROR = 2
 # The laboratory's commands, named here because the installed application leaves it out.
 LABORATORY = (
     *("bench", "train", "evaluate", "evaluate-character"),
-    *("experiment", "synthesize", "statistics", "fuzz"),
+    *("experiment", "synthesize", "statistics"),
+    *("fuzz", "soak", "kill"),
 )
 
 app = typer.Typer(

@@ -14,7 +14,7 @@ from rich.progress import Progress
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import DEMO_TAKE, shipped
 from faceedit_app.core.texts import say
 
 # typer reads the annotations at run time, where `X | None` is not yet understood by all versions.
@@ -253,6 +253,40 @@ def fuzz(
         )
     say("\n".join(found.lines()))
     return _verdict(seed, len(found.failures))
+
+
+def soak(
+    take: Annotated[
+        OptionalPath, typer.Argument(help="A take; default: the demo take. It is not changed.")
+    ] = None,
+    minutes: Annotated[float, typer.Option(min=0.05, help="How long.")] = 10.0,
+    seed: SeedOption = 1,
+) -> int:
+    """Use the window at random, without a display, and check what it shows and exports."""
+    from faceedit_app.lab.attacks.soak import soak as attack
+
+    path = take if take is not None else shipped(DEMO_TAKE)
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Soaking", total=60.0 * minutes)
+        found = attack(
+            path, 60.0 * minutes, seed, advance=lambda s: progress.update(bar, completed=s)
+        )
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.problems))
+
+
+def kill(
+    times: Annotated[int, typer.Option(min=1, help="Kills in all.")] = 100,
+    seed: SeedOption = 1,
+) -> int:
+    """Kill the window at random moments; every finished gesture must be recovered."""
+    from faceedit_app.lab.attacks.kill import kill as attack
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Killing", total=times)
+        found = attack(times, seed, lambda done: progress.update(bar, completed=done))
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.problems))
 
 
 def _verdict(seed: int, failures: int) -> int:
