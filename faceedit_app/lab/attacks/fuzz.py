@@ -86,7 +86,8 @@ def fuzz(
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             ours, theirs = spawn.Pipe(duplex=False)
-            job = (theirs, folder, seed, done, min(_BATCH, inputs - done), tuple(samples))
+            count = min(_BATCH, inputs - done)
+            job = (theirs, folder, keep, seed, done, count, tuple(samples))
             worker = spawn.Process(target=_work, args=job)
             worker.start()
             theirs.close()
@@ -124,8 +125,8 @@ def _listen(
                 getattr(findings, result)[reader] += 1
                 done = number + 1
                 advance(done)
-            case ("end", str(problem)):
-                _fail(findings, number, reader, problem, folder, keep)
+            case ("wrong", str(problem), Path() as path):
+                findings.failures.append(Failure(number, reader, problem, path))
                 done = number + 1
                 advance(done)
 
@@ -133,17 +134,27 @@ def _listen(
 def _fail(
     findings: Findings, number: int, reader: str, problem: str, folder: Path, keep: Path
 ) -> None:
-    """Note a failure, with a copy of its input."""
-    copy = keep
-    for path in sorted((folder / "inputs").glob("input.*")):
-        keep.mkdir(parents=True, exist_ok=True)
-        copy = keep / f"fuzz_{number}_{reader}{path.suffix}"
-        shutil.copy(path, copy)
-    findings.failures.append(Failure(number, reader, problem, copy))
+    """Note that the worker is at its end, with a copy of the input that it was reading."""
+    (path,) = (folder / "inputs").iterdir()
+    findings.failures.append(Failure(number, reader, problem, _kept(path, number, reader, keep)))
+
+
+def _kept(path: Path, number: int, reader: str, keep: Path) -> Path:
+    """A copy of an input."""
+    keep.mkdir(parents=True, exist_ok=True)
+    copy = keep / f"fuzz_{number}_{reader}{path.suffix}"
+    shutil.copy(path, copy)
+    return copy
 
 
 def _work(
-    pipe: Connection, folder: Path, seed: int, first: int, count: int, samples: Sequence[Path]
+    pipe: Connection,
+    folder: Path,
+    keep: Path,
+    seed: int,
+    first: int,
+    count: int,
+    samples: Sequence[Path],
 ) -> None:
     """Read inputs one after the other, and report each (in a process of its own)."""
     _limit_memory()
@@ -155,7 +166,9 @@ def _work(
         path = inputs / f"input{reader.ending}"
         path.write_bytes(reader.content)
         if _result(reader, path) != "read":  # damaged copies of it would be no test
-            pipe.send(("end", f"the undamaged file of {reader.name} is not read"))
+            copy = _kept(path, -1, reader.name, keep)
+            pipe.send(("begin", -1, reader.name))
+            pipe.send(("wrong", "the undamaged file is not read", copy))
     for number in range(first, first + count):
         chance = random.Random(f"{seed} {number}")
         reader = readers[number % len(readers)]
@@ -165,7 +178,11 @@ def _work(
         path.write_bytes(mutated(reader.content, chance))
         pipe.send(("begin", number, reader.name))
         faulthandler.dump_traceback_later(_PATIENCE, exit=True)
-        pipe.send(("end", _result(reader, path)))
+        result = _result(reader, path)
+        if result in ("read", "refused"):
+            pipe.send(("end", result))
+        else:
+            pipe.send(("wrong", result, _kept(path, number, reader.name, keep)))
         faulthandler.cancel_dump_traceback_later()
 
 
