@@ -33,7 +33,10 @@ from faceedit_app.editing.steps import EditState
 
 VERSION = 1
 _SUFFIX = ".jsonl"
+_NEW_SUFFIX = ".new"
+_LONG = 32 * 2**20  # bytes; a longer journal is written again without what no longer matters
 _PATIENCE = 1.0  # seconds to wait for a slow disk when closing
+_CREATE = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 _YOUNG = 60.0  # seconds; the session of a younger empty journal may be starting
 
 
@@ -75,6 +78,7 @@ class Journal:
                 self._print = fingerprint(take)
         self._file: int | None = None
         self._length = 0  # bytes that are complete lines
+        self._longest = _LONG
         self._last: EditState | None = None  # the state after those lines
         self._step = 0
         self._wake, self._closed = threading.Event(), False
@@ -87,8 +91,7 @@ class Journal:
         self._last, self._length = None, 0
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-            self._file = os.open(self.path, flags, 0o600)
+            self._file = os.open(self.path, _CREATE, 0o600)
             lock(self._file)
         except OSError as error:
             self._remove()
@@ -113,18 +116,20 @@ class Journal:
             self._remove()
             if not self._open():
                 return
+        if self._length > self._longest:
+            self._shorten()
         last = self._last
         entry: dict[str, Any] = {"step": self._step + 1}
         if last is None:
-            entry["edits"] = [to_json(edit) for edit in state.edits]
+            entry |= _whole(state)
         else:
             first, end, old_end = _difference(last.edits, state.edits)
             entry |= {"at": first, "drop": old_end - first}
             entry["add"] = [to_json(edit) for edit in state.edits[first:end]]
-        if last is None or last.settings != state.settings:
-            entry["settings"] = asdict(state.settings)
-        if (last.media if last is not None else None) != state.media:
-            entry["media"] = placement_to_json(state.media)
+            if last.settings != state.settings:
+                entry["settings"] = asdict(state.settings)
+            if last.media != state.media:
+                entry["media"] = placement_to_json(state.media)
         if self._append(entry):
             self._last, self._step = state, self._step + 1
             self._wake.set()
@@ -141,6 +146,35 @@ class Journal:
         if self._file is not None and not self._closed:
             self._append({"exported": asdict(exported)})
             self._wake.set()
+
+    def _shorten(self) -> None:
+        """Replace the file by one that holds only the state after its last line.
+
+        A crash meanwhile leaves the old file. So does a failure, and it is not tried again soon.
+        """
+        self._longest = 2 * self._length
+        if self._last is None:
+            return
+        new = self.path.with_suffix(_NEW_SUFFIX)
+        content = _line(self._head()) + _line({"step": self._step} | _whole(self._last))
+        try:
+            file = os.open(new, _CREATE, 0o600)
+        except OSError:
+            return
+        try:
+            lock(file)
+            _write(file, content)
+            os.fsync(file)
+            new.replace(self.path)
+        except OSError:  # Windows does not replace a file that is open
+            os.close(file)
+            with contextlib.suppress(OSError):
+                new.unlink()
+            return
+        old, self._file, self._length = self._file, file, len(content)
+        self._longest = max(_LONG, 2 * self._length)
+        if old is not None:
+            os.close(old)
 
     def saved(self, project: Path | None = None) -> None:
         """Forget the gestures so far: they are saved."""
@@ -184,13 +218,11 @@ class Journal:
 
     def _append(self, entry: dict[str, Any]) -> bool:
         assert self._file is not None
-        line = json.dumps(entry, separators=(",", ":")).encode() + b"\n"
+        line = _line(entry)
         try:
             os.ftruncate(self._file, self._length)  # remove what a failed write may have left
             os.lseek(self._file, self._length, os.SEEK_SET)
-            written = 0
-            while written < len(line):
-                written += os.write(self._file, line[written:])
+            _write(self._file, line)
         except OSError as error:
             self._fail(error)
             return False
@@ -213,6 +245,27 @@ class Journal:
     def _fail(self, error: OSError) -> None:
         reason = (error.strerror or str(error)).lower()
         self.note = f"Edits are not being backed up ({reason}: {self.path.parent}); save often"
+
+
+def _line(entry: dict[str, Any]) -> bytes:
+    return json.dumps(entry, separators=(",", ":")).encode() + b"\n"
+
+
+def _write(file: int, content: bytes) -> None:
+    written = 0
+    while written < len(content):
+        written += os.write(file, content[written:])
+
+
+def _whole(state: EditState) -> dict[str, Any]:
+    """The entry of a state that does not depend on the one before it."""
+    entry: dict[str, Any] = {
+        "edits": [to_json(edit) for edit in state.edits],
+        "settings": asdict(state.settings),
+    }
+    if state.media is not None:
+        entry["media"] = placement_to_json(state.media)
+    return entry
 
 
 def _difference(old: Sequence[Edit], new: Sequence[Edit]) -> tuple[int, int, int]:
