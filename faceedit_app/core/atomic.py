@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import filecmp
+import itertools
 import os
+import shutil
 import tempfile
 import time
 from pathlib import Path
@@ -14,6 +17,8 @@ from faceedit_app.core.filelock import lock, try_lock
 _SUFFIX = ".faceedit-new"
 _LONGEST_NAME = 255  # bytes, on most file systems
 _YOUNG = 5.0  # seconds; a younger temporary file may not be locked yet
+
+BACKUP_SUFFIX = ".bak"
 
 
 def write_atomically(path: Path | str, content: bytes) -> None:
@@ -78,6 +83,35 @@ def _prefix(path: Path) -> str:
     """The beginning of a temporary name, short enough if the name itself is a long one."""
     room = _LONGEST_NAME - len(_SUFFIX) - 16
     return os.fsdecode(os.fsencode(f".{path.name}")[:room]) + "."
+
+
+def keep_backup(path: Path | str) -> Path:
+    """Copy a file to `NAME.bak` beside it, before it is replaced.
+
+    An earlier backup with other content stays, and the copy becomes `NAME.bak2` and so on: the
+    first one may be the only copy of a recording.
+
+    Returns:
+        The file that now has the same content.
+
+    Raises:
+        FileError: the copy cannot be written; `path` must then not be replaced.
+    """
+    path = Path(os.path.realpath(path))
+    for number in itertools.count(1):
+        backup = path.with_name(f"{path.name}{BACKUP_SUFFIX}{number if number > 1 else ''}")
+        try:
+            if not backup.exists():
+                shutil.copy2(path, backup)
+                return backup
+            if filecmp.cmp(path, backup, shallow=False):
+                return backup
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise FileError(
+                backup, f"cannot be written ({reason})", "choose another name for the new file"
+            ) from error
+    raise AssertionError("unreachable")
 
 
 def _permissions(path: Path) -> int:

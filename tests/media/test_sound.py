@@ -180,3 +180,18 @@ def test_a_pipe_is_refused_as_sound(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "a.wav")
     with pytest.raises(FileError, match="is not a regular file"):
         read_sound(tmp_path / "a.wav")
+
+
+@pytest.mark.parametrize(
+    ("take", "film"),
+    [
+        ("slate_1_iPhone_cal_edited.csv", "slate_1_iPhone.mov"),
+        ("slate_1_iPhone_cal_edited_edited.csv", "slate_1_iPhone.mov"),
+        ("talk_blendshape_data.csv", "talk.mp4"),
+        ("talk_blendshape_data_edited.csv", "talk.mp4"),
+        ("_edited.csv", "_edited.mov"),
+    ],
+)
+def test_what_tools_add_to_the_name_of_a_take(take: str, film: str, tmp_path: Path) -> None:
+    (tmp_path / film).touch()
+    assert beside(tmp_path / take) == (None, tmp_path / film)

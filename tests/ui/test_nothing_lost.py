@@ -78,16 +78,22 @@ def exported_over_then_edited(bench: Bench) -> MainWindow:
     """A window whose edits were exported over their take, and then one more edit."""
     window = bench.editing()
     add_edit(window)
-    bench.answers["export"] = bench.take
+    bench.answers |= {"export": bench.take, "overwrite": True}
     trigger(window, "export")
     add_edit(window, -2.0)
     return window
+
+
+def lose_backup(bench: Bench) -> None:
+    """Delete the copy of the take that the export made."""
+    bench.take.with_name("take.csv.bak").unlink()
 
 
 def test_edits_that_were_exported_over_their_take_are_not_applied_to_it_again(
     bench: Bench, crash: Crash
 ) -> None:
     crash.kill(exported_over_then_edited(bench))
+    lose_backup(bench)
     window = crash.start_again()
     assert "already holds these edits" in crash.asked[0]
     assert window.document.session is None
@@ -97,14 +103,12 @@ def test_edits_that_were_exported_over_their_take_are_not_applied_to_it_again(
 def test_the_take_from_before_an_export_over_it_is_found_beside_it(
     bench: Bench, crash: Crash
 ) -> None:
-    original = bench.folder / "take.csv.bak"
-    original.write_bytes(bench.take.read_bytes())
     window = exported_over_then_edited(bench)
     shown = session_of(window).weights.copy()
     crash.kill(window)
     window = crash.start_again()
     assert not crash.asked
-    assert window.document.path == original
+    assert window.document.path == bench.take.with_name("take.csv.bak")
     assert "is the take without them" in window.banner.text.text()
     assert (session_of(window).weights == shown).all()
 
@@ -114,6 +118,7 @@ def test_a_project_is_not_applied_to_an_export_of_its_own(bench: Bench, crash: C
     project = bench.answers["save_project"] = bench.folder / "scene.faceedit"
     trigger(window, "save")
     window.close()
+    lose_backup(bench)
     window = bench.window()
     window.commands.file.open_if_saved(project)
     bench.qtbot.waitUntil(lambda: bool(crash.asked or bench.errors), timeout=15_000)
@@ -196,18 +201,27 @@ def test_a_project_that_another_window_saved_is_not_replaced_silently(
     assert len(asked) == (2 if answer is Changed.CANCEL else 1)
 
 
-@pytest.mark.parametrize("answer", [Changed.REPLACE, Changed.CANCEL])
+@pytest.mark.parametrize("overwrites", [True, False])
 def test_a_take_that_another_program_changed_is_not_replaced_silently(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, answer: Changed
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, overwrites: bool
 ) -> None:
-    monkeypatch.setattr(dialogs, "ask_changed", lambda *_: answer)
+    reasons: list[str] = []
+
+    def ask(_parent: object, _path: Path, reason: str) -> bool:
+        reasons.append(reason)
+        bench.answers["export"] = None  # after a No, the user is asked for another name
+        return overwrites
+
+    monkeypatch.setattr(dialogs, "ask_overwrite", ask)
     window = bench.editing()
     add_edit(window)
     changed = bench.take.read_bytes().replace(b"12:00:00", b"12:00:01")
     bench.take.write_bytes(changed)
     bench.answers["export"] = bench.take
     trigger(window, "export")
-    assert (bench.take.read_bytes() == changed) is (answer is Changed.CANCEL)
+    assert reasons == ["has been changed by another program since it was opened"]
+    kept = bench.take.with_name("take.csv.bak") if overwrites else bench.take
+    assert kept.read_bytes() == changed
 
 
 def test_an_export_waits_for_the_networks(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,8 +28,10 @@ from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
 from faceedit_app.editing.edits.media import placement_from
 from faceedit_app.editing.edits.media import to_json as placement_to_json
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint, fingerprint_from
-from faceedit_app.editing.files.project import exported_from, settings_from
+from faceedit_app.editing.files.project import exported_over_from, settings_from
 from faceedit_app.editing.steps import EditState
+from faceedit_app.words.transcript import to_json as words_to_json
+from faceedit_app.words.transcript import transcript_from
 
 VERSION = 1
 _SUFFIX = ".jsonl"
@@ -57,7 +59,7 @@ class Journal:
         folder: where journals are; None = `journal_folder()`.
         fps: the take's frame rate, if the user had to give it.
         opened: the fingerprint of the take as it was opened; None = that of the file now.
-        exported: the fingerprint of what was exported over the take, if anything was.
+        exported_over: the fingerprint of what was exported over the take, if anything was.
     """
 
     def __init__(
@@ -67,12 +69,12 @@ class Journal:
         folder: Path | None = None,
         fps: float | None = None,
         opened: Fingerprint | None = None,
-        exported: Fingerprint | None = None,
+        exported_over: Fingerprint | None = None,
     ) -> None:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{_SUFFIX}"
         self._take, self._project, self._fps = take.absolute(), project, fps
-        self._print, self._exported = opened, exported
+        self._print, self._exported_over = opened, exported_over
         if opened is None:
             with contextlib.suppress(FileError):
                 self._print = fingerprint(take)
@@ -130,21 +132,23 @@ class Journal:
                 entry["settings"] = asdict(state.settings)
             if last.media != state.media:
                 entry["media"] = placement_to_json(state.media)
+            if last.words is not state.words:
+                entry["words"] = words_to_json(state.words)
         if self._append(entry):
             self._last, self._step = state, self._step + 1
             self._wake.set()
         else:
             self._last = None  # write all edits again if the disk comes back
 
-    def exporting(self, exported: Fingerprint) -> None:
+    def exporting(self, content: Fingerprint) -> None:
         """Note that the take is about to be exported over: its edits must not be applied to that.
 
         Args:
-            exported: the fingerprint of what will be written.
+            content: the fingerprint of what will be written.
         """
-        self._exported = exported
+        self._exported_over = content
         if self._file is not None and not self._closed:
-            self._append({"exported": asdict(exported)})
+            self._append({"exported_over": asdict(content)})
             self._wake.set()
 
     def _shorten(self) -> None:
@@ -212,8 +216,8 @@ class Journal:
             head["fingerprint"] = asdict(self._print)
         if self._fps is not None:
             head["fps"] = self._fps
-        if self._exported is not None:
-            head["exported"] = asdict(self._exported)
+        if self._exported_over is not None:
+            head["exported_over"] = asdict(self._exported_over)
         return head
 
     def _append(self, entry: dict[str, Any]) -> bool:
@@ -265,6 +269,8 @@ def _whole(state: EditState) -> dict[str, Any]:
     }
     if state.media is not None:
         entry["media"] = placement_to_json(state.media)
+    if state.words is not None:
+        entry["words"] = words_to_json(state.words)
     return entry
 
 
@@ -293,7 +299,7 @@ class Pending:
         gestures: the number of gestures since the last save.
         when: the time of the last gesture, in seconds since the epoch.
         fps: the take's frame rate, if the user had to give it.
-        exported: the fingerprint of what was exported over the take, if anything was.
+        exported_over: the fingerprint of what was exported over the take, if anything was.
     """
 
     path: Path
@@ -304,7 +310,7 @@ class Pending:
     gestures: int
     when: float
     fps: float | None = None
-    exported: Fingerprint | None = None
+    exported_over: Fingerprint | None = None
 
     def discard(self) -> None:
         """Delete its journal."""
@@ -363,15 +369,15 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         project = Path(head.path("project")) if head.has("project") else None
         print_ = fingerprint_from(head.fields("fingerprint")) if head.has("fingerprint") else None
         fps = head.number_or_none("fps", 1.0, 1000.0)
-        exported = exported_from(head)
+        exported_over = exported_over_from(head)
     except ValueError:
         return None
     state, step, gestures = None, 0, 0
     for line in lines[1:]:
         try:
             entry = Fields(parse(line))
-            if entry.has("exported"):
-                exported = exported_from(entry)
+            if entry.has("exported_over"):
+                exported_over = exported_over_from(entry)
                 continue
             state = _replay(state, step, entry)
             step = entry.whole("step")
@@ -380,7 +386,7 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         gestures += 1
     if state is None:
         return None
-    return Pending(path, take, print_, project, state, gestures, when, fps, exported)
+    return Pending(path, take, print_, project, state, gestures, when, fps, exported_over)
 
 
 def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
@@ -391,7 +397,8 @@ def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
     """
     if entry.has("edits"):
         media = placement_from(entry.fields_or_none("media"))
-        return EditState(edits_from(entry), settings_from(entry.fields("settings")), media)
+        words = transcript_from(entry.fields_or_none("words"))
+        return EditState(edits_from(entry), settings_from(entry.fields("settings")), media, words)
     if state is None or entry.whole("step") != step + 1:
         raise ValueError("a line is missing")
     edits = list(state.edits)
@@ -399,9 +406,11 @@ def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
     if at + drop > len(edits):
         raise ValueError("it does not fit the edits before it")
     edits[at : at + drop] = edits_from(entry, "add")
-    settings, media = state.settings, state.media
+    settings, media, words = state.settings, state.media, state.words
     if entry.has("settings"):
         settings = settings_from(entry.fields("settings"))
     if entry.has("media"):
         media = placement_from(entry.fields_or_none("media"))
-    return EditState(tuple(edits), settings, media)
+    if entry.has("words"):
+        words = transcript_from(entry.fields_or_none("words"))
+    return EditState(tuple(edits), settings, media, words)

@@ -26,6 +26,8 @@ from faceedit_app.editing.files.fingerprint import (
     fingerprint_from,
 )
 from faceedit_app.editing.steps import EditState
+from faceedit_app.words.transcript import to_json as words_to_json
+from faceedit_app.words.transcript import transcript_from
 
 VERSION = 1
 
@@ -50,17 +52,29 @@ class ViewState:
 
 
 @dataclass(frozen=True)
+class CharacterFile:
+    """The user's character: its absolute path, and the fingerprint by which it is found again.
+
+    A folder has no fingerprint.
+    """
+
+    path: Path
+    fingerprint: Fingerprint | None = None
+
+
+@dataclass(frozen=True)
 class Project:
     """The content of a project file; paths are absolute here and relative in the file.
 
     Attributes:
         take: the file of the take.
         fingerprint: the fingerprint of that file.
-        state: the edits, settings and media.
+        state: the edits, settings, media and words.
         view: what the window showed.
         audio, film: the sound and film of the take, if any.
         fps: the take's frame rate, if the user had to give it.
-        exported: the fingerprint of what was exported over the take, if anything was.
+        character: the user's character, if one is shown.
+        exported_over: the fingerprint of what was exported over the take, if anything was.
     """
 
     take: Path
@@ -70,7 +84,8 @@ class Project:
     audio: MediaFile | None = None
     film: MediaFile | None = None
     fps: float | None = None
-    exported: Fingerprint | None = None
+    character: CharacterFile | None = None
+    exported_over: Fingerprint | None = None
 
 
 def write_project(path: Path | str, project: Project) -> None:
@@ -84,8 +99,8 @@ def write_project(path: Path | str, project: Project) -> None:
     take = {"path": _relative(project.take, path), **asdict(project.fingerprint)}
     if project.fps is not None:
         take["fps"] = project.fps
-    if project.exported is not None:
-        take["exported"] = asdict(project.exported)
+    if project.exported_over is not None:
+        take["exported_over"] = asdict(project.exported_over)
     head = {
         "version": VERSION,
         "take": take,
@@ -93,13 +108,24 @@ def write_project(path: Path | str, project: Project) -> None:
             "mode": settings.mode.value,
             "naturalness": settings.naturalness,
             "reach": settings.reach,
+            "closes": settings.closes,
         },
     }
     view = asdict(project.view) | {"ui": dict(project.view.ui)}
-    tail = {"view": {k: list(v) if isinstance(v, tuple) else v for k, v in view.items()}}
+    tail: dict[str, Any] = {
+        "view": {k: list(v) if isinstance(v, tuple) else v for k, v in view.items()}
+    }
     for name, media in (("audio", project.audio), ("film", project.film)):
         if media is not None:
             tail[name] = {"path": _relative(media.path, path), "offset": media.offset}
+    if project.character is not None:
+        mark = project.character.fingerprint
+        tail["character"] = {
+            "path": _relative(project.character.path, path),
+            **(asdict(mark) if mark is not None else {}),
+        }
+    if project.state.words is not None:
+        tail["words"] = words_to_json(project.state.words)
     # One edit a line, so that people can read the file and compare versions.
     edits = ",".join(f"\n    {to_text(to_json(e))}" for e in project.state.edits)
     begin, end = (to_text(part, indent=2) for part in (head, tail))
@@ -126,12 +152,17 @@ def _from_document(fields: Fields, path: Path) -> Project:
     project = Project(
         take=_absolute(take, path),
         fingerprint=fingerprint_from(take),
-        state=EditState(edits_from(fields), settings_from(fields.fields("settings", {}))),
+        state=EditState(
+            edits_from(fields),
+            settings_from(fields.fields("settings", {})),
+            words=transcript_from(fields.fields_or_none("words")),
+        ),
         view=_view(fields.fields("view", {})),
         audio=_media(fields, "audio", path),
         film=_media(fields, "film", path),
         fps=take.number_or_none("fps", 1.0, 1000.0),
-        exported=exported_from(take),
+        exported_over=exported_over_from(take),
+        character=_character(fields, path),
     )
     take.finish()
     fields.finish()
@@ -148,22 +179,23 @@ def settings_from(fields: Fields) -> Settings:
         mode=fields.choice("mode", Mode, Mode.PRESERVE),
         naturalness=fields.number("naturalness", 1.0, 0.0, 1.0),
         reach=fields.number("reach", 1.0, 0.0, 1.0),
+        closes=fields.flag("closes", True),
     )
     fields.finish()
     return settings
 
 
-def exported_from(fields: Fields) -> Fingerprint | None:
-    """Read `exported`, if it is there.
+def exported_over_from(fields: Fields) -> Fingerprint | None:
+    """Read `exported_over`, if it is there.
 
     Raises:
         FieldError: it is wrong.
     """
-    exported = fields.fields_or_none("exported")
-    if exported is None:
+    exported_over = fields.fields_or_none("exported_over")
+    if exported_over is None:
         return None
-    found = fingerprint_from(exported)
-    exported.finish()
+    found = fingerprint_from(exported_over)
+    exported_over.finish()
     return found
 
 
@@ -188,6 +220,16 @@ def _media(fields: Fields, name: str, project: Path) -> MediaFile | None:
     return media
 
 
+def _character(fields: Fields, project: Path) -> CharacterFile | None:
+    entry = fields.fields_or_none("character")
+    if entry is None:
+        return None
+    mark = fingerprint_from(entry) if entry.has("sha256") else None
+    character = CharacterFile(_absolute(entry, project), mark)
+    entry.finish()
+    return character
+
+
 def _relative(file: Path, project: Path) -> str:
     """A path as written in the project: relative to its folder, with slashes."""
     try:
@@ -198,6 +240,15 @@ def _relative(file: Path, project: Path) -> str:
 
 def _absolute(fields: Fields, project: Path) -> Path:
     return Path(os.path.normpath(project.parent / fields.path("path")))
+
+
+def locate_character(character: CharacterFile, path: Path | str) -> Path | None:
+    """Look for a project's character: in its place, then near it and near the project at `path`."""
+    if character.path.exists() or character.fingerprint is None:
+        return character.path if character.path.exists() else None
+    home = Path(path).absolute().parent
+    folders = [character.path.parent, home, home.parent]
+    return find_by_content(character.fingerprint, character.path.name, folders)
 
 
 # --- locating the take ---------------------------------------------------------------------------
@@ -233,13 +284,13 @@ class Located:
 def locate_take(project: Project, path: Path | str) -> Located:
     """Look for a project's take: in its place, then near it and near the project at `path`."""
     home = Path(path).absolute().parent
-    return locate(project.take, project.fingerprint, project.exported, [home, home.parent])
+    return locate(project.take, project.fingerprint, project.exported_over, [home, home.parent])
 
 
 def locate(
     take: Path,
     wanted: Fingerprint | None,
-    exported: Fingerprint | None = None,
+    exported_over: Fingerprint | None = None,
     folders: Sequence[Path] = (),
 ) -> Located:
     """Look for the take that edits were made on: in its place, then near it.
@@ -247,7 +298,7 @@ def locate(
     Args:
         take: its place.
         wanted: its fingerprint; None if it is not known.
-        exported: the fingerprint of what was exported over it, if anything was: the same edits
+        exported_over: the fingerprint of what was exported over it, if anything was: the same edits
             must not be applied to that again.
         folders: where else to look.
     """
@@ -261,7 +312,7 @@ def locate(
         if found == wanted:
             return Located(Whereabouts.FOUND, take, (), "")
     same = find_by_content(wanted, take.name, folders) if wanted is not None else None
-    if present and found == exported:
+    if present and found == exported_over:
         message = f"{take.name} already holds these edits, because they were exported over it"
         if same is not None:
             message += f"; {same} is the take without them"

@@ -135,8 +135,11 @@ def _fail(
     findings: Findings, number: int, reader: str, problem: str, folder: Path, keep: Path
 ) -> None:
     """Note that the worker is at its end, with a copy of the input that it was reading."""
-    (path,) = (folder / "inputs").iterdir()
-    findings.failures.append(Failure(number, reader, problem, _kept(path, number, reader, keep)))
+    inputs = sorted(folder.glob("inputs/*"))
+    if not inputs:
+        raise RuntimeError("the readers cannot be started")
+    copy = _kept(inputs[0], number, reader, keep)
+    findings.failures.append(Failure(number, reader, problem, copy))
 
 
 def _kept(path: Path, number: int, reader: str, keep: Path) -> Path:

@@ -17,6 +17,7 @@ from faceedit_app.editing.files.project import (
     ViewState,
     Whereabouts,
     locate,
+    locate_character,
     locate_take,
     read_project,
 )
@@ -39,11 +40,11 @@ def view_of(workspace: Workspace) -> ViewState:
     """The current view of the take."""
     line = workspace.timeline
     window = {
-        "falloff_out": line.falloff_out,
+        "falloff_out": line.own_falloffs[1],
         "unit": line.clock.unit.value,
         "mirror_film": workspace.media.mirrored,
     }
-    return ViewState(line.time, line.view, line.selection, line.falloff, window)
+    return ViewState(line.time, line.view, line.own_selection, line.own_falloffs[0], window)
 
 
 def restore_view(workspace: Workspace, view: ViewState) -> None:
@@ -70,7 +71,7 @@ def open_project(
     ask: Callable[[str, Sequence[Path]], Path | None],
     failed: Callable[[FaceEditError], None],
 ) -> None:
-    """Read a project in the background, look for its take, and open it.
+    """Read a project in the background, find its take, and open it.
 
     Args:
         ask: which file is the take, where that is in doubt; given why it is, and likely ones.
@@ -112,7 +113,8 @@ def _chosen_take(
             workspace.warning.emit(located.message)
             return located.path
         case _:
-            likely = [*([located.path] if located.path is not None else []), *located.others]
+            # The unchanged take first: the other one may contain the edits already.
+            likely = [*located.others, *([located.path] if located.path is not None else [])]
             return ask(located.message, likely)
 
 
@@ -124,7 +126,7 @@ def _open_take(
     mark: Fingerprint,
     is_as_it_was: bool,
 ) -> None:
-    """Open the take of a project.
+    """Open the take of a project that has been read.
 
     Args:
         path: the project's file.
@@ -138,15 +140,34 @@ def _open_take(
         media = Placement(project.audio, project.film)
         session.begin_with(replace(project.state, media=media))
         if take == project.take:
-            session.exported = project.exported
+            session.exported_over = project.exported_over
         if is_as_it_was:
             session.mark_saved()
 
     def opened() -> None:
         workspace.document.project_read(mark)
         restore_view(workspace, project.view)
+        _open_character(workspace, project, path)
 
     workspace.opener.open(take, prepare, opened, path, project.fps)
+
+
+def _open_character(workspace: Workspace, project: Project, path: Path) -> None:
+    """Show the character that the project was saved with; if it is gone, say so and show ours."""
+    wanted = project.character
+    if wanted is None:
+        if workspace.document.character is not None:
+            workspace.document.use_character(None)
+        return
+    found = locate_character(wanted, path)
+    if found is None:
+        workspace.document.use_character(None)
+        workspace.warning.emit(
+            f"{wanted.path} is missing, so FaceEdit's own character is shown; open yours with "
+            "File > Character > Open"
+        )
+        return
+    workspace.open_character(found, workspace.warning.emit)
 
 
 def recover(
@@ -162,7 +183,7 @@ def recover(
 
     def look() -> Located:
         home = [pending.project.parent] if pending.project is not None else []
-        return locate(pending.take, pending.fingerprint, pending.exported, home)
+        return locate(pending.take, pending.fingerprint, pending.exported_over, home)
 
     def found(located: Located) -> None:
         take = _chosen_take(workspace, located, ask)
@@ -180,7 +201,7 @@ def _open_recovered(workspace: Workspace, pending: Pending, take: Path) -> None:
     def prepare(session: EditSession) -> None:
         session.restore(pending.state)
         if take == pending.take:
-            session.exported = pending.exported
+            session.exported_over = pending.exported_over
 
     def opened() -> None:
         pending.discard()

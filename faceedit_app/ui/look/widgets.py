@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from PySide6.QtCore import QPointF, QSize, Qt
-from PySide6.QtGui import QAction, QColor, QKeyEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QAction, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import (
     QComboBox,
     QFrame,
@@ -40,6 +40,14 @@ class Segment(QToolButton):
             self.click()
         else:
             super().keyPressEvent(event)
+
+
+class OneClick(QToolButton):
+    """A button for which a double click is one click."""
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Ignore the second press."""
+        event.accept()
 
 
 class Choice(QComboBox):
@@ -102,9 +110,11 @@ def segments(*choices: tuple[QAction, str]) -> QWidget:
     return box
 
 
-def icon_button(action: QAction, name: str = "icon", text: str = "") -> QToolButton:
+def icon_button(
+    action: QAction, name: str = "icon", text: str = "", kind: type[QToolButton] = QToolButton
+) -> QToolButton:
     """An action as an icon. It has a shortcut, so it does not take the focus."""
-    button = QToolButton()
+    button = kind()
     if text:
         action.setIconText(text)
     button.setObjectName(name)

@@ -12,7 +12,8 @@ from PySide6.QtCore import QObject, Signal
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.formats.timecode import time_of_day
-from faceedit_app.media import beside
+from faceedit_app.media import beside, offset_by_clock
+from faceedit_app.ui.media.overlay import Overlay
 from faceedit_app.ui.state.background import Background
 
 if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file
@@ -22,7 +23,6 @@ if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file
 Item = TypeVar("Item")
 Kind = Literal["sound", "film"]
 KINDS: tuple[Kind, ...] = ("film", "sound")
-_NEAR = 60.0  # seconds from the take's start within which a timecode may place a film
 _FAR = 24 * 3600.0  # seconds; the largest offset
 
 
@@ -64,6 +64,7 @@ class TakeMedia(QObject):
     Attributes:
         base: the placement of files found beside the take, used until the user changes it.
         is_held: sound or film is being dragged in time.
+        overlay: the landmarks that are shown over the film.
         mirrored: the film is shown mirrored; some phones record selfies that way.
 
     Signals:
@@ -88,6 +89,7 @@ class TakeMedia(QObject):
     def __init__(self, background: Background, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._background = background
+        self.overlay = Overlay(background, self)
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
         self.base = Placement()
@@ -122,6 +124,7 @@ class TakeMedia(QObject):
         """
         self.clear()
         self._began = began
+        self.overlay.follow(take.absolute())
         sound, film = beside(take.absolute())
         found = [path for path in (film, sound) if path is not None]
         heard = sound or film
@@ -165,6 +168,7 @@ class TakeMedia(QObject):
         self._job += 1
         self._found, self.base = "", Placement()
         self._kept.clear()
+        self.overlay.clear()
         self._put(None, None)
         self.mirror(False)
 
@@ -231,11 +235,7 @@ class TakeMedia(QObject):
             code = item.timecode
             begins = None if code is None else time_of_day(code, round(item.rate))
             lasts = item.duration
-        if self._began is None or begins is None:
-            return 0.0
-        offset = round(begins - self._began, 4)
-        # If the clocks disagree, the offset would move it out of sight.
-        return offset if -lasts < offset < _NEAR else 0.0
+        return offset_by_clock(self._began, begins, lasts)
 
     def _announce(self) -> None:
         """Emit the message once the last file is read."""

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FaceEditError
 
 if TYPE_CHECKING:  # the window is there before the solver and the networks are imported
+    from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
     from faceedit_app.editing.files.fingerprint import Fingerprint
     from faceedit_app.editing.files.journal import Journal
-    from faceedit_app.editing.files.project import ViewState
+    from faceedit_app.editing.files.project import CharacterFile, ViewState
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
 
@@ -28,11 +30,17 @@ class Document(QObject):
 
     Code that changes something calls the session, and leaves it to the document to update views.
 
+    Attributes:
+        path: the take's file.
+        project: the project's file, if there is one.
+        exported: the file that the take was last exported to.
+
     Signals:
         opened(): another take is open.
         previewed(): a gesture is in progress: curves and face show a preview.
         changed(): edits, settings, media or model changed, or a gesture was cancelled.
-        saved(): the edits were exported or saved.
+        saved(): the project was saved.
+        character_changed(): another character is shown.
         engine_settled(): the engine has been loaded, or cannot be.
     """
 
@@ -41,13 +49,16 @@ class Document(QObject):
     changed = Signal()
     saved = Signal()
     engine_settled = Signal()
+    character_changed = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.session: EditSession | None = None
         self.engine: Engine | None = None
+        self.character: FittedCharacter | None = None  # the user's own, if it is shown
         self.path: Path | None = None
         self.project: Path | None = None
+        self.exported: Path | None = None
         self.keeps_journal = False
         self.awaits_engine = False  # it is being loaded
         self._project_mark: Fingerprint | None = None  # as it was read or saved last
@@ -56,18 +67,21 @@ class Document(QObject):
     @property
     def is_clean(self) -> bool:
         """Whether nothing would be lost by closing."""
-        return self.session is None or self.session.is_exported
+        return self.session is None or self.session.is_saved
 
     def adopt(self, session: EditSession, project: Path | None = None) -> None:
         """Open a take that has been read, with its project, if any."""
         if self.engine is not None and not session.has_engine:
             session.use_engine(self.engine)
+        if self.character is not None:
+            session.use_character(self.character.rig)
         self.close_journal()
         if self.session is not None:
             self.session.previewed.disconnect(self._pass_on_preview)
             self.session.changed.disconnect(self._pass_on_change)
         self.session, self.path, self.project = session, session.take.path, project
         self._project_mark = None
+        self.exported = None
         session.previewed.connect(self._pass_on_preview)
         session.changed.connect(self._pass_on_change)
         if self.keeps_journal:
@@ -89,11 +103,11 @@ class Document(QObject):
             self.project,
             fps=session.take.fps,
             opened=session.fingerprint,
-            exported=session.exported,
+            exported_over=session.exported_over,
         )
         session.stepped.connect(self._journal.record)
         session.exporting.connect(self._journal.exporting)
-        if not session.is_exported:
+        if not session.is_saved:
             self._journal.record(session.state)
 
     @property
@@ -113,8 +127,6 @@ class Document(QObject):
     def _is_saved(self) -> None:
         if self._journal is not None:
             self._journal.saved(self.project)
-            if self.session is not None and not self.session.is_exported:
-                self._journal.record(self.session.state)  # an export does not contain the media
         self.saved.emit()
 
     # --- changes to the open take ----------------------------------------------------------------
@@ -134,6 +146,13 @@ class Document(QObject):
         """Note that the engine is loaded, or cannot be."""
         self.awaits_engine = False
         self.engine_settled.emit()
+
+    def use_character(self, character: FittedCharacter | None) -> None:
+        """Show the user's character from now on, and close lips and lids on it; None = ours."""
+        self.character = character
+        rig = character.rig if character is not None else None
+        self.act(lambda session: session.use_character(rig))
+        self.character_changed.emit()
 
     def preview(self, *edits: Edit) -> None:
         """Preview additional edits, as a proposal."""
@@ -171,35 +190,44 @@ class Document(QObject):
         session = self.session
         known: set[Fingerprint | None] = set()
         if session is not None and is_same_file(path, session.take.path):
-            known = {session.fingerprint, session.exported}
+            known = {session.fingerprint, session.exported_over}
         elif self.project is not None and is_same_file(path, self.project):
             known = {self._project_mark}
         if not known - {None} or not path.is_file():
             return False
         try:
             return fingerprint(path) not in known
-        except FileError:
+        except FaceEditError:
             return False  # writing will say why
 
     def project_read(self, mark: Fingerprint) -> None:
         """Note the fingerprint of the open project as it was read."""
         self._project_mark = mark
 
-    def export(self, path: Path) -> None:
-        """Write the edited take, once the engine that answers the edits is loaded.
+    def export(self, path: Path, overwrite: bool = False) -> Path | None:
+        """Write the edited take; see `EditSession.export`.
 
         Raises:
             FileError: it cannot be written.
+        """
+        if self.session is None:
+            return None
+        self.work_off()
+        backup = self.session.export(path, overwrite)
+        self.exported = path
+        return backup
+
+    def work_off(self) -> None:
+        """Finish the answer to all edits, in slices, so that the window stays responsive.
+
+        If the engine that answers them is still being loaded, wait for it.
         """
         if self.awaits_engine:
             waiting = QEventLoop()
             self.engine_settled.connect(waiting.quit)
             waiting.exec(_NO_INPUT)
-        if self.session is not None:
-            while self.session.live.work(_SLICE):  # in slices, so that the window stays responsive
-                QCoreApplication.processEvents(_NO_INPUT)
-            self.session.export(path)
-            self._is_saved()
+        while self.session is not None and self.session.live.work(_SLICE):
+            QCoreApplication.processEvents(_NO_INPUT)
 
     def save_project(self, path: Path, view: ViewState, media: Placement) -> None:
         """Write take, edits, view, sound and film as one project.
@@ -216,13 +244,24 @@ class Document(QObject):
         take = session.take.path.absolute()
         # Of the take as opened: the file may be gone or overwritten by now.
         mark = session.fingerprint
-        parts = (view, media.sound, media.film, session.take.fps, session.exported)
-        project = Project(take, mark, session.state, *parts)
+        parts = (view, media.sound, media.film, session.take.fps, self._character_file())
+        project = Project(take, mark, session.state, *parts, session.exported_over)
         write_project(path, project)
         self._project_mark = fingerprint(path)
         session.mark_saved()
         self.project = path
         self._is_saved()
+
+    def _character_file(self) -> CharacterFile | None:
+        from faceedit_app.editing.files.fingerprint import fingerprint
+        from faceedit_app.editing.files.project import CharacterFile
+
+        if self.character is None:
+            return None
+        path = self.character.character.path.absolute()
+        with contextlib.suppress(FaceEditError):  # it may be gone by now, or a folder
+            return CharacterFile(path, fingerprint(path))
+        return CharacterFile(path)
 
     def save_edits(self, path: Path) -> None:
         """Write the list of edits.
@@ -232,7 +271,6 @@ class Document(QObject):
         """
         if self.session is not None:
             self.session.save_edits(path)
-            self._is_saved()
 
     def load_edits(self, path: Path) -> None:
         """Add the edits in a file, as one step.
