@@ -111,6 +111,7 @@ class Editor(QWidget):
         self.curves.edit_began.connect(self.edits.leave)
         self.curves.edit_made.connect(self.edits.select_new)
         self.curves.follow_chosen(lambda: self.edits.chosen_edit)
+        self.face.handles.hand = self.curves.hand
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)
