@@ -25,6 +25,8 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Time ruler", "Right click", "Open the menu"),
     ("Selection bar", "Drag", "Select a time range, move it, or change it by its handles"),
     ("Selection bar", "Wheel", "Change both falloffs"),
+    ("Overview", "Drag", "Move the view along the take; an end of it: show more or less"),
+    ("Overview", "Double click", "Show the whole take"),
     ("Face", "Drag a ring", "Move the mouth corner, lip or lid; its curve follows"),
     ("Face", "Drag", "Orbit the face"),
     ("Face", "Middle or right drag", "Pan the camera"),

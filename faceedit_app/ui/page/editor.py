@@ -23,6 +23,7 @@ from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
+from faceedit_app.ui.page.overview import Overview
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.problems_list import ProblemsList
 from faceedit_app.ui.page.proposal_bar import ProposalBar
@@ -64,6 +65,8 @@ class Editor(QWidget):
         self.problems = ProblemsBar(document, timeline)
         self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
         self.curves.cover_legend(self.proposal)
+        self.overview = Overview(document, timeline)
+        self.curves.add_row(QWidget(), self.overview)
         self.sound = SoundRow(media, timeline)
         self.film = FilmPane(media, timeline)
         self.face = FacePane(actions, document, timeline)
