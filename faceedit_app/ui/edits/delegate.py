@@ -116,15 +116,15 @@ class EditsDelegate(QStyledItemDelegate):
     def _paint_arrow(painter: QPainter, box: QRectF, is_open: bool) -> None:
         """Paint a triangle that points at what it opens."""
         x, y = box.center().x(), box.center().y()
-        across, along = (
-            [(-3.5, -2.0), (3.5, -2.0), (0.0, 3.0)],
-            [(-2.0, -3.5), (-2.0, 3.5), (3.0, 0)],
-        )
-        corners = [QPointF(x + dx, y + dy) for dx, dy in (across if is_open else along)]
+        downwards = ((-3.5, -2.0), (3.5, -2.0), (0.0, 3.0))
+        corners = [
+            QPointF(x + across, y + down) if is_open else QPointF(x + down, y + across)
+            for across, down in downwards
+        ]
         painter.save()
         painter.setBrush(painter.pen().color())
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.drawPolygon(QPolygonF([QPointF(x + dx, y + dy) for dx, dy in corners]))
+        painter.drawPolygon(QPolygonF(corners))
         painter.restore()
 
     @staticmethod
