@@ -19,7 +19,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
+from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.page.problems_bar import ProblemsHead
 from faceedit_app.ui.start.window import MainWindow
@@ -94,7 +94,7 @@ def test_a_chosen_edit_does_not_catch_fixes_made_elsewhere(window: MainWindow) -
 def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     session = session_of(window)
     trigger(window, "expression")
-    dialog = window.findChild(ExpressionDialog)
+    dialog = window.findChild(SliderDialog)
     assert dialog is not None
     dialog.slider.setValue(50)
     dialog._preview()
@@ -107,7 +107,7 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     assert {round(made.strength, 2) for made in kept} == {0.8}
     assert session.asked[100, column] != session.tracked[100, column]
     trigger(window, "undo", "expression")
-    dialog = next(d for d in window.findChildren(ExpressionDialog) if d.isVisible())
+    dialog = next(d for d in window.findChildren(SliderDialog) if d.isVisible())
     dialog.slider.setValue(90)
     dialog._preview()
     dialog.reject()

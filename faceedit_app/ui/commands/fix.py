@@ -19,8 +19,9 @@ from faceedit_app.editing.help.presets import (
 )
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
+from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
@@ -38,6 +39,7 @@ class FixCommands:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
         self._document, self._timeline = workspace.document, workspace.timeline
+        self.words = WordCommands(workspace)
 
     # --- fixes and presets -------------------------------------------------------------------
 
@@ -74,11 +76,13 @@ class FixCommands:
         presets = {preset.id: preset for preset in shipped_presets()}
         span = self._range_meant()
         where = f"from {self._workspace.shown_range(*span)}" if span else "in the whole take"
-        ExpressionDialog(
+        SliderDialog(
             self._workspace.window,
             self._document,
-            lambda name: self._edits_of(presets[name]),
-            where,
+            "Smile or sad",
+            f"How happy the mouth looks {where}:",
+            End("sad", "sad", self._edits_of(presets["sad_mouth"])),
+            End("smile", "smile", self._edits_of(presets["smile"])),
             lambda edits: self._workspace.add_edits(edits, edits[0].name),
         ).show()
 
@@ -246,6 +250,15 @@ MENU: Menu[FixCommands] = Menu("Fix", (
     Command("expression", "S&mile or sad…", FixCommands.expression, ("Ctrl+0",),
             "Set how happy the mouth looks, in the selection or the whole take",
             starts_group=True),
+    Command("close_on_words", "Close lips on &m, b, p", lambda do: do.words.close_lips(), (),
+            "Close the lips at each m, b and p that stays open, in the selection or the whole take",
+            "lips", enabled=lambda do: do.words.has_words),
+    Command("shape_on_words", "Shape lips on f, &w, sh", lambda do: do.words.shape_lips(), (),
+            "Shape the lips at f, w, oo, sh and ch, in the selection or the whole take",
+            enabled=lambda do: do.words.has_words),
+    Command("say_clearly", "Say it clearl&y…", lambda do: do.words.say_clearly(), (),
+            "Set how clearly the words are said, with lips that still meet",
+            enabled=lambda do: do.words.has_words),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),

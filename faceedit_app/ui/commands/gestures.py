@@ -38,5 +38,7 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Face", "Hold B", "Show the tracked face"),
     ("Sound", "Drag", "Scrub with sound"),
     ("Sound", "Alt and drag", "Move the sound in time; with Shift, ten times finer"),
+    ("Words", "Drag an edge", "Move it in time; with Shift, ten times finer"),
+    ("Words", "Double click a word", "Select its time"),
     ("Window", "Drop a file", "Open a take, load edits, or add sound or film"),
 )

@@ -82,7 +82,7 @@ class CurvesPanel(QWidget):
         self._rows = Rows(self.headers, self.plots)
         self._axes = ValueAxes(self.plots)
         self._pages = QStackedWidget()
-        self._rounds = OnePainting(self)
+        OnePainting(self, [part.scene() for part in (self.ruler, self.range_bar, *self.plots)])
         self._build()
         self._connect()
         self.set_session(None)
@@ -288,7 +288,6 @@ class CurvesPanel(QWidget):
         self._show_lines()
         self._fit_axes()
         self._show_state()
-        self._rounds.join(plot.scene() for plot in self.plots)
 
     def fit_values(self) -> None:
         """Fit all value axes to what is in view, also those that the user set."""

@@ -103,6 +103,13 @@ QComboBox QAbstractItemView {{
     background: {PANEL}; border: 1px solid {BORDER}; selection-background-color: {ACCENT_DEEP};
 }}
 
+QCheckBox::indicator {{
+    width: 14px; height: 14px; border: 1px solid {FAINT}; border-radius: 3px;
+}}
+QCheckBox::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
+QCheckBox::indicator:disabled {{ border-color: {BORDER}; background: transparent; }}
+QCheckBox:disabled {{ color: {FAINT}; }}
+
 QSlider {{ border: 1px solid transparent; border-radius: 4px; }}
 QSlider:focus {{ border-color: {ACCENT}; }}
 QSlider::groove:horizontal {{ height: 4px; background: {BORDER}; border-radius: 2px; }}

@@ -21,6 +21,7 @@ from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
+from faceedit_app.ui.media.words_row import WordsRow
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
 from faceedit_app.ui.page.overview import Overview
@@ -68,6 +69,7 @@ class Editor(QWidget):
         self.overview = Overview(document, timeline)
         self.curves.add_row(QWidget(), self.overview)
         self.sound = SoundRow(media, timeline)
+        self.words = WordsRow(actions, document, timeline)
         self.film = FilmPane(media, timeline)
         self.face = FacePane(actions, document, timeline)
         self.edits = EditsPanel(actions, document, timeline)
@@ -91,7 +93,7 @@ class Editor(QWidget):
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)
         self.panes = _splitter(
-            Qt.Orientation.Horizontal, _stacked(self.curves, self.sound), self.side
+            Qt.Orientation.Horizontal, _stacked(self.curves, self.sound, self.words), self.side
         )
         self.panes.setSizes(_SHARES)
         self.panes.setStretchFactor(0, 3)
@@ -195,7 +197,10 @@ class Editor(QWidget):
         self.transport.restore_speed()
 
     def cancel_gesture(self) -> bool:
-        """Esc: close hints, cancel a slider's drag, discard a proposal; False if there is none."""
+        """Esc: close hints, cancel a drag, discard a proposal; False if there is none."""
+        if self.words.strip.is_held:
+            self.words.strip.cancel()
+            return True
         return (
             self.hints.finish()
             or self.settings_bar.cancel()
@@ -205,7 +210,7 @@ class Editor(QWidget):
 
     def mouse_lost(self) -> None:
         """The mouse is lost to another window: end drags and keep their result."""
-        for part in (self.curves, self.sound.waveform, self.face.viewport):
+        for part in (self.curves, self.sound.waveform, self.words.strip, self.face.viewport):
             part.mouse_lost()
         for slider in self.findChildren(QAbstractSlider):
             slider.setSliderDown(False)
@@ -237,14 +242,15 @@ class Editor(QWidget):
             self.edits.reshape(*line.selection, line.falloff, line.falloff_out)
 
 
-def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
-    """Two widgets, one above the other."""
+def _stacked(stretched: QWidget, *fixed: QWidget) -> QWidget:
+    """Widgets, one above the other."""
     box = QWidget()
     column = QVBoxLayout(box)
     column.setContentsMargins(0, 0, 0, 0)
     column.setSpacing(0)
     column.addWidget(stretched, 1)
-    column.addWidget(fixed)
+    for widget in fixed:
+        column.addWidget(widget)
     return box
 
 

@@ -9,6 +9,7 @@ from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, 
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QToolTip, QWidget
 
 from faceedit_app.editing.help.problems import Problem, find_problems, problems_of
+from faceedit_app.editing.help.spoken import closures_of
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
@@ -104,7 +105,7 @@ class ProblemsBar(QWidget):
         self._newest += 1
         number, clip = self._newest, session.take.clip
         weights, controls = session.weights.copy(), session.achieved.copy()
-        rigs = session.rig, session.shown_rig
+        rigs, spoken = (session.rig, session.shown_rig), closures_of(session)
 
         def done(problems: list[Problem]) -> None:
             if number == self._newest and self._document.session is session:
@@ -115,7 +116,10 @@ class ProblemsBar(QWidget):
         def failed(_: Exception) -> None:
             """Show no marks."""
 
-        self._background.run(lambda: problems_of(clip, weights, controls, rigs), done, failed)
+        def work() -> list[Problem]:
+            return problems_of(clip, weights, controls, rigs, spoken)
+
+        self._background.run(work, done, failed)
 
     def search(self) -> None:
         """Search the take as edited."""

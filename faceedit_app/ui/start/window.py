@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.media import is_media
+from faceedit_app.media import is_film, is_media
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import Commands
 from faceedit_app.ui.commands.workspace import Workspace
@@ -123,6 +123,7 @@ class MainWindow(WindowBase):
             media.sound_changed,
             media.film_changed,
             media.turned,
+            media.overlay.changed,
             self.sound_player.changed,
         ):
             changed.connect(self.actions_.refresh)
@@ -311,6 +312,10 @@ class MainWindow(WindowBase):
         """Open a take or a character, load edits, add sound or film."""
         media = [path for path in paths if is_media(path)]
         path = next((path for path in paths if path not in media), None)
+        film = next((path for path in media if is_film(path)), None)
+        if path is None and film is not None and self.document.session is None:
+            self.commands.file.track(film)
+            return
         self.commands.take.drop(media, opens_take=path is not None)
         if path is None:
             return
@@ -344,7 +349,7 @@ class MainWindow(WindowBase):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved edits, remember the layout, stop everything."""
         self.workspace.end_gestures()
-        if not self.commands.file.may_close():
+        if not (self.commands.file.may_close() and self.commands.file.may_stop()):
             event.ignore()
             return
         if self.editor is not None:
@@ -354,4 +359,5 @@ class MainWindow(WindowBase):
 
     def leave(self) -> None:
         """Stop everything and free the graphics memory."""
+        self.commands.file.stop()
         self.workspace.close()
