@@ -46,7 +46,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
         ("curves", solve.Solver, "solve"),
         ("controls", solve, "request"),
         ("controls", solve.Solver, "_believable"),
-        ("networks", Engine, "answer"),
+        ("networks", Engine, "answers"),
         ("plots", CurvesPanel, "refresh"),
         ("draw", FacePicture, "draw"),
         ("draw", FaceRenderer, "begin"),
@@ -88,7 +88,8 @@ def networks(engine: Engine, times: int) -> Times:
     """The three regions' networks on 202 frames, as the paper measures them."""
     demo = long_take(FRAMES).clip
     curves = np.random.default_rng(0).normal(30.0, 3.0, (len(demo), len(CONTROLS)))
-    return repeat(lambda: [engine.answer(region.id, curves, 1.0) for region in REGIONS], times)
+    regions = [region.id for region in REGIONS]
+    return repeat(lambda: engine.answers(regions, curves, 1.0), times)
 
 
 def lengths(desk: Desk, frames: tuple[int, ...], times: int) -> dict[str, Any]:
