@@ -86,7 +86,7 @@ def _value(run: dict[str, Any], path: str) -> float | None:
     value: Any = run
     for name in path.split("."):
         value = value.get(name) if isinstance(value, dict) else None
-    return value
+    return float(value) if value is not None else None
 
 
 def _shown(row: Row, value: float | None) -> str:
