@@ -273,12 +273,19 @@ def bench(
     quick: Annotated[
         bool, typer.Option("--quick", help="Few repetitions and short takes: a trial run.")
     ] = False,
+    as_table: Annotated[
+        bool, typer.Option("--table", help="Print the rows of docs/performance.md.")
+    ] = False,
 ) -> None:
     """Measure the window on this machine: drags, wide edits, playback, start."""
     from faceedit_app.lab.bench.report import QUICK, BenchPlan, run, text
+    from faceedit_app.lab.bench.table import table
 
     found = run(QUICK if quick else BenchPlan(), lambda what: print(f"{what}…", file=sys.stderr))
-    print(json.dumps(found, indent=2) if as_json else text(found))
+    if as_json:
+        print(json.dumps(found, indent=2))
+    else:
+        print(table(found) if as_table else text(found))
 
 
 SeedOption = Annotated[int, typer.Option(min=0, help="Same seed: same attack.")]

@@ -13,7 +13,6 @@ from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
-
 _MENU = ("play_around", "loop", "", "close_on_words", "shape_on_words", "say_clearly", "", "words")
 
 
