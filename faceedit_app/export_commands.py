@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Optional
 import typer
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
-    from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
 
@@ -60,9 +60,9 @@ def convert(
     options = exporting.Options(fps, character, compact, overwrite)
     written = exporting.export_take(opened, opened.clip.weights, output, chosen, options)
     clip = written.clip
-    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
+    say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     for line in (*written.remarks, *chosen.hints(clip.rate)):
-        print(f"  {line}")
+        say(f"  {line}")
 
 
 def batch(
@@ -90,7 +90,7 @@ def batch(
     ] = None,
     character: Annotated[
         Optional[Path],  # noqa: UP045
-        typer.Option("--character", help="For glb, fbx, usd: your character; default: FaceEdit's."),
+        typer.Option("--character", help="Your character: lips and lids close on it, too."),
     ] = None,
     models: Annotated[
         Optional[Path],  # noqa: UP045
@@ -111,8 +111,8 @@ def batch(
     from faceedit_app import batch as batches
     from faceedit_app import batch_report
 
-    if (fps is not None or character is not None) and form is None:
-        raise FaceEditError("--fps and --character need --format")
+    if fps is not None and form is None:
+        raise FaceEditError("--fps needs --format")
     recipe = replace(
         batches.parse_recipe(what),
         form=form or "",
@@ -131,13 +131,13 @@ def batch(
             def report(outcome: batches.Outcome, done: int, of: int) -> None:
                 bar.update(shown, completed=done)
                 said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
-                print(f"[{done}/{of}] {outcome.name}: {said}")
+                say(f"[{done}/{of}] {outcome.name}: {said}")
 
             outcomes = batches.run(tasks, log, jobs, scheduler, report)
     finally:
         log.close()
     _, page = batch_report.write_reports(output, outcomes)
-    print(f"{batch_report.summary(outcomes)}; see {page}")
+    say(f"{batch_report.summary(outcomes)}; see {page}")
     if any(outcome.error for outcome in outcomes):
         raise typer.Exit(1)
 
@@ -157,7 +157,6 @@ def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
 
 def film(
     session: EditSession,
-    rig: Rig,
     output: Path,
     shot: tuple[str, tuple[int, int], float | None, str | None, bool],
     sound: Path | None,
@@ -166,7 +165,6 @@ def film(
     """Film a take, and say how far it is.
 
     Args:
-        rig: the character to show.
         shot: view, size, rate, format, and whether to add the sound.
         sound, pictures: the take's sound and film; None = those found beside it.
     """
@@ -186,9 +184,9 @@ def film(
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(output.name, total=None)
         filmed = film_take(
-            session.take, session.weights, rig, media, output, chosen,
+            session.take, session.weights, session.shown_rig, media, output, chosen,
             lambda done, of: bar.update(task, completed=done, total=of),
         )  # fmt: skip
     assert filmed is not None  # nothing stops it
     rate = filmed.rate
-    print(f"{output}: {filmed.frames} pictures at {format_rate(rate)}, {filmed.codecs}")
+    say(f"{output}: {filmed.frames} pictures at {format_rate(rate)}, {filmed.codecs}")

@@ -17,11 +17,11 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.media import MediaFile, Placement, offset_by_clock
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.files.originals import make_way
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day, time_of_day
-from faceedit_app.media import beside
+from faceedit_app.media import beside, offset_by_clock
 from faceedit_app.media.container import Abandoned
 from faceedit_app.media.film import Film
 from faceedit_app.media.film_writer import FilmFormat, Soundtrack, film_format, writing

@@ -8,8 +8,6 @@ from typing import Any
 
 from faceedit_app.core.fields import Fields
 
-_NEAR = 60.0  # seconds from the take's start within which a clock may place a sound or film
-
 
 @dataclass(frozen=True)
 class MediaFile:
@@ -32,22 +30,6 @@ class Placement:
     film: MediaFile | None = None
 
 
-def offset_by_clock(take: float | None, media: float | None, lasts: float) -> float:
-    """When a sound or film begins, in seconds of the take, by the time of day.
-
-    Args:
-        take, media: when each began, seconds since midnight; None if it does not record it.
-        lasts: seconds of the sound or film.
-
-    Returns:
-        0 if one is unknown, or if the clocks disagree, so that it would be out of sight.
-    """
-    if take is None or media is None:
-        return 0.0
-    offset = round(media - take, 4)
-    return offset if -lasts < offset < _NEAR else 0.0
-
-
 def describe_change(before: Placement, after: Placement) -> str:
     """The name of a step from one placement to another, such as "Move film".
 
@@ -64,6 +46,14 @@ def describe_change(before: Placement, after: Placement) -> str:
         if old is not None and new is not None and old != new:
             return f"Move {name}" if old.path == new.path else f"Replace {name}"
     return "Sound and film"
+
+
+def sound_moved(before: Placement, after: Placement) -> float:
+    """Seconds by which the same sound begins later; 0 if it is another one."""
+    old, new = before.sound, after.sound
+    if old is None or new is None or old.path != new.path:
+        return 0.0
+    return new.offset - old.offset
 
 
 def to_json(placement: Placement | None) -> dict[str, Any] | None:

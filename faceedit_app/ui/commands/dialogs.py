@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import ENDINGS
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
-CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
 
@@ -34,6 +34,14 @@ class Unsaved(Enum):
     EXPORT = auto()
     SAVE = auto()
     DISCARD = auto()
+    CANCEL = auto()
+
+
+class OpenAs(Enum):
+    """What to open of a file that is both a take and a character."""
+
+    TAKE = auto()
+    CHARACTER = auto()
     CANCEL = auto()
 
 
@@ -77,19 +85,17 @@ def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     return _save_name(parent, "Export", suggestion, kinds)
 
 
-def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
+def ask_export_as(
+    parent: QWidget, take: Take, character: Path | None
+) -> tuple[OutFormat, Options] | None:
     """How to export a take.
 
     Args:
-        folder: where to look for a character first.
+        character: the file of the character on screen; None = FaceEdit's own.
     """
     from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
 
-    def choose(dialog: QWidget) -> Path | None:
-        answer = QFileDialog.getOpenFileName(dialog, "Your character", str(folder), CHARACTERS)
-        return _chosen(answer)
-
-    dialog = ExportDialog(parent, take, choose)
+    dialog = ExportDialog(parent, take, character)
     return (dialog.chosen, dialog.options) if dialog.exec() else None
 
 
@@ -160,9 +166,12 @@ def ask_take_of_project(
     """Which take a project's edits apply to, if its own has changed or is gone."""
     box = _question(parent, message, "Which take should the edits be applied to?")
     role = QMessageBox.ButtonRole
-    paths = {box.addButton(f"Use {path.name}", role.AcceptRole): path for path in choices[:3]}
+    paths = {
+        box.addButton(plain_entry(f"Use {path.name}"), role.AcceptRole): path
+        for path in choices[:3]
+    }
     for button, path in paths.items():
-        button.setToolTip(str(path))
+        button.setToolTip(plain_tip(str(path)))
     look = box.addButton("Look for it…", role.ActionRole)
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()
@@ -210,6 +219,29 @@ def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
 def ask_media(parent: QWidget, folder: Path) -> Path | None:
     """Which sound or film to add."""
     return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
+
+
+def ask_character(parent: QWidget, folder: Path) -> Path | None:
+    """Which character to open."""
+    from faceedit_app.characters.registry import FORMATS  # not needed before the window is up
+
+    endings = [ending for kind in FORMATS for ending in kind.endings]
+    kinds = f"Characters ({' '.join(f'*{e} *{e.upper()}' for e in endings)});;All files (*)"
+    return _chosen(QFileDialog.getOpenFileName(parent, "Open a character", str(folder), kinds))
+
+
+def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
+    """How to open a file that has both a face and an animation."""
+    box = _question(parent, f"{name} has a face and an animation.", "What should be opened?")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("The animation, as a take", role.AcceptRole): OpenAs.TAKE,
+        box.addButton("The face, as your character", role.AcceptRole): OpenAs.CHARACTER,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:

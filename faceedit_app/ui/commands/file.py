@@ -14,9 +14,13 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
+
+CHARACTER = "C&haracter"  # submenu
 
 
 class FileCommands:
@@ -26,6 +30,7 @@ class FileCommands:
         self._workspace, self._window = workspace, workspace.window
         self._document, self._preferences = workspace.document, workspace.preferences
         self._exports = Exports(workspace, self._show_error)
+        self.character = CharacterCommands(workspace)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
 
@@ -77,8 +82,8 @@ class FileCommands:
         """List the takes and projects that were opened recently and still exist."""
         menu.clear()
         for path in self._preferences.recent():
-            action = menu.addAction(path.name)
-            action.setToolTip(str(path))
+            action = menu.addAction(plain_entry(path.name))
+            action.setToolTip(plain_tip(str(path)))
             action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
         if menu.isEmpty():
             menu.addAction("No recent takes").setEnabled(False)
@@ -213,6 +218,27 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),
             "Add the edits in a file to this take"),
+    Command("open_character", "&Open…", lambda do: do.character.ask_open(), (),
+            "Show your own character: GLB, glTF, VRM, FBX or OBJ with blendshapes",
+            needs_take=False, submenu=CHARACTER),
+    Command("recent_characters", "Open &recent", submenu=CHARACTER, needs_take=False,
+            fills=lambda do, menu: do.character.fill_recent(menu)),
+    Command("own_character", "&FaceEdit's own", lambda do: do.character.show_own(), (),
+            "Show the character that ships with FaceEdit", needs_take=False,
+            enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("character_checklist", "Chec&klist…", lambda do: do.character.show_checklist(), (),
+            "Show which shapes and points were found in your character, and correct them",
+            needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("close_on_character", "&Close on my character",
+            lambda do: do.character.switch_closing(), (),
+            "Where edits close lips or lids, also close them on your character",
+            enabled=lambda do: do.character.is_shown, checked=lambda do: do.character.closes,
+            submenu=CHARACTER),
+    Command("close_range", "Close in the &selection or everywhere",
+            lambda do: do.character.close_range(), (),
+            "Add an edit that closes lips and lids on your character where they are closed on ours",
+            enabled=lambda do: do.character.is_shown and do.character.closes,
+            submenu=CHARACTER),
     Command("quit", "&Quit", FileCommands.quit, ("Ctrl+Q",), needs_take=False,
             starts_group=True),
 ))

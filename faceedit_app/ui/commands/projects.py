@@ -15,6 +15,7 @@ from faceedit_app.editing.files.project import (
     Project,
     ViewState,
     Whereabouts,
+    locate_character,
     locate_take,
     read_project,
 )
@@ -125,8 +126,27 @@ def _open_take(
 
     def opened() -> None:
         restore_view(workspace, project.view)
+        _open_character(workspace, project, path)
 
     workspace.opener.open(take, prepare, opened, path, project.fps)
+
+
+def _open_character(workspace: Workspace, project: Project, path: Path) -> None:
+    """Show the character that the project was saved with; if it is gone, say so and show ours."""
+    wanted = project.character
+    if wanted is None:
+        if workspace.document.character is not None:
+            workspace.document.use_character(None)
+        return
+    found = locate_character(wanted, path)
+    if found is None:
+        workspace.document.use_character(None)
+        workspace.warning.emit(
+            f"{wanted.path} is missing, so FaceEdit's own character is shown; open yours with "
+            "File > Character > Open"
+        )
+        return
+    workspace.open_character(found, workspace.warning.emit)
 
 
 def recover(workspace: Workspace, pending: Pending) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Sequence
 
 import numpy as np
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 
 from faceedit_app import render
-from faceedit_app.core.arrays import Floats, Pixels
+from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import tint_of
 from faceedit_app.ui.look.palette import BORDER, TEXT
@@ -84,6 +85,16 @@ class FacePicture:
     def aimed(self, aim: render.Aim, aspect: float) -> render.Camera:
         """The camera pointed at one face, for a picture of width / height `aspect`."""
         return self.camera if self._rig is None else render.aimed_camera(self._rig, aim, aspect)
+
+    def project(
+        self, vertices: Sequence[int] | None, width: float, height: float
+    ) -> Doubles | None:
+        """Where vertices are in a picture of this size; see `Viewport.project`."""
+        if self._rig is None or self.is_pair:
+            return None
+        places, _ = self._first(self._rig)
+        chosen = places if vertices is None else places[list(vertices)]
+        return self.camera.project(chosen, width, height)
 
     def begin(self, size: Size) -> None:
         """Start drawing a rough picture of one face while other work goes on.

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.editing.edits.media import MediaFile, Placement, offset_by_clock
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.formats.timecode import time_of_day
-from faceedit_app.media import beside
+from faceedit_app.media import beside, offset_by_clock
 from faceedit_app.ui.state.background import Background
 
 if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file

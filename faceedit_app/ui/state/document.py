@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
+from faceedit_app.core.errors import FaceEditError
+
 if TYPE_CHECKING:  # the window is there before the solver and the networks are imported
+    from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
     from faceedit_app.editing.files.journal import Journal
-    from faceedit_app.editing.files.project import ViewState
+    from faceedit_app.editing.files.project import CharacterFile, ViewState
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
 
@@ -35,17 +39,20 @@ class Document(QObject):
         previewed(): a gesture is in progress: curves and face show a preview.
         changed(): edits, settings, media or model changed, or a gesture was cancelled.
         saved(): the project was saved.
+        character_changed(): another character is shown.
     """
 
     opened = Signal()
     previewed = Signal()
     changed = Signal()
     saved = Signal()
+    character_changed = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.session: EditSession | None = None
         self.engine: Engine | None = None
+        self.character: FittedCharacter | None = None  # the user's own, if it is shown
         self.path: Path | None = None
         self.project: Path | None = None
         self.exported: Path | None = None
@@ -61,6 +68,8 @@ class Document(QObject):
         """Open a take that has been read, with its project, if any."""
         if self.engine is not None and not session.has_engine:
             session.use_engine(self.engine)
+        if self.character is not None:
+            session.use_character(self.character.rig)
         self.close_journal()
         if self.session is not None:
             self.session.previewed.disconnect(self._pass_on_preview)
@@ -117,6 +126,13 @@ class Document(QObject):
         """Use the engine from now on."""
         self.engine = engine
         self.act(lambda session: session.use_engine(engine))
+
+    def use_character(self, character: FittedCharacter | None) -> None:
+        """Show the user's character from now on, and close lips and lids on it; None = ours."""
+        self.character = character
+        rig = character.rig if character is not None else None
+        self.act(lambda session: session.use_character(rig))
+        self.character_changed.emit()
 
     def preview(self, *edits: Edit) -> None:
         """Preview additional edits, as a proposal."""
@@ -176,12 +192,23 @@ class Document(QObject):
         take = session.take.path.absolute()
         # Of the take as opened: the file may be gone or overwritten by now.
         mark = session.fingerprint
-        parts = (view, media.sound, media.film, session.take.fps)
+        parts = (view, media.sound, media.film, session.take.fps, self._character_file())
         project = Project(take, mark, session.state, *parts)
         write_project(path, project)
         session.mark_saved()
         self.project = path
         self._is_saved()
+
+    def _character_file(self) -> CharacterFile | None:
+        from faceedit_app.editing.files.fingerprint import fingerprint
+        from faceedit_app.editing.files.project import CharacterFile
+
+        if self.character is None:
+            return None
+        path = self.character.character.path.absolute()
+        with contextlib.suppress(FaceEditError):  # it may be gone by now, or a folder
+            return CharacterFile(path, fingerprint(path))
+        return CharacterFile(path)
 
     def save_edits(self, path: Path) -> None:
         """Write the list of edits.
