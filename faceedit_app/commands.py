@@ -40,6 +40,8 @@ app = typer.Typer(
 app.add_typer(character_commands.app, name="character")
 app.command()(export_commands.convert)
 app.command()(export_commands.batch)
+app.command()(export_commands.live)
+app.command()(export_commands.record)
 app.command("words")(word_commands.words)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]

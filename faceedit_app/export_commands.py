@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Optional
@@ -190,3 +191,88 @@ def film(
     assert filmed is not None  # nothing stops it
     rate = filmed.rate
     say(f"{output}: {filmed.frames} pictures at {format_rate(rate)}, {filmed.codecs}")
+
+
+def live(
+    take: Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")],
+    host: Annotated[str, typer.Option(help="Where to send it.")] = "127.0.0.1",
+    port: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(help="The port there; default: the protocol's."),
+    ] = None,
+    protocol: Annotated[
+        str, typer.Option(help="livelink (Unreal) or vmc (VSeeFace, Warudo, Unity).")
+    ] = "livelink",
+    edits: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Edits (JSON) to apply first."),
+    ] = None,
+    loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end.")] = False,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second, if the take does not give them."),
+    ] = None,
+    models: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
+    ] = None,
+) -> None:
+    """Play a take into another program, in real time; Ctrl+C stops it."""
+    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+    from faceedit_app.editing.streaming import play
+    from faceedit_app.live.protocols import Sender, find_protocol
+
+    chosen = find_protocol(protocol, sends=True)
+    rig = shipped_rig()
+    session = open_session(take, rig, load_engine(rig, models) if edits else None, fps)
+    if edits:
+        session.load_edits(edits)
+    session.live.work()
+    sender = Sender(chosen, host, chosen.port if port is None else port)
+    try:
+        say(f"Sending {take.name} as {chosen.name} to {host}:{sender.address[1]}")
+        say(f"  {chosen.hints[0]}.")
+        play(session, sender, loop)
+    finally:
+        sender.close()
+
+
+def record(
+    output: Annotated[Path, typer.Argument(help="The new take: a Live Link Face CSV.")],
+    protocol: Annotated[str, typer.Option(help="livelink, vmc or ifacialmocap.")] = "livelink",
+    host: Annotated[str, typer.Option(help="The address to listen on.")] = "0.0.0.0",
+    port: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(help="The port to listen on; default: the protocol's."),
+    ] = None,
+    phone: Annotated[
+        str, typer.Option(help="For ifacialmocap: the phone's address, which the app shows.")
+    ] = "",
+    seconds: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(help="Stop after so many seconds; default: at Ctrl+C."),
+    ] = None,
+) -> None:
+    """Record a take from a phone, or from another program."""
+    import threading
+
+    from faceedit_app.editing.recording import Recorder
+    from faceedit_app.live.protocols import find_protocol, own_address
+
+    chosen = find_protocol(protocol)
+    recorder = Recorder(output, chosen, host, port, phone)
+    try:
+        address = own_address() if host == "0.0.0.0" else host
+        say(f"Listening for {chosen.name} on {address}:{recorder.address[1]}; Ctrl+C stops")
+        say(f"  {chosen.hints[1]}.")
+        with suppress(KeyboardInterrupt):
+            threading.Event().wait(seconds)
+    finally:
+        has_frames = recorder.stop()
+    if recorder.error is not None:
+        raise recorder.error
+    if not has_frames:
+        raise FaceEditError(
+            f"Nothing was received ({recorder.ignored} packets were not understood)"
+        )
+    say(f"{output}: {recorder.frames} frames, {recorder.seconds:.2f} s")
