@@ -45,7 +45,7 @@ class Recipe:
         edits: the file of a list of edits.
         form: the key of the format to write; "" = as the take came.
         rate: frames per second to write; None = the take's own.
-        character: the file of a character, for formats with one.
+        character: the file of a character, on which lips and lids close as well.
         fps: frames per second of takes that do not give them.
         models: the folder of a model; None = the one that ships.
     """
@@ -176,6 +176,8 @@ def perform(task: Task) -> Outcome:
         outcome = replace(outcome, sha256=fingerprint(task.source).sha256)
         models = None if recipe.models is None else Path(recipe.models)
         take = api.open(task.source, recipe.fps, models)
+        if recipe.character:
+            take.use_character(recipe.character)
         problems = len(take.problems())
         if recipe.fixes:
             take.fix(*recipe.fixes)
@@ -184,7 +186,7 @@ def perform(task: Task) -> Outcome:
         if recipe.edits:
             take.load_edits(recipe.edits)
         task.output.parent.mkdir(parents=True, exist_ok=True)
-        take.export(task.output, recipe.form or None, recipe.rate, recipe.character)
+        take.export(task.output, recipe.form or None, recipe.rate)
         return replace(
             outcome,
             written=task.output.name,

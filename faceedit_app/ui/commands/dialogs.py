@@ -29,7 +29,6 @@ WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
 FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
 FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
-CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
 
@@ -101,19 +100,17 @@ def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     return _save_name(parent, "Export", suggestion, kinds)
 
 
-def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
+def ask_export_as(
+    parent: QWidget, take: Take, character: Path | None
+) -> tuple[OutFormat, Options] | None:
     """How to export a take.
 
     Args:
-        folder: where to look for a character first.
+        character: the file of the character on screen; None = FaceEdit's own.
     """
     from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
 
-    def choose(dialog: QWidget) -> Path | None:
-        answer = QFileDialog.getOpenFileName(dialog, "Your character", str(folder), CHARACTERS)
-        return _chosen(answer)
-
-    dialog = ExportDialog(parent, take, choose)
+    dialog = ExportDialog(parent, take, character)
     return (dialog.chosen, dialog.options) if dialog.exec() else None
 
 
