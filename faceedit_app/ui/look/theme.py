@@ -130,7 +130,8 @@ QLineEdit {{
 }}
 QLineEdit#find_word {{ border-color: {BORDER}; min-height: 20px; }}
 QLineEdit#find_word:focus {{ border-color: {ACCENT}; }}
-QLineEdit#find_word[refused="true"], QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
+QLineEdit#find_word[refused="true"],
+QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
 
 QTabWidget::pane {{ border: none; }}
 QTabBar {{ background: {BACKGROUND}; }}
