@@ -12,6 +12,7 @@ from faceedit_app.ui.media.words_strip import HEIGHT, WordsStrip
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.words.transcript import Transcript
 
 _MENU = (
     ("play_around", "loop"),
@@ -47,7 +48,8 @@ class WordsRow(QWidget):
 
     def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
-        self._document, self._actions = document, actions
+        self._actions = actions
+        self._shown: Transcript | None = None
         self.strip = WordsStrip(document, timeline)
         self.strip.menu_asked.connect(self._show_menu)
         self.search = _Search()
@@ -80,15 +82,17 @@ class WordsRow(QWidget):
         self.setObjectName("words_row")
         for changed in (document.opened, document.changed, document.previewed):
             changed.connect(self.sync)
+        self.hide()
         self.sync()
 
     def sync(self) -> None:
-        """Show the take's words, or hide."""
-        has_words = self.strip.words is not None
-        if self.isHidden() == has_words:
-            self.setVisible(has_words)
-        if has_words:
-            self.strip.renew()
+        """Show the take's words, or hide; a drag of a curve leaves them as they are."""
+        words = self.strip.words
+        if words is self._shown:
+            return
+        self._shown = words
+        self.setVisible(words is not None)
+        self.strip.renew()
 
     def _show_menu(self, place: QPoint) -> None:
         self._actions.refresh()
