@@ -20,23 +20,21 @@ from faceedit_app.lab.evaluation.goals import goals_part
 from faceedit_app.lab.evaluation.report import (
     LABELS,
     NOTES,
-    cell,
     closure_charts,
     closures_table,
     curve_charts,
     edits_table,
     kinds_table,
     make_folder,
-    markdown_table,
     regions_table,
 )
 from faceedit_app.lab.evaluation.retraining import leave_one_out, recipes, table2
 from faceedit_app.lab.evaluation.robustness import robustness_part
 from faceedit_app.lab.evaluation.setting import Setting
 from faceedit_app.lab.evaluation.systems import Systems
-from faceedit_app.lab.training.card import with_figures
+from faceedit_app.lab.evaluation.tables import cell, markdown_table
+from faceedit_app.lab.training.card import CARD, with_figures
 from faceedit_app.lab.training.charts import Line, chart
-from faceedit_app.lab.training.run import CARD
 from faceedit_app.lab.training.sources import by_source
 from faceedit_app.lab.training.statistics import measure, spectrum, table
 

@@ -89,6 +89,11 @@ def is_synthesised(take: Take) -> bool:
     return turns.shape == expected.shape and bool(np.abs(turns - expected).max() < _SAME)
 
 
+def of_people(performances: Sequence[Performance]) -> list[Performance]:
+    """Those that are not synthesised."""
+    return [p for p in performances if p.path is None or not is_synthesised(open_take(p.path))]
+
+
 def sources_of(
     performances: Sequence[Performance], trained_on: Collection[str] = ()
 ) -> tuple[list[Source], list[Performance]]:
