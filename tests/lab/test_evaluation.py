@@ -20,7 +20,7 @@ from faceedit_app.core.regions import REGIONS
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.benchmark import run_benchmark, trials
 from faceedit_app.lab.evaluation.evaluate import CLOSING, measure_systems
-from faceedit_app.lab.evaluation.goals import goals, goals_part
+from faceedit_app.lab.evaluation.goals import goals, networks_goals_part
 from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.training import settings as recipes
 from faceedit_app.lab.training.card import FIGURES_END, FIGURES_START, with_figures
@@ -229,7 +229,7 @@ def test_goals_tell_reached_from_missed(takes: Path, models: Path) -> None:
     figures = evaluate_takes(load_performances([takes]), models)
     found = goals(figures)
     assert len(found) > 15
-    text = goals_part(figures)
+    text = networks_goals_part(figures)
     assert text.count("| yes |") == sum(goal.reached for goal in found)
     assert text.count("**no**") == sum(not goal.reached for goal in found)
 

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, Control, control_named
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import LOWER, REGIONS, Region
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.benchmark import GOALS, Outcome, run_benchmark
 from faceedit_app.lab.evaluation.metrics import (
@@ -166,16 +165,12 @@ def evaluate_takes(
         FileError: a model is missing or damaged.
         FaceEditError: the takes are too short, or all are synthesised.
     """
-    rig = read_rig(shipped("assets/character.glb"))
-    systems = Systems.load(models, rig)
     people = of_people(performances)
     if not people:
         raise FaceEditError("all takes are synthesised; name takes of people to measure on")
-    figures = measure_systems(people, systems, rig)
-    takes = [open_take(take.path) for take in people if take.path is not None]
-    figures.outcomes = run_benchmark(
-        takes, rig, systems.engine, lambda done, of: progress(done, 2 * of)
-    )
+    figures = evaluate_networks(people, models, lambda done, of: progress(done, 2 * of))
+    rig = shipped_rig()
+    systems = Systems.load(models, rig)
     figures.people = measure_people(
         performances,
         rig,
@@ -183,6 +178,25 @@ def evaluate_takes(
         trained_sources(models),
         lambda done, of: progress(of + done, 2 * of),
     )
+    return figures
+
+
+def evaluate_networks(
+    performances: Sequence[Performance],
+    models: Path,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Figures:
+    """Measure the networks of a folder on their own, and the benchmark of edits.
+
+    Raises:
+        FileError: a model is missing or damaged.
+        FaceEditError: the takes are too short.
+    """
+    rig = shipped_rig()
+    systems = Systems.load(models, rig)
+    figures = measure_systems(performances, systems, rig)
+    takes = [open_take(take.path) for take in performances if take.path is not None]
+    figures.outcomes = run_benchmark(takes, rig, systems.engine, progress)
     return figures
 
 

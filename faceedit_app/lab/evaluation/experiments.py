@@ -16,7 +16,8 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import EYELIDS, LOWER
 from faceedit_app.lab.evaluation.evaluate import Figures
-from faceedit_app.lab.evaluation.goals import goals_part
+from faceedit_app.lab.evaluation.goals import networks_goals_part
+from faceedit_app.lab.evaluation.people.report import goals_part, people_part
 from faceedit_app.lab.evaluation.report import (
     LABELS,
     NOTES,
@@ -145,15 +146,24 @@ it. `synthetic` is what `faceedit synthesize` writes; no person was recorded for
     )
 
 
+def people(setting: Setting) -> Path:
+    """What users get on takes of people, against the goals and the references."""
+    return setting.write("people", f"# What users get, on people\n\n{people_part(setting.people)}")
+
+
 def card(setting: Setting) -> Path:
-    """Write the held-out figures into the model card, reached or not."""
+    """Write the figures on people into the model card, reached or not."""
     path = setting.models / CARD
-    text = with_figures(path.read_text(encoding="utf-8"), goals_part(setting.figures))
+    parts = [goals_part(setting.people)]
+    if setting.held_out:
+        parts += ["### The networks on their own", networks_goals_part(setting.figures)]
+    text = with_figures(path.read_text(encoding="utf-8"), "\n\n".join(parts))
     write_atomically(path, text.encode())
     return path
 
 
 EXPERIMENTS: dict[str, Experiment] = {
+    "people": people,
     "statistics": statistics,
     "held-out": held_out,
     "card": card,

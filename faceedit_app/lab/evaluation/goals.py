@@ -145,7 +145,7 @@ def _wild(figures: Figures) -> list[FigureGoal]:
     return out
 
 
-def goals_part(figures: Figures) -> str:
+def networks_goals_part(figures: Figures) -> str:
     """All goals as Markdown, with the takes that they were measured on."""
     seconds: dict[str, float] = {}
     for _, source, length in figures.takes:

@@ -78,7 +78,9 @@ class Opened:
         """
         if system in references.NAMES:
             self._show(self._session, edits, Settings())
-            return self._references.answer(system, self.weights, self.tracked, self._session.asked)
+            edited = {control for edit in edits for control in edit.controls}
+            asked = self._session.asked
+            return self._references.answer(system, self.weights, self.tracked, asked, edited)
         session = self._baseline if system == HOLDEN else self._session
         own = Settings() if system == FACEEDIT else ALONE
         self._show(session, edits, settings or own)

@@ -7,7 +7,7 @@ learn from takes of other sources.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -92,13 +92,21 @@ class References:
         self._ridge = lru_cache(maxsize=None)(self._fit_ridge)
         self._covariance = lru_cache(maxsize=None)(self._fit_covariance)
 
-    def answer(self, name: str, weights: Floats, before: Floats, asked: Floats) -> Floats:
+    def answer(
+        self,
+        name: str,
+        weights: Floats,
+        before: Floats,
+        asked: Floats,
+        edited: Collection[str] = CONTROL_IDS,
+    ) -> Floats:
         """Answer a change of curves.
 
         Args:
             name: one of `NAMES`.
             weights: (T, 52) in ARKit order, before the change.
-            before, asked: (T, C) mm, the curves before and as asked for.
+            before, asked: (T, C) mm, the curves before and as asked for, companions included.
+            edited: ids of the curves that the user changed; a bump heeds no companion.
 
         Returns:
             (T, 52); frames and regions whose curves do not change stay as they are.
@@ -116,6 +124,8 @@ class References:
             rows = np.flatnonzero(np.abs(change[:, moved]).max(axis=1) > _MOVED)
             columns = columns_of(region)
             now = weights[np.ix_(rows, columns)].astype(np.float64)
+            if name == "bump":
+                moved = [control for control in moved if CONTROL_IDS[control] in edited]
             change_by = (weights[rows], before[rows], asked[rows])
             added = self._added(name, region, tuple(moved), *change_by)
             # What the tracker wrote beyond 0..1 may stay; an answer does not add to it.
