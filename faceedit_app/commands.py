@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__, character_commands
+from faceedit_app import __version__, character_commands, word_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
@@ -37,6 +38,7 @@ app = typer.Typer(
 )
 
 app.add_typer(character_commands.app, name="character")
+app.command("words")(word_commands.words)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[
@@ -46,6 +48,10 @@ CharacterOption = Annotated[
 FpsOption = Annotated[
     Optional[float],  # noqa: UP045  (typer reads the annotation at run time)
     typer.Option("--fps", help="Frames per second, if the take does not give them."),
+]
+OverwriteOption = Annotated[
+    bool,
+    typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
 ]
 ModelsOption = Annotated[
     Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
@@ -59,7 +65,7 @@ def run_command(given: list[str]) -> int:
     try:
         return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
     except typer.TyperException as error:
-        print(f"faceedit: {error.format_message()}", file=sys.stderr)
+        say(f"faceedit: {error.format_message()}", to=sys.stderr)
         return USAGE_ERROR
     except typer.Abort:
         return 130
@@ -71,7 +77,7 @@ def root(
 ) -> None:
     """Edit tracked facial animation by dragging eight plain curves."""
     if version:
-        print(f"FaceEdit {__version__}")
+        say(f"FaceEdit {__version__}")
         raise typer.Exit
 
 
@@ -86,7 +92,7 @@ def info(
     from faceedit_app.formats.summary import summarize, summary_text
 
     summary = summarize(open_take(take, fps))
-    print(json.dumps(summary, indent=2) if as_json else summary_text(summary))
+    say(json.dumps(summary, indent=2) if as_json else summary_text(summary))
 
 
 @app.command()
@@ -104,6 +110,7 @@ def apply(
     character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
+    overwrite: OverwriteOption = False,
 ) -> None:
     """Apply edits to a take and export it in its own format.
 
@@ -121,13 +128,12 @@ def apply(
     engine = load_engine(rig, models)
     session = open_session(take, rig, engine, fps)
     session.configure(Settings(Mode(mode), naturalness, reach))
+    if character:
+        session.use_character(character_commands.rig_of(character))
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
-    if character:
-        character_commands.export_closed(session, character, output, engine)
-    else:
-        session.export(output)
-    print(
+    session.export(output, overwrite)
+    say(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
     )
@@ -165,9 +171,9 @@ def convert(
             raise
         opened = open_take(take, fps)  # frame by frame
     clip = converting.convert(output, opened, chosen, fps)
-    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
+    say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     if opened.carried and chosen.name != opened.kind:
-        print(f"left out because they are not channels: {', '.join(opened.carried)}")
+        say(f"left out because they are not channels: {', '.join(opened.carried)}")
 
 
 @app.command()
@@ -195,12 +201,13 @@ def render(
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
+    if character:
+        session.use_character(character_commands.rig_of(character))
     if edits:
         session.load_edits(edits)
     frame = session.take.clip.frame_at(time)
-    shown = character_commands.rig_of(character) if character else rig
-    write_png(output, snapshot(shown, session.weights[frame], width, height))
-    print(f"{output}: frame {frame} of {take}")
+    write_png(output, snapshot(session.shown_rig, session.weights[frame], width, height))
+    say(f"{output}: frame {frame} of {take}")
 
 
 def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
@@ -209,7 +216,7 @@ def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
 
     for number, edit in enumerate(session.edits, start=1):
         for lack in unanswerable(edit, session.take, session.rig, engine):
-            print(f"faceedit: warning: edit {number}: {lack}", file=sys.stderr)
+            say(f"faceedit: warning: edit {number}: {lack}", to=sys.stderr)
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -56,6 +56,7 @@ class FittedCharacter:
         places: the same points as vertices of the file.
         checklist: what it can and cannot do.
         mapping: the user's map.
+        part_of, vertex_of: (V,) the part, and the vertex in it, of each vertex of the rig.
     """
 
     character: Character
@@ -66,6 +67,13 @@ class FittedCharacter:
     places: dict[str, Place]
     checklist: Checklist
     mapping: CharacterMap
+    part_of: NDArray[np.int32]
+    vertex_of: NDArray[np.int32]
+
+    def place(self, vertex: int) -> Place:
+        """A vertex of the rig, as a vertex of the file."""
+        part = self.character.parts[int(self.part_of[vertex])]
+        return Place(part.name, int(self.vertex_of[vertex]))
 
     @property
     def whole_map(self) -> CharacterMap:
@@ -118,7 +126,18 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
         name: Place(character.parts[assembly.part_of[vertex]].name, int(assembly.vertex_of[vertex]))
         for name, vertex in points.items()
     }
-    return FittedCharacter(character, rig, frame, match, points, places, checklist, mapping)
+    return FittedCharacter(
+        character=character,
+        rig=rig,
+        frame=frame,
+        match=match,
+        points=points,
+        places=places,
+        checklist=checklist,
+        mapping=mapping,
+        part_of=assembly.part_of,
+        vertex_of=assembly.vertex_of,
+    )
 
 
 def _need_shapes(character: Character) -> None:

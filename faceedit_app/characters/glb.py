@@ -13,6 +13,7 @@ import numpy as np
 import pygltflib as gltf
 from numpy.typing import NDArray
 
+from faceedit_app.characters.bounded import read_file
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
@@ -176,10 +177,7 @@ def read_rig(path: Path | str) -> Rig:
         FileError: it is not a GLB, or has no morph targets or control definitions.
     """
     path = Path(path)
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise FileError(path, f"cannot be read ({error.strerror})", "check the path") from error
+    content = read_file(path)
     if content[:4] != b"glTF":
         raise FileError(path, "is not a binary glTF file", _REMEDY)
     try:

@@ -88,7 +88,10 @@ class Bench:
         monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
         self.preferences().set_hints_seen()
         monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
-        for name in ("open", "export", "save_edits", "load_edits", "save_project", "unsaved"):
+        for name in (
+            *("open", "export", "save_edits", "load_edits", "save_project", "unsaved"),
+            "overwrite",
+        ):
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
         monkeypatch.setattr(loading, "load_character", shipped_rig)
         monkeypatch.setattr(loading, "prepare_renderer", lambda: None)
@@ -96,7 +99,7 @@ class Bench:
         monkeypatch.setattr(render, "open_renderer", self._renderer)
 
     def _answer(self, name: str) -> Callable[[QWidget, object], Any]:
-        def answer(_parent: QWidget, _suggestion: object) -> Any:
+        def answer(_parent: QWidget, *_: object) -> Any:
             assert name in self.answers, f"asked for {name} unexpectedly"
             return self.answers.pop(name)
 

@@ -54,7 +54,8 @@ def test_without_edits_it_says_what_belongs_here(bench: Bench) -> None:
     assert not window.actions_["delete_edit"].isEnabled()
     drag_curve(window, 0, 1.0, 20)
     assert panel_of(window).list.isVisible()
-    assert panel_of(window).title.text() == "Edits  1"
+    assert window.editor is not None
+    assert window.editor.lists.tabText(0) == "Edits  1"
 
 
 def test_choosing_an_edit_shows_its_range(window: MainWindow) -> None:

@@ -355,11 +355,11 @@ def test_whoever_changes_the_session_is_seen_everywhere(bench: Bench) -> None:
     add_edit(window)
     assert window.isWindowModified()
     assert len(editor.edits.model.edits) == 1
-    assert editor.edits.title.text() == "Edits  1"
+    assert editor.lists.tabText(0) == "Edits  1"
     assert editor.settings_bar.edits.text().startswith("1 edit")
     session.undo()
     assert not window.isWindowModified()
-    assert editor.edits.title.text() == "Edits"
+    assert editor.lists.tabText(0) == "Edits"
 
 
 def test_the_session_of_the_last_take_is_heard_no_more(bench: Bench) -> None:

@@ -25,6 +25,7 @@ from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.answerable import find_lacks, region_covariance, without
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
+from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.reach import Goal, Reach
 from faceedit_app.editing.solving.request import Request, region_influence, request
@@ -57,6 +58,8 @@ class Solver:
     def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
         self.clip = clip
         self.tracked = clip.arkit_weights()
+        self._rig = rig
+        self._theirs: Rig | None = None
         self.distances = rig.arkit_distances
         self._missing = frozenset(rig.missing_controls)
         self.controls = self.distances.measure(self.tracked)
@@ -84,6 +87,23 @@ class Solver:
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
         self._answers = Answers(engine, self.grid) if engine else None
         self.limits = self._limits()
+        self.use_character(self._theirs)
+
+    def use_character(self, theirs: Rig | None) -> None:
+        """Close lips and lids on the user's character from now on; the chunks change."""
+        self._theirs = theirs
+        self._closing = (
+            Closing(
+                self._rig,
+                theirs,
+                frozenset(self.clip.channels),
+                {name: model.description.covariance for name, model in self.engine.models.items()}
+                if self.engine
+                else None,
+            )
+            if theirs is not None
+            else None
+        )
 
     def _limits(self) -> list[tuple[float, float]]:
         """The lowest and highest value of each control that a face, or this take, can have, mm.
@@ -132,6 +152,8 @@ class Solver:
         for name in influences:
             self._reach(weights, self._parts[name], mine, wanted[inner], settings)
         result = weights.astype(np.float32)
+        if self._closing is not None and settings.closes:
+            result = self._closing(result, influences)
         controls = self.distances.measure(result)
         # The last bits of a matrix product depend on the number of frames.
         same = (result == self.tracked[rows]).all(axis=1)

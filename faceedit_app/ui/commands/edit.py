@@ -133,7 +133,7 @@ class EditCommands:
             self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste mirrored")
 
     def mirror(self) -> None:
-        """Let left and right change places in the selection."""
+        """Swap left and right in the selection."""
         from faceedit_app.editing.help.clipboard import Copied, copy_range
 
         session, selection = self._document.session, self._selection("mirror")

@@ -1,4 +1,4 @@
-"""The File menu: ask the user, then let document, opener and projects do it.
+"""The File menu: ask the user, then hand over to the document, the opener or projects.
 
 What comes with the solver is imported once it is needed: the window is there before it.
 """
@@ -14,8 +14,12 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
+
+CHARACTER = "C&haracter"  # submenu
 
 
 class FileCommands:
@@ -24,6 +28,7 @@ class FileCommands:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._window = workspace, workspace.window
         self._document, self._preferences = workspace.document, workspace.preferences
+        self.character = CharacterCommands(workspace)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
 
@@ -54,7 +59,7 @@ class FileCommands:
             self.open(path)
 
     def open(self, path: Path) -> None:
-        """Read a take or a project in the background; on an error the present one stays open."""
+        """Read a take or a project in the background; on an error the current one stays open."""
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return
@@ -75,8 +80,8 @@ class FileCommands:
         """List the takes and projects that were opened recently and still exist."""
         menu.clear()
         for path in self._preferences.recent():
-            action = menu.addAction(path.name)
-            action.setToolTip(str(path))
+            action = menu.addAction(plain_entry(path.name))
+            action.setToolTip(plain_tip(str(path)))
             action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
         if menu.isEmpty():
             menu.addAction("No recent takes").setEnabled(False)
@@ -116,8 +121,26 @@ class FileCommands:
         take = self._document.path
         ending = take.suffix if take is not None else ""
         suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
-        path = dialogs.ask_export(self._window, suggestion)
-        return path is not None and self._write(self._document.export, path, "export", "Exported")
+        while (path := dialogs.ask_export(self._window, suggestion)) is not None:
+            reason = self._why_keep(path)
+            overwrite = bool(reason) and dialogs.ask_overwrite(self._window, path, reason)
+            if overwrite or not reason:
+                return self._write(
+                    lambda path: self._document.export(path, overwrite),  # noqa: B023
+                    path,
+                    "export",
+                    "Exported",
+                )
+        return False
+
+    def _why_keep(self, path: Path) -> str:
+        """Why a file should not be replaced; "" if it may be."""
+        from faceedit_app.editing.files.originals import why_keep
+
+        assert self._document.path is not None
+        own = self._document.project
+        projects = [*([own] if own is not None else []), *self._preferences.recent()]
+        return why_keep(path, self._document.path, projects)
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""
@@ -136,7 +159,7 @@ class FileCommands:
         """Add the edits in a file."""
         self._write(self._document.load_edits, path, "edits", "Loaded")
 
-    def _write(self, work: Callable[[Path], None], path: Path, kind: str, done: str) -> bool:
+    def _write(self, work: Callable[[Path], object], path: Path, kind: str, done: str) -> bool:
         try:
             work(path)
         except FaceEditError as error:
@@ -149,18 +172,23 @@ class FileCommands:
     # --- close -------------------------------------------------------------------------------
 
     def may_close(self) -> bool:
-        """Ask about edits that would be lost; False if the user cancels."""
-        if self._document.is_clean or self._document.path is None:
+        """Ask about edits that no project holds; False if the user cancels."""
+        document = self._document
+        if document.path is None:
             return True
-        match dialogs.ask_unsaved(self._window, self._document.path.name):
-            case dialogs.Unsaved.EXPORT:
-                return self.export()
-            case dialogs.Unsaved.SAVE:
-                return self.save()
-            case dialogs.Unsaved.DISCARD:
-                return True
-            case _:
-                return False
+        while not document.is_clean:
+            exported = document.exported.name if document.exported is not None else ""
+            match dialogs.ask_unsaved(self._window, document.path.name, exported):
+                case dialogs.Unsaved.EXPORT:
+                    if not self.export():
+                        return False
+                case dialogs.Unsaved.SAVE:
+                    return self.save()
+                case dialogs.Unsaved.DISCARD:
+                    return True
+                case _:
+                    return False
+        return True
 
     def quit(self) -> None:
         """Close the window, which asks about unsaved edits."""
@@ -185,6 +213,27 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),
             "Add the edits in a file to this take"),
+    Command("open_character", "&Open…", lambda do: do.character.ask_open(), (),
+            "Show your own character: GLB, glTF, VRM, FBX or OBJ with blendshapes",
+            needs_take=False, submenu=CHARACTER),
+    Command("recent_characters", "Open &recent", submenu=CHARACTER, needs_take=False,
+            fills=lambda do, menu: do.character.fill_recent(menu)),
+    Command("own_character", "&FaceEdit's own", lambda do: do.character.show_own(), (),
+            "Show the character that ships with FaceEdit", needs_take=False,
+            enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("character_checklist", "Chec&klist…", lambda do: do.character.show_checklist(), (),
+            "Show which shapes and points were found in your character, and correct them",
+            needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("close_on_character", "&Close on my character",
+            lambda do: do.character.switch_closing(), (),
+            "Where edits close lips or lids, also close them on your character",
+            enabled=lambda do: do.character.is_shown, checked=lambda do: do.character.closes,
+            submenu=CHARACTER),
+    Command("close_range", "Close in the &selection or everywhere",
+            lambda do: do.character.close_range(), (),
+            "Add an edit that closes lips and lids on your character where they are closed on ours",
+            enabled=lambda do: do.character.is_shown and do.character.closes,
+            submenu=CHARACTER),
     Command("quit", "&Quit", FileCommands.quit, ("Ctrl+Q",), needs_take=False,
             starts_group=True),
 ))

@@ -275,7 +275,7 @@ MENU: Menu[ViewCommands] = Menu("View", (
             tip="Copy the picture of the face to the clipboard, as shown",
             enabled=lambda do: do.has_picture, starts_group=True),
     Command("save_picture", "&Save picture…", ViewCommands.save_picture,
-            tip="Save the picture of the face as PNG, as it is shown",
+            tip="Save the picture of the face as a PNG file, as shown",
             enabled=lambda do: do.has_picture),
 ))
 # fmt: on

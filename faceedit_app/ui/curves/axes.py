@@ -20,6 +20,7 @@ from faceedit_app.ui.curves.ticks import (
     time_steps,
 )
 from faceedit_app.ui.curves.view_item import ViewItem
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.clock import Clock, Unit, label
 
 Levels = list[tuple[float, list[float]]]  # spacing and values of each level of ticks
@@ -81,6 +82,7 @@ class GridLines(ViewItem):
         self._lines = None
         super().forget()
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:

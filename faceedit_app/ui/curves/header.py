@@ -17,6 +17,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from faceedit_app.core.controls import Control
 from faceedit_app.ui.curves import style
+from faceedit_app.ui.look.guard import guarded
 
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
@@ -157,6 +158,7 @@ class Header(QWidget):
         self.menu_asked.emit(event.globalPos())
         event.accept()
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint bar, name and value."""
         layout = self._layout()

@@ -13,6 +13,7 @@ from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.view_item import ViewItem
 from faceedit_app.ui.curves.visible_curves import EMPTY, Lines, Polyline
+from faceedit_app.ui.look.guard import guarded
 
 _EDGE = 5.0  # greatest pixels from the centre of a line to its edge
 
@@ -59,6 +60,7 @@ class CurveLines(ViewItem):
         if left < right:
             self.update(left, top, right - left, height)
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -98,6 +100,7 @@ class Stroke:
                 changed = changed[0], max(changed[1], float(line.x[-1]))  # all dashes move
         return changed
 
+    @guarded
     def paint(self, painter: QPainter, ratio: float) -> None:
         """Draw the line, in full width unless it fills its pixel columns anyway.
 

@@ -31,6 +31,7 @@ from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.paint import draw_tag, tag_box
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.view_item import ViewItem
+from faceedit_app.ui.look.guard import guarded
 
 LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is in view
 _NONE = QPen(Qt.PenStyle.NoPen)
@@ -118,6 +119,7 @@ class SpanRegion(pg.LinearRegionItem):
             fade.setColorAt(place, style.color(self._color, round(seen)))
         return QBrush(fade)
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -164,6 +166,7 @@ class Gaps(ViewItem):
         self.setVisible(bool(gaps))
         self.update()
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -204,6 +207,7 @@ class Playhead(pg.InfiniteLine):
             self._rect = QRectF(low, -edge, high - low, 2.0 * edge)
         return self._rect
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -227,6 +231,7 @@ class Marker(QGraphicsPathItem):
         self.setPen(_NONE if edge is None else QPen(style.color(edge), 1.5))
         self.setFlag(self.GraphicsItemFlag.ItemIgnoresTransformations)
 
+    @guarded
     def paint(
         self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -280,6 +285,7 @@ class Numbers(QGraphicsItem):
         """Their box, relative to the point."""
         return self._box.adjusted(-1.0, -1.0, 1.0, 1.0)
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:

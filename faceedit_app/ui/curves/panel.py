@@ -13,6 +13,7 @@ from faceedit_app.ui.curves.gestures import CurveDrag, span_at
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
+from faceedit_app.ui.curves.one_painting import OnePainting
 from faceedit_app.ui.curves.plot import CurvePlot, Handle, Marks
 from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.range_fields import RangeFields
@@ -80,6 +81,7 @@ class CurvesPanel(QWidget):
         self._rows = Rows(self.headers, self.plots)
         self._axes = ValueAxes(self.plots)
         self._pages = QStackedWidget()
+        self._rounds = OnePainting(self)
         self._build()
         self._connect()
         self.set_session(None)
@@ -218,6 +220,11 @@ class CurvesPanel(QWidget):
         """Whether an edge of the selection is being moved."""
         return self._edges.is_changing
 
+    def cover_legend(self, bar: QWidget) -> None:
+        """Put a bar over the legend, where a second click does nothing once the bar is gone."""
+        bar.setFixedHeight(style.LEGEND_HEIGHT)
+        self._grid.addWidget(bar, 0, 0, 1, 3)
+
     def add_row(self, head: QWidget, strip: QWidget) -> None:
         """Add a strip on the time axis, under the curves."""
         row = self._grid.rowCount()
@@ -273,6 +280,7 @@ class CurvesPanel(QWidget):
         self._show_lines()
         self._fit_axes()
         self._show_state()
+        self._rounds.join(plot.scene() for plot in self.plots)
 
     def fit_values(self) -> None:
         """Fit all value axes to what is in view, also those that the user set."""

@@ -14,6 +14,7 @@ from faceedit_app.ui.curves.marks import SpanRegion
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 17
@@ -46,6 +47,7 @@ class SelectionHandles(SpanRegion):
         room = _HANDLE * self.getViewBox().viewPixelSize()[0]
         return rect.adjusted(-room, 0.0, room, 0.0)
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:

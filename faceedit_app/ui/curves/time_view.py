@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.ui.curves.gestures import PAN_STEP, ZOOM_STEP, Pointer, WheelAction, wheel_action
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.curves.value_range import LARGEST, SMALLEST
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.timeline import Timeline
 
 LEFT, MIDDLE, RIGHT = (
@@ -101,6 +102,7 @@ class TimeView(pg.ViewBox):
         (first, last), (low, high) = self.viewRange()
         return Scale(self.width(), self.height(), (first, last), (low, high))
 
+    @guarded
     def paint(
         self, _painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:

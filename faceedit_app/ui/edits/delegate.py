@@ -16,6 +16,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
 
 from faceedit_app.ui.edits.model import columns
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import (
     ACCENT,
     ACCENT_DEEP,
@@ -45,6 +46,7 @@ class EditsDelegate(QStyledItemDelegate):
         """One line."""
         return QSize(200, ROW)
 
+    @guarded
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         """Paint switch, name, curves, range and strength."""
         edit = index.data(Qt.ItemDataRole.UserRole)

@@ -16,6 +16,7 @@ from PySide6.QtCore import (
 
 from faceedit_app.editing.edits.describe import describe, describe_controls
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.state.document import Document
 
 _MIME = "application/x-faceedit-row"
@@ -52,7 +53,7 @@ class EditsModel(QAbstractListModel):
         return 0 if parent.isValid() else len(self.edits)
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
-        """Name, switch, and all of it in words for tooltips and screen readers."""
+        """Name, switch, and a description for tooltips and screen readers."""
         if not 0 <= index.row() < len(self.edits):
             return None
         edit = self.edits[index.row()]
@@ -63,7 +64,8 @@ class EditsModel(QAbstractListModel):
                 return Qt.CheckState.Checked if edit.enabled else Qt.CheckState.Unchecked
             case Qt.ItemDataRole.ToolTipRole | Qt.ItemDataRole.AccessibleTextRole:
                 state = "" if edit.enabled else ", switched off"
-                return f"{describe(edit)}, {', '.join(columns(edit))}{state}"
+                words = f"{describe(edit)}, {', '.join(columns(edit))}{state}"
+                return plain_tip(words) if role == Qt.ItemDataRole.ToolTipRole else words
             case Qt.ItemDataRole.UserRole:
                 return edit
             case _:

@@ -51,7 +51,7 @@ class EditsPanel(QWidget):
         self.model = EditsModel(document)
         self.list = QListView()
         self.strength = self._slider()
-        self.percent, self.title = QLabel(), QLabel()
+        self.percent = QLabel()
         self._pages = QStackedWidget()
         self._showing = False  # the panel is changing the range, not the user
         self._is_dragged = False  # the strength; the preview is the slider's
@@ -95,11 +95,9 @@ class EditsPanel(QWidget):
         self._pages.addWidget(view)
         self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("150 %"))
-        self.title.setObjectName("heading")
         bar = QHBoxLayout()
         bar.setContentsMargins(MARGIN, 3, MARGIN - 4, 3)
         bar.setSpacing(GAP // 2)
-        bar.addWidget(self.title)
         bar.addStretch()
         bar.addWidget(caption("Edit strength", self.strength))
         bar.addWidget(self.strength)
@@ -188,9 +186,7 @@ class EditsPanel(QWidget):
             self.list.setFocus()
         if self.current is None:
             self._untie()
-        count = len(self.model.edits)
-        self.title.setText(f"Edits  {count}" if count else "Edits")
-        self._pages.setCurrentIndex(1 if count else 0)
+        self._pages.setCurrentIndex(1 if self.model.edits else 0)
         self._sync()
         if self.current is not None and self.is_tied:  # undo may have changed its range
             self.show_range(self.model.edits[self.current])

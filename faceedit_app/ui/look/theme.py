@@ -66,7 +66,9 @@ QToolButton#tool:disabled, QToolButton#small:disabled {{ background: transparent
 QToolButton#tool::menu-indicator {{ image: none; width: 0; }}
 QToolButton#small {{ background: transparent; padding: 2px; }}
 QToolButton#small:hover {{ background: {HOVER}; }}
-QToolButton#accept {{ background: {ACCENT_DEEP}; padding: 4px 10px; }}
+QToolButton#accept {{ background: {ACCENT_DEEP}; padding: 2px 10px; }}
+QToolButton#proposal_button {{ background: transparent; padding: 2px 7px; }}
+QToolButton#proposal_button:hover {{ background: {HOVER}; }}
 QToolButton#accept:hover {{ background: #2d6d94; }}
 QToolButton#play {{ padding: 5px 12px; }}
 QPushButton#primary {{ background: {ACCENT_DEEP}; padding: 8px 18px; }}
@@ -117,6 +119,21 @@ QLineEdit {{
     selection-background-color: {ACCENT_DEEP};
 }}
 QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
+
+QTabWidget::pane {{ border: none; }}
+QTabBar {{ background: {BACKGROUND}; }}
+QTabBar::tab {{
+    background: {BACKGROUND}; color: {MUTED}; padding: 4px 12px; border: 1px solid transparent;
+}}
+QTabBar::tab:selected {{ background: {PANEL}; color: {TEXT}; border-top: 2px solid {ACCENT}; }}
+QTabBar::tab:hover {{ color: {TEXT}; }}
+QTreeView {{ background: {BACKGROUND}; border: 1px solid transparent; outline: none; }}
+QTreeView:focus {{ border-color: {ACCENT}; }}
+QTreeView::item {{ padding: 3px 0; }}
+QTreeView::item:selected {{ background: {ACCENT_DEEP}; color: {TEXT}; }}
+QHeaderView::section {{
+    background: {PANEL}; color: {MUTED}; border: none; padding: 3px 8px;
+}}
 
 QSplitter::handle {{ background: {BACKGROUND}; }}
 QSplitter::handle:hover {{ background: {ACCENT_DEEP}; }}

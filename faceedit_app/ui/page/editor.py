@@ -5,8 +5,8 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QAbstractSlider,
-    QGridLayout,
     QSplitter,
+    QTabWidget,
     QVBoxLayout,
     QWidget,
 )
@@ -22,6 +22,7 @@ from faceedit_app.ui.media.waveform import SoundRow
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
+from faceedit_app.ui.page.problems_list import ProblemsList
 from faceedit_app.ui.page.proposal_bar import ProposalBar
 from faceedit_app.ui.page.settings_bar import SettingsBar
 from faceedit_app.ui.page.toolbar import ToolBar
@@ -58,10 +59,13 @@ class Editor(QWidget):
         self.curves = CurvesPanel(timeline, tools)
         self.problems = ProblemsBar(document, timeline)
         self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
+        self.curves.cover_legend(self.proposal)
         self.sound = SoundRow(media, timeline)
         self.film = FilmPane(media, timeline)
         self.face = FacePane(actions, document, timeline)
         self.edits = EditsPanel(actions, document, timeline)
+        self.problem_list = ProblemsList(actions, self.problems, timeline)
+        self.lists = QTabWidget()
         self.transport = Transport(actions, timeline, playback)
         self.transport.extras.addWidget(Volume(actions["mute"], media, sound_player))
         self.solving = BackgroundSolving(document, timeline, self)
@@ -71,7 +75,12 @@ class Editor(QWidget):
 
     def _lay_out(self) -> None:
         self.stage = _splitter(Qt.Orientation.Horizontal, self.film, self.face)
-        self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.edits)
+        self.lists.setDocumentMode(True)
+        self.lists.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.lists.tabBar().setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.lists.addTab(self.edits, "Edits")
+        self.lists.addTab(self.problem_list, "Problems")
+        self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.lists)
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)
         self.panes = _splitter(
@@ -84,11 +93,7 @@ class Editor(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.settings_bar)
-        # A proposal covers the tools: below them it would shift curves and face.
-        row = QGridLayout()
-        row.addWidget(self.tool_bar, 0, 0)
-        row.addWidget(self.proposal, 0, 0)
-        column.addLayout(row)
+        column.addWidget(self.tool_bar)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
 
@@ -105,8 +110,29 @@ class Editor(QWidget):
         self.edits.selected.connect(actions.refresh)
         self.problems.found.connect(actions.refresh)
         self.proposal.toggled.connect(actions.refresh)
+        self.problem_list.ticked.connect(actions.refresh)
+        self.problem_list.ticked.connect(lambda: self._propose_ticked(actions))
+        for changed in (document.changed, document.opened, self.problems.found):
+            changed.connect(self._name_tabs)
         self.face.switched.connect(actions.refresh)
         connect_menus(self.curves, actions)
+
+    def _name_tabs(self) -> None:
+        """Show how many edits and problems there are."""
+        session = self._document.session
+        edits = len(session.edits) if session is not None else 0
+        counts = edits, len(self.problems.problems)
+        for tab, (name, count) in enumerate(zip(("Edits", "Problems"), counts, strict=True)):
+            self.lists.setTabText(tab, f"{name}  {count}" if count else name)
+
+    def _propose_ticked(self, actions: Actions) -> None:
+        """Another set of problems is ticked: propose those instead."""
+        if self.proposal.is_open and self.proposal.is_for_all:
+            actions["fix_all"].trigger()
+
+    def list_problems(self) -> None:
+        """Show the list of problems."""
+        self.lists.setCurrentWidget(self.problem_list)
 
     def _first_steps(self) -> tuple[Step, ...]:
         return (
@@ -129,7 +155,7 @@ class Editor(QWidget):
                 "Every edit is listed here. Select one to change its strength, switch it off or"
                 " delete it. Ctrl+S saves your work as a project; Ctrl+E exports the edited"
                 " take.",
-                (self.edits,),
+                (self.lists,),
             ),
         )
 

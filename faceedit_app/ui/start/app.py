@@ -15,12 +15,13 @@ from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.preferences import Preferences
 
 
-def run(take: Path | None, demo: bool = False) -> int:
+def run(take: Path | None, demo: bool = False, character: Path | None = None) -> int:
     """Show the window and return when it is closed.
 
     Args:
         take: a take to open.
         demo: open the demo take instead.
+        character: the user's character to show.
 
     Returns:
         The process's exit code.
@@ -30,7 +31,7 @@ def run(take: Path | None, demo: bool = False) -> int:
     _quit_on_interrupt(app)
     window = MainWindow(Preferences())
     window.settled.connect(keep_for_good)
-    window.after_first_paint(lambda: window.start(take, demo))
+    window.after_first_paint(lambda: window.start(take, demo, character))
     if folder := os.environ.get(smoke.VARIABLE):
         smoke.play(window, Path(folder))
     window.show()

@@ -38,6 +38,11 @@ class Timeline(QObject):
         self.clock = Clock(self)
 
     @property
+    def clip(self) -> Clip | None:
+        """The open clip, whose times these are."""
+        return self._clip
+
+    @property
     def duration(self) -> float:
         """Seconds of the open take."""
         return self._clip.duration if self._clip is not None else 1.0
