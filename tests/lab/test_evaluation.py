@@ -66,15 +66,19 @@ def test_evaluate_writes_the_json_of_the_promise(
     assert main([*given, "--report", str(report)]) == 0
     assert "regressor" in capsys.readouterr().out
     found = json.loads(file.read_text())
-    assert set(found) == {"regions", "closures", "edits", "takes"}
+    assert set(found) == {
+        "regions", "closures", "edits", "takes", "people", "restoration", "real_or_edited",
+        "smile", "asymmetry", "smooth_roughness", "wild", "blinks",
+    }  # fmt: skip
     assert set(found["regions"]) == {"lower", "upper", "eyelids"}
     for scores in found["regions"].values():
         assert set(scores) == {"regressor", "system", "holden"}
         for score in scores.values():
             assert set(score) == {"mse", "vertex_mm", "hf_kept", "jerk_ratio"}
             assert all(isinstance(v, float) for v in score.values())
-    assert set(found["closures"]) == set(CLOSING)
-    for closing in found["closures"].values():
+    ours = {"met", "frown", "mouth_close", "events_tpr_at_fpr_05"}
+    assert set(found["closures"]) == {*CLOSING, *ours}
+    for closing in (found["closures"][what] for what in CLOSING):
         count = len(closing["threshold_mm"])
         for system in ("regressor", "system", "holden"):
             assert len(closing[system]["tpr"]) == len(closing[system]["fpr"]) == count

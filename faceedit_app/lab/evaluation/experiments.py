@@ -15,7 +15,9 @@ from pathlib import Path
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import EYELIDS, LOWER
+from faceedit_app.editing.opening import load_engine
 from faceedit_app.lab.evaluation.evaluate import Figures
+from faceedit_app.lab.evaluation.faces import faces_part
 from faceedit_app.lab.evaluation.goals import networks_goals_part
 from faceedit_app.lab.evaluation.people.report import goals_part, people_part
 from faceedit_app.lab.evaluation.report import (
@@ -151,6 +153,12 @@ def people(setting: Setting) -> Path:
     return setting.write("people", f"# What users get, on people\n\n{people_part(setting.people)}")
 
 
+def faces(setting: Setting) -> Path:
+    """Pictures before and after gestures on the demo take."""
+    engine = load_engine(setting.rig, setting.models)
+    return setting.write("faces", faces_part(setting.output, setting.rig, engine))
+
+
 def card(setting: Setting) -> Path:
     """Write the figures on people into the model card, reached or not."""
     path = setting.models / CARD
@@ -164,6 +172,7 @@ def card(setting: Setting) -> Path:
 
 EXPERIMENTS: dict[str, Experiment] = {
     "people": people,
+    "faces": faces,
     "statistics": statistics,
     "held-out": held_out,
     "card": card,
