@@ -116,7 +116,7 @@ def eased(times: Times, rows: slice) -> Doubles:
     """(N, 1): how much of the damage applies in a stretch, 0..1; it eases in and out."""
     mine = times[rows]
     away = np.minimum(mine - mine[0], mine[-1] - mine) / EASE
-    ease: Doubles = np.clip(away, 0.0, 1.0)[:, None]
+    ease: Doubles = 0.5 - 0.5 * np.cos(np.pi * np.clip(away, 0.0, 1.0)[:, None])
     return ease
 
 

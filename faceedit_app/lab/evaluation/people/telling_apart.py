@@ -30,7 +30,7 @@ from faceedit_app.lab.evaluation.systems import Systems
 
 FIGURE = "real_or_edited.accuracy"
 WINDOW = 64  # grid frames
-WINDOWS = 120  # of a source
+WINDOWS = 240  # of a source
 ROUNDS = 8  # through a source's takes, at most
 HOLD, FALLOFF = 0.5, 0.2  # seconds of an edit
 SPLICED = 0.8  # seconds of a splice
