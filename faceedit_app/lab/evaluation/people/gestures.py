@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from faceedit_app.core.controls import (
     MOUTH_WIDTH,
 )
 from faceedit_app.core.regions import MODELLED_CHANNELS, REGIONS
-from faceedit_app.core.resample import grid_length, to_grid
+from faceedit_app.core.resample import GRID_RATE, grid_length, to_grid
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.lab.evaluation.people.opened import REAL, Opened
 from faceedit_app.lab.evaluation.people.places import frames, inside, pick, random_for, runs
@@ -72,13 +73,16 @@ class Gesture:
     holds: tuple[slice, ...]
 
 
-WILD: dict[str, tuple[tuple[tuple[str, ...], float], ...]] = {
+Wild = tuple[tuple[tuple[str, ...], float], ...]
+"""Curves, and by how many mm each group of them is dragged."""
+
+WILD: dict[str, Wild] = {
     "torn open": (((LIP_OPENING,), 40.0),),
     "corners apart": (((MOUTH_CORNERS[0],), 15.0), ((MOUTH_CORNERS[1],), -15.0)),
     "puckered smile": (((MOUTH_WIDTH,), -25.0), (MOUTH_CORNERS, 12.0)),
     "shut and wide": (((LIP_OPENING,), -40.0), ((MOUTH_WIDTH,), 25.0), (LIDS, 15.0)),
 }
-"""Requests that no face can meet: curves and by how many mm."""
+"""Requests that no face can meet."""
 
 
 def repeated(
@@ -277,30 +281,25 @@ def measure_wild(opened: Opened, engine: Engine, source: str, tally: Tally) -> N
     """How far from natural motion wild requests lead, through the session as in the window.
 
     1 is the 99.9th percentile of recorded takes; the largest over regions and frames of each
-    request. `real` is the take's own largest, 99.9th percentile.
+    request. `real`: the 99.9th percentile of the take's own frames.
     """
     if all(model.description.natural is None for model in engine.models.values()):
         return
-    tally.add(
-        "wild.distance",
-        REAL,
-        source,
-        float(np.percentile(_distance(opened, opened.weights, engine), 99.9)),
-    )
+    own = np.percentile(_distance(opened, opened.weights, engine), 99.9)
+    tally.add("wild.distance", REAL, source, float(own))
     everywhere = np.ones(len(opened.times), bool)
     for name, curves in WILD.items():
-
-        def make(start: float, end: float, curves=curves) -> list[Edit]:
-            return [Edit(c, Op.OFFSET, start, end, 0.1, mm) for c, mm in curves]
-
-        asked = repeated(opened, everywhere, make, 0.3, f"wild {name}")
+        asked = repeated(opened, everywhere, partial(_drags, curves), 0.3, f"wild {name}")
         for system in opened.editors:
             far = _distance(opened, opened.edited(system, asked.edits), engine)
             for rows in asked.holds:
-                first, last = opened.times[rows.start] * 25.0, opened.times[rows.stop - 1] * 25.0
-                tally.add(
-                    "wild.distance", system, source, float(far[int(first) : int(last) + 2].max())
-                )
+                first, last = GRID_RATE * opened.times[[rows.start, rows.stop - 1]]
+                largest = far[int(first) : int(last) + 2].max()
+                tally.add("wild.distance", system, source, float(largest))
+
+
+def _drags(curves: Wild, start: float, end: float) -> list[Edit]:
+    return [Edit(controls, Op.OFFSET, start, end, 0.1, mm) for controls, mm in curves]
 
 
 def _distance(opened: Opened, weights: Floats, engine: Engine) -> Doubles:

@@ -123,14 +123,14 @@ class References:
                 continue
             rows = np.flatnonzero(np.abs(change[:, moved]).max(axis=1) > _MOVED)
             columns = columns_of(region)
-            now = weights[np.ix_(rows, columns)].astype(np.float64)
+            now = weights[rows[:, None], columns].astype(np.float64)
             if name == "bump":
                 moved = [control for control in moved if CONTROL_IDS[control] in edited]
             change_by = (weights[rows], before[rows], asked[rows])
             added = self._added(name, region, tuple(moved), *change_by)
             # What the tracker wrote beyond 0..1 may stay; an answer does not add to it.
             low, high = np.minimum(now, 0.0), np.maximum(now, 1.0)
-            out[np.ix_(rows, columns)] = np.clip(now + added, low, high)
+            out[rows[:, None], columns] = np.clip(now + added, low, high)
         return out
 
     def _added(

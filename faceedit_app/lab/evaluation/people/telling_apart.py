@@ -187,7 +187,7 @@ def _begins(length: int, most: int, random: np.random.Generator) -> list[int]:
         return []
     spare = length - count * WINDOW
     cuts = np.sort(random.integers(0, spare + 1, count))
-    return (cuts + WINDOW * np.arange(count)).tolist()
+    return [int(cut) + WINDOW * number for number, cut in enumerate(cuts)]
 
 
 def _middle(begin: int) -> float:
