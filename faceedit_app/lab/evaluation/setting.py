@@ -120,9 +120,10 @@ class Setting:
         ]
         if retrained:
             names = " and ".join(f"`{name}`" for name in retrained)
+            passes = "1 pass" if self.epochs == 1 else f"{self.epochs} passes"
             figures.notes.append(
-                f"{names}: measured with networks that were trained without it, with "
-                f"{self.epochs} passes over the data, fewer than the shipped ones had"
+                f"{names}: answered by networks that were trained here on everything else, with "
+                f"{passes} over the data for each; the shipped ones had more"
             )
         return figures
 
