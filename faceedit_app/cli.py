@@ -17,6 +17,10 @@ DEMO_OUTPUT = Path("out") / "demo"
 def main(arguments: list[str] | None = None) -> int:
     """Run FaceEdit; returns the exit code: 0, or 2 after one line on standard error."""
     given = sys.argv[1:] if arguments is None else arguments
+    if "--multiprocessing-fork" in sys.argv:  # the installed application, as a process of a batch
+        import multiprocessing
+
+        multiprocessing.freeze_support()
     try:
         if _is_command(given):
             from faceedit_app.commands import run_command

@@ -13,7 +13,13 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__, character_commands, word_commands
+from faceedit_app import (
+    __version__,
+    character_commands,
+    export_commands,
+    tracking_commands,
+    word_commands,
+)
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 from faceedit_app.core.texts import say
@@ -25,7 +31,7 @@ if TYPE_CHECKING:
 USAGE_ERROR = 2
 # The laboratory's commands, named here because the installed application leaves it out.
 LABORATORY = (
-    *("bench", "train", "evaluate", "evaluate-character"),
+    *("bench", "train", "evaluate", "evaluate-character", "evaluate-words", "evaluate-tracking"),
     *("experiment", "synthesize", "statistics"),
 )
 
@@ -39,6 +45,9 @@ app = typer.Typer(
 
 app.add_typer(character_commands.app, name="character")
 app.command("words")(word_commands.words)
+app.command()(export_commands.convert)
+app.command()(export_commands.batch)
+app.command("track")(tracking_commands.track)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[
@@ -140,48 +149,35 @@ def apply(
 
 
 @app.command()
-def convert(
-    take: TakeArgument,
-    output: Annotated[Path, typer.Argument(help="The file to write.")],
-    form: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option("--format", help="livelink, csv or audio2face; default: by the ending."),
-    ] = None,
-    fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second to write; default: the take's."),
-    ] = None,
-    take_fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--take-fps", help="Frames per second of the take, if it does not give them."),
-    ] = None,
-) -> None:
-    """Write a take in another format, or at another frame rate."""
-    from faceedit_app.formats import converting
-    from faceedit_app.formats.opening import checked_rate, open_take
-    from faceedit_app.formats.timing import RateNeeded, format_rate
-
-    chosen = converting.choose_format(output, form)
-    if fps is not None:
-        fps = checked_rate(output, fps)
-    try:
-        opened = open_take(take, take_fps)
-    except RateNeeded:
-        if fps is None or take_fps is not None:
-            raise
-        opened = open_take(take, fps)  # frame by frame
-    clip = converting.convert(output, opened, chosen, fps)
-    say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
-    if opened.carried and chosen.name != opened.kind:
-        say(f"left out because they are not channels: {', '.join(opened.carried)}")
-
-
-@app.command()
 def render(
     take: TakeArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help="The picture (PNG).")],
-    time: Annotated[float, typer.Option(help="Seconds from the first frame.")] = 0.0,
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", help="A picture (.png), or a film (.mp4, .webm)."),
+    ],
+    time: Annotated[float, typer.Option(help="For a picture: seconds from the first frame.")] = 0.0,
     size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
+    view: Annotated[
+        str,
+        typer.Option(help="For a film: face, both (tracked, edited), or film (beside the face)."),
+    ] = "face",
+    film_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--film-fps", help="Pictures per second of the film; default: the take's."),
+    ] = None,
+    form: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--format", help="mp4, webm, or png (numbered pictures in a folder)."),
+    ] = None,
+    sound: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="For a film: its sound; default: what is found beside the take."),
+    ] = None,
+    film: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="The film of the take; default: what is found beside it."),
+    ] = None,
+    silent: Annotated[bool, typer.Option("--silent", help="A film without sound.")] = False,
     edits: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(help="Edits (JSON) to apply first."),
@@ -190,8 +186,9 @@ def render(
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
-    """Draw the face at a time of a take."""
+    """Draw the face at a time of a take, or film the whole take."""
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+    from faceedit_app.formats.opening import checked_rate
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
@@ -205,8 +202,15 @@ def render(
         session.use_character(character_commands.rig_of(character))
     if edits:
         session.load_edits(edits)
+    shown = session.shown_rig
+    if form is not None or output.suffix.lower() != ".png":
+        if film_fps is not None:
+            film_fps = checked_rate(output, film_fps)
+        shot = (view, (width, height), film_fps, form, not silent)
+        export_commands.film(session, shown, output, shot, sound, film)
+        return
     frame = session.take.clip.frame_at(time)
-    write_png(output, snapshot(session.shown_rig, session.weights[frame], width, height))
+    write_png(output, snapshot(shown, session.weights[frame], width, height))
     say(f"{output}: frame {frame} of {take}")
 
 

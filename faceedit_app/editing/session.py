@@ -213,6 +213,21 @@ class EditSession:
         if self._steps.redo():
             self._arrive()
 
+    @property
+    def history(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The names of the steps that Undo takes back and of those that Redo repeats, by time."""
+        done, undone = self._steps.done, self._steps.undone
+        return tuple(step.name for step in done), tuple(step.name for step in reversed(undone))
+
+    def travel(self, steps: int) -> None:
+        """Redo some steps, or undo as many if below 0, and drop the preview."""
+        move = self._steps.redo if steps > 0 else self._steps.undo
+        moved = 0
+        while moved < abs(steps) and move():
+            moved += 1
+        if moved:
+            self._arrive()
+
     # --- one click, one step; by default it is named after the edits that it adds ------------
 
     def add(self, *edits: Edit, name: str = "") -> None:

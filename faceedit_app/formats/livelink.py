@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text, read_table
@@ -62,13 +65,27 @@ def write(clip: Clip) -> bytes:
     The timecode begins at the clip's, if it has one, else at 0. Lost frames are left out, as the
     application does.
     """
+    return write_with(clip, np.zeros((len(clip), len(_ROTATIONS))))
+
+
+def write_with(clip: Clip, rotations: Doubles, lost: Times | None = None) -> bytes:
+    """A clip with rotations, and with rows for the frames in which the face was lost.
+
+    Args:
+        clip: as for `write`.
+        rotations: (T, 9) radians: yaw, pitch and roll of the head, the left and the right eye.
+        lost: (L,) times of lost frames, seconds on the clip's clock.
+    """
     names = [name[0].upper() + name[1:] for name in _ORDER]
-    lines = [",".join(["Timecode", "BlendshapeCount", *names, *_ROTATIONS])]
+    header = ",".join(["Timecode", "BlendshapeCount", *names, *_ROTATIONS])
     count = len(names) + len(_ROTATIONS)
-    nothing = ",".join(["0.0000000000"] * len(_ROTATIONS))
     weights = clip.arkit_weights()[:, [ARKIT_INDEX[name] for name in _ORDER]]
     begin = start_of_day(clip.timecodes) if clip.timecodes else 0.0
-    for time, row in zip((begin + clip.times).tolist(), weights.tolist(), strict=True):
-        cells = ",".join(f"{value:.10f}" for value in row)
-        lines.append(f"{write_timecode(time, DEFAULT_BASE)},{count},{cells},{nothing}")
-    return ("\n".join(lines) + "\n").encode()
+    rows = []
+    for time, values in zip(
+        clip.times.tolist(), np.concatenate([weights, rotations], axis=1).tolist(), strict=True
+    ):
+        rows.append((time, ",".join([str(count), *(f"{value:.10f}" for value in values)])))
+    rows += [(time, "0") for time in ([] if lost is None else lost.tolist())]
+    lines = [f"{write_timecode(begin + time, DEFAULT_BASE)},{row}" for time, row in sorted(rows)]
+    return ("\n".join([header, *lines]) + "\n").encode()

@@ -148,6 +148,56 @@ def evaluate_character(
         print("\n\n".join(one.text() for one in figures))
 
 
+def evaluate_words(
+    takes: Annotated[list[Path], typer.Argument(help="Takes with their sound beside them.")],
+    words: Annotated[
+        Path, typer.Option(help="Folder of TextGrids with published word times, named like them.")
+    ],
+    models: Annotated[
+        OptionalPath, typer.Option("--models", help="Folder of models; the shipped ones if absent.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    output: Annotated[
+        OptionalPath, typer.Option("--report", help="Write the report to this file.")
+    ] = None,
+) -> None:
+    """Measure how well words are aligned to sound, and closures found and fixed."""
+    from faceedit_app.editing.opening import load_engine, shipped_rig
+    from faceedit_app.lab.evaluation import words as evaluation
+
+    figures = evaluation.evaluate_words(takes, words, load_engine(shipped_rig(), models))
+    text = evaluation.report(figures)
+    if output is not None:
+        write_atomically(output, text.encode())
+    print(json.dumps(figures.as_json(), indent=2) if as_json else text)
+
+
+def evaluate_tracking(
+    takes: Annotated[list[Path], typer.Argument(help="Takes, or folders of takes, to render.")],
+    seconds: Annotated[float, typer.Option(min=1.0, help="Of each take, the liveliest.")] = 6.0,
+    exclude: ExcludeOption = None,
+    output: Annotated[
+        OptionalPath, typer.Option("--json", help="Write all figures to this file.")
+    ] = None,
+) -> None:
+    """Render films of takes, track them, and measure what was found."""
+    from faceedit_app.lab.evaluation import tracking
+    from faceedit_app.lab.training.data import take_paths
+
+    paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Rendering and tracking", total=None)
+        figures = tracking.evaluate_tracking(
+            paths,
+            seconds,
+            progress=lambda done, of: progress.update(bar, completed=done, total=of),
+        )
+    if output is not None:
+        text = json.dumps(tracking.as_json(figures), indent=2) + "\n"
+        write_atomically(output, text.encode())
+    print(tracking.table(figures))
+
+
 def experiment(
     names: Annotated[
         list[str], typer.Argument(help="Names, or all; a wrong name lists them.", metavar="NAME...")

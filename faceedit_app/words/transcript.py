@@ -143,9 +143,10 @@ def to_json(transcript: Transcript | None) -> dict[str, Any] | None:
     """As JSON values, for projects and journals."""
     if transcript is None:
         return None
+    measured = {} if transcript.noise is None else {"noise_db": transcript.noise}
     return {
         "version": VERSION,
-        "noise_db": transcript.noise,
+        **measured,
         "sounds_like": [list(pair) for pair in transcript.sounds_like],
         "words": [
             {

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from support.takes import livelink_names, make_livelink_csv, make_plain_csv
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats import livelink
 from faceedit_app.formats.opening import open_take, write_take
 from faceedit_app.formats.summary import summarize, summary_text
 
@@ -355,3 +357,17 @@ def test_the_summary_tells_what_a_user_asks_about_a_take(tmp_path: Path) -> None
 def test_the_format_is_told_by_content(tmp_path: Path) -> None:
     assert open_take(make_livelink_csv(tmp_path / "a.csv")).format == "Live Link Face CSV"
     assert open_take(make_plain_csv(tmp_path / "b.csv")).format == "CSV with times in seconds"
+
+
+def test_rotations_and_lost_frames_are_written(tmp_path: Path) -> None:
+    weights = np.full((3, len(ARKIT_CHANNELS)), 0.25, np.float32)
+    clip = Clip(weights, ARKIT_CHANNELS, np.array([0.04, 0.08, 0.16]), 25.0)
+    rotations = np.arange(27.0).reshape(3, 9) / 100
+    path = tmp_path / "take.csv"
+    path.write_bytes(livelink.write_with(clip, rotations, np.array([0.0, 0.12])))
+    rows = path.read_text().splitlines()
+    assert [row.split(",")[1] for row in rows[1:]] == ["0", "61", "61", "0", "61"]
+    take = open_take(path)
+    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(1, 1)]
+    assert "RightEyeRoll" in take.carried
+    assert rows[-1].endswith("0.2600000000")

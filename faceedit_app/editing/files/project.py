@@ -108,7 +108,9 @@ def write_project(path: Path | str, project: Project) -> None:
         },
     }
     view = asdict(project.view) | {"ui": dict(project.view.ui)}
-    tail: dict[str, Any] = {"view": {k: list(v) if isinstance(v, tuple) else v for k, v in view.items()}}
+    tail: dict[str, Any] = {
+        "view": {k: list(v) if isinstance(v, tuple) else v for k, v in view.items()}
+    }
     for name, media in (("audio", project.audio), ("film", project.film)):
         if media is not None:
             tail[name] = {"path": _relative(media.path, path), "offset": media.offset}

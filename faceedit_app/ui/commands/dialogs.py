@@ -11,16 +11,25 @@ from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
-from faceedit_app.media import ENDINGS
+from faceedit_app.media import ENDINGS, FILM_ENDINGS
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
+    from faceedit_app.editing.exporting import Options, OutFormat
     from faceedit_app.editing.files.journal import Pending
+    from faceedit_app.editing.filming import Shot
+    from faceedit_app.formats.take import Take
+    from faceedit_app.media.film_writer import FilmFormat
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
+WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
+WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
+FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
+FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
+CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
 
@@ -69,16 +78,72 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    kinds = f"Takes and projects ({takes_pattern()} *{PROJECT_SUFFIX});;All files (*)"
+    kinds = (
+        f"Takes, projects and films ({takes_pattern()} *{PROJECT_SUFFIX} {FILM_PATTERNS});;"
+        "All files (*)"
+    )
     return _chosen(
         QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
     )
 
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
-    """Where to write the edited take."""
-    kinds = f"Takes (*{suggestion.suffix});;All files (*)"
-    return _save_name(parent, "Export the edited take", suggestion, kinds)
+    """Where to write the take; a suggestion without an ending is a new folder."""
+    kinds = f"*{suggestion.suffix} (*{suggestion.suffix});;All files (*)"
+    return _save_name(parent, "Export", suggestion, kinds)
+
+
+def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
+    """How to export a take.
+
+    Args:
+        folder: where to look for a character first.
+    """
+    from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
+
+    def choose(dialog: QWidget) -> Path | None:
+        answer = QFileDialog.getOpenFileName(dialog, "Your character", str(folder), CHARACTERS)
+        return _chosen(answer)
+
+    dialog = ExportDialog(parent, take, choose)
+    return (dialog.chosen, dialog.options) if dialog.exec() else None
+
+
+def ask_film(
+    parent: QWidget, rate: float, has_sound: bool, has_film: bool
+) -> tuple[FilmFormat, Shot] | None:
+    """How to film a take.
+
+    Args:
+        rate: of the take.
+        has_sound, has_film: whether the take has them.
+    """
+    from faceedit_app.ui.page.film_dialog import FilmDialog  # brings PyAV's wrappers
+
+    dialog = FilmDialog(parent, rate, has_sound, has_film)
+    return (dialog.chosen, dialog.shot) if dialog.exec() else None
+
+
+def ask_stop_film(parent: QWidget) -> bool:
+    """Whether to give up a film that is being written."""
+    box = _question(parent, "A film is still being written.", "If you stop it, there is no film.")
+    stop = box.addButton("Stop it", QMessageBox.ButtonRole.DestructiveRole)
+    go_on = box.addButton("Go on filming", QMessageBox.ButtonRole.RejectRole)
+    box.setDefaultButton(go_on)
+    box.setEscapeButton(go_on)
+    box.exec()
+    return box.clickedButton() is stop
+
+
+def show_exported(parent: QWidget, path: Path, lines: Sequence[str]) -> None:
+    """Show what to do with an exported file; the window need not wait for the answer."""
+    box = QMessageBox(QMessageBox.Icon.Information, "Exported", "", parent=parent)
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setText(f"Exported {path.name}")
+    box.setInformativeText("\n".join(lines))
+    box.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    box.open()
 
 
 def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
@@ -166,6 +231,16 @@ def ask_media(parent: QWidget, folder: Path) -> Path | None:
     return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
 
 
+def ask_words(parent: QWidget, folder: Path) -> Path | None:
+    """Which file says what is said."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Open words", str(folder), WORDS))
+
+
+def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the words; the ending says as what."""
+    return _save_name(parent, "Export words", suggestion, WRITTEN_WORDS)
+
+
 def ask_character(parent: QWidget, folder: Path) -> Path | None:
     """Which character to open."""
     from faceedit_app.characters.registry import FORMATS  # not needed before the window is up
@@ -173,6 +248,18 @@ def ask_character(parent: QWidget, folder: Path) -> Path | None:
     endings = [ending for kind in FORMATS for ending in kind.endings]
     kinds = f"Characters ({' '.join(f'*{e} *{e.upper()}' for e in endings)});;All files (*)"
     return _chosen(QFileDialog.getOpenFileName(parent, "Open a character", str(folder), kinds))
+
+
+def ask_scan(parent: QWidget, folder: Path) -> Path | None:
+    """Which scan to make a character from."""
+    kinds = "Scans (*.obj *.OBJ *.ply *.PLY *.stl *.STL *.glb *.GLB *.gltf);;All files (*)"
+    title = "A head without blendshapes"
+    return _chosen(QFileDialog.getOpenFileName(parent, title, str(folder), kinds))
+
+
+def ask_save_character(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save a character."""
+    return _save_name(parent, "Save the character", suggestion, "Characters (*.glb);;All files (*)")
 
 
 def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
@@ -187,6 +274,17 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
+
+
+def ask_film_to_track(parent: QWidget, folder: Path) -> Path | None:
+    """Which film to track."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Track a film", str(folder), FILMS))
+
+
+def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the take of a film."""
+    kinds = "Live Link Face CSV (*.csv);;All files (*)"
+    return _save_name(parent, "Save the tracked take as", suggestion, kinds)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:

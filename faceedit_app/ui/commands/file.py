@@ -7,17 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.media import is_film
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.character import CharacterCommands
+from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
+
+if TYPE_CHECKING:  # loaded with the first film
+    from faceedit_app.ui.commands.tracking import FilmTracking
 
 CHARACTER = "C&haracter"  # submenu
 
@@ -29,8 +35,10 @@ class FileCommands:
         self._workspace, self._window = workspace, workspace.window
         self._document, self._preferences = workspace.document, workspace.preferences
         self.character = CharacterCommands(workspace)
+        self._exports = Exports(workspace, self._show_error)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
+        self._tracking: FilmTracking | None = None
 
     def _show_error(self, error: Exception) -> None:
         dialogs.show_error(self._window, error)
@@ -40,7 +48,7 @@ class FileCommands:
     def ask_open(self) -> None:
         """Open a take or a project that the user chooses."""
         if self.may_close():
-            path = dialogs.ask_open(self._window, self._preferences.folder("take"))
+            path = dialogs.ask_open(self._window, self._workspace.beside("take"))
             if path is not None:
                 self.open(path)
 
@@ -59,7 +67,13 @@ class FileCommands:
             self.open(path)
 
     def open(self, path: Path) -> None:
-        """Read a take or a project in the background; on an error the current one stays open."""
+        """Read a take or a project in the background; on an error the current one stays open.
+
+        The face in a film is tracked first.
+        """
+        if is_film(path):
+            self.track(path)
+            return
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return
@@ -69,6 +83,23 @@ class FileCommands:
             return dialogs.ask_take_of_project(self._window, message, likely, path.parent)
 
         projects.open_project(self._workspace, path, ask, self._show_error)
+
+    def ask_track(self) -> None:
+        """Track the face in a film that the user chooses."""
+        film = dialogs.ask_film_to_track(self._window, self._preferences.folder("media"))
+        if film is not None and self.may_close():
+            self._preferences.set_folder("media", film.resolve().parent)
+            self.track(film)
+
+    def track(self, film: Path) -> None:
+        """Track the face in a film and open the take; until then the present one stays open."""
+        from faceedit_app.ui.commands import tracking
+
+        take = dialogs.ask_save_take(self._window, tracking.suggested_take(film))
+        if take is not None:
+            # Kept until the next one: only its dialog knows it otherwise.
+            self._tracking = tracking.FilmTracking(self._workspace, film, take, self._show_error)
+            self._tracking.start()
 
     def _remember(self, path: Path) -> None:
         """Remember the take and its folder."""
@@ -116,31 +147,25 @@ class FileCommands:
         return self._write(save, path, "project", "Saved")
 
     def export(self) -> bool:
-        """Export the take; False if the user cancels or it fails."""
-        self._workspace.end_gestures()
-        take = self._document.path
-        ending = take.suffix if take is not None else ""
-        suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
-        while (path := dialogs.ask_export(self._window, suggestion)) is not None:
-            reason = self._why_keep(path)
-            overwrite = bool(reason) and dialogs.ask_overwrite(self._window, path, reason)
-            if overwrite or not reason:
-                return self._write(
-                    lambda path: self._document.export(path, overwrite),  # noqa: B023
-                    path,
-                    "export",
-                    "Exported",
-                )
-        return False
+        """Export the take as it came; False if the user cancels or it fails."""
+        return self._exports.export()
 
-    def _why_keep(self, path: Path) -> str:
-        """Why a file should not be replaced; "" if it may be."""
-        from faceedit_app.editing.files.originals import why_keep
+    @property
+    def is_filming(self) -> bool:
+        """Whether a film is being written."""
+        return self._exports.is_filming
 
-        assert self._document.path is not None
-        own = self._document.project
-        projects = [*([own] if own is not None else []), *self._preferences.recent()]
-        return why_keep(path, self._document.path, projects)
+    def stop(self) -> None:
+        """Give up what is being written, as the window closes."""
+        self._exports.stop()
+
+    def export_as(self) -> None:
+        """Export the take for another program."""
+        self._exports.export_as()
+
+    def export_film(self) -> None:
+        """Film the take."""
+        self._exports.export_film()
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""
@@ -151,7 +176,7 @@ class FileCommands:
 
     def ask_load_edits(self) -> None:
         """Add the edits in a file that the user chooses."""
-        path = dialogs.ask_load_edits(self._window, self._preferences.folder("edits"))
+        path = dialogs.ask_load_edits(self._window, self._workspace.beside("edits"))
         if path is not None:
             self.load_edits(path)
 
@@ -159,7 +184,7 @@ class FileCommands:
         """Add the edits in a file."""
         self._write(self._document.load_edits, path, "edits", "Loaded")
 
-    def _write(self, work: Callable[[Path], object], path: Path, kind: str, done: str) -> bool:
+    def _write(self, work: Callable[[Path], None], path: Path, kind: str, done: str) -> bool:
         try:
             work(path)
         except FaceEditError as error:
@@ -190,6 +215,10 @@ class FileCommands:
                     return False
         return True
 
+    def may_stop(self) -> bool:
+        """Ask about a film that is still being written; False if the user goes on with it."""
+        return not self.is_filming or dialogs.ask_stop_film(self._window)
+
     def quit(self) -> None:
         """Close the window, which asks about unsaved edits."""
         self._window.close()
@@ -199,6 +228,8 @@ class FileCommands:
 MENU: Menu[FileCommands] = Menu("File", (
     Command("open", "&Open…", FileCommands.ask_open, ("Ctrl+O",),
             "Open a tracked take or a project", "open", needs_take=False),
+    Command("track_film", "&Track a film…", FileCommands.ask_track, (),
+            "Find the face in a film, and open its performance as a take", needs_take=False),
     Command("open_demo", "Open &demo take", FileCommands.open_demo, (),
             "Open the take that ships with FaceEdit", needs_take=False),
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),
@@ -209,6 +240,11 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Save the project under another name"),
     Command("export", "&Export…", FileCommands.export, ("Ctrl+E",),
             "Write the edited take in the format it was opened from", "export", starts_group=True),
+    Command("export_as", "Export &as…", FileCommands.export_as, ("Ctrl+Shift+E",),
+            "Write the edited take in another format, or as a character that plays it"),
+    Command("export_film", "Export fil&m…", FileCommands.export_film, (),
+            "Film the face, both faces, or the face beside the take’s film, with its sound",
+            enabled=lambda file: not file.is_filming),
     Command("save_edits", "Save list of edi&ts…", FileCommands.save_edits, (),
             "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),
@@ -224,12 +260,15 @@ MENU: Menu[FileCommands] = Menu("File", (
     Command("character_checklist", "Chec&klist…", lambda do: do.character.show_checklist(), (),
             "Show which shapes and points were found in your character, and correct them",
             needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("make_character", "Make from a &scan…", lambda do: do.character.ask_make(), (),
+            "Give a head without blendshapes all 52, from an OBJ, PLY, STL or GLB",
+            submenu=CHARACTER),
     Command("close_on_character", "&Close on my character",
             lambda do: do.character.switch_closing(), (),
             "Where edits close lips or lids, also close them on your character",
             enabled=lambda do: do.character.is_shown, checked=lambda do: do.character.closes,
             submenu=CHARACTER),
-    Command("close_range", "Close in the &selection or everywhere",
+    Command("close_range", "Close in the se&lection or everywhere",
             lambda do: do.character.close_range(), (),
             "Add an edit that closes lips and lids on your character where they are closed on ours",
             enabled=lambda do: do.character.is_shown and do.character.closes,

@@ -38,11 +38,11 @@ def view_of(workspace: Workspace) -> ViewState:
     """The current view of the take."""
     line = workspace.timeline
     window = {
-        "falloff_out": line.falloff_out,
+        "falloff_out": line.own_falloffs[1],
         "unit": line.clock.unit.value,
         "mirror_film": workspace.media.mirrored,
     }
-    return ViewState(line.time, line.view, line.selection, line.falloff, window)
+    return ViewState(line.time, line.view, line.own_selection, line.own_falloffs[0], window)
 
 
 def restore_view(workspace: Workspace, view: ViewState) -> None:

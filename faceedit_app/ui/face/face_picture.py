@@ -80,9 +80,11 @@ class FacePicture:
 
     def aim(self, aim: render.Aim, aspect: float) -> None:
         """Point the camera, for a picture of width / height `aspect`."""
-        if self._rig is not None:
-            faces = 2 if self.is_pair else 1
-            self.camera = render.aimed_camera(self._rig, aim, aspect / faces)
+        self.camera = self.aimed(aim, aspect / (2 if self.is_pair else 1))
+
+    def aimed(self, aim: render.Aim, aspect: float) -> render.Camera:
+        """The camera pointed at one face, for a picture of width / height `aspect`."""
+        return self.camera if self._rig is None else render.aimed_camera(self._rig, aim, aspect)
 
     def project(
         self, vertices: Sequence[int] | None, width: float, height: float

@@ -292,6 +292,10 @@ class Viewport(QWidget):
         """
         return self._picture.project(vertices, self.width(), self.height())
 
+    def camera_for(self, aspect: float) -> Camera:
+        """The camera for a picture of width / height `aspect`, framed as this one is."""
+        return self.camera if self._aim is None else self._picture.aimed(self._aim, aspect)
+
     def reset_camera(self) -> None:
         """Look from the front again."""
         self.aim(Aim.FRONT)

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.media import is_media
+from faceedit_app.media import is_film, is_media
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import Commands
 from faceedit_app.ui.commands.workspace import Workspace
@@ -34,6 +34,7 @@ if TYPE_CHECKING:  # these import a lot; the window appears first
 
 _FIRST_SIZE = (1440, 900)
 _MESSAGE_MS = 6000
+_SLOW_MS = 400  # of reading, after which the take on the screen is cleared
 
 
 class MainWindow(WindowBase):
@@ -54,6 +55,8 @@ class MainWindow(WindowBase):
         self._preferences, self._background = preferences, workspace.background
         self._can_draw = False  # once the renderer is prepared
         self._draws = False  # once a face has been opened
+        self._slow_reading = QTimer(self, singleShot=True, interval=_SLOW_MS)
+        self._slow_reading.timeout.connect(self._clear)
         self._journal_note = ""  # as last shown
         self._lacks_shown: set[str] = set()  # controls of the open take already warned about
         self.commands = Commands(workspace)
@@ -120,6 +123,7 @@ class MainWindow(WindowBase):
             media.sound_changed,
             media.film_changed,
             media.turned,
+            media.overlay.changed,
             self.sound_player.changed,
         ):
             changed.connect(self.actions_.refresh)
@@ -275,9 +279,19 @@ class MainWindow(WindowBase):
             self.banner.remove(before)
         self.setWindowModified(not self.document.is_clean)
 
+    def _clear(self) -> None:
+        """Reading takes long: show that instead of the take that it replaces."""
+        self._pages.setCurrentWidget(self.start_page)
+
     def _show_reading(self, text: str) -> None:
-        if self.document.session is None:
-            self.start_page.show_loading(text or None)
+        self.start_page.show_loading(text or None)
+        if self.document.session is not None and self.editor is not None:
+            # What takes long clears the take that it replaces; if it fails, that one comes back.
+            self._pages.setCurrentWidget(self.editor)
+            if text:
+                self._slow_reading.start()
+            else:
+                self._slow_reading.stop()
         if text:
             self.status.showMessage(text)
         else:
@@ -298,6 +312,10 @@ class MainWindow(WindowBase):
         """Open a take or a character, load edits, add sound or film."""
         media = [path for path in paths if is_media(path)]
         path = next((path for path in paths if path not in media), None)
+        film = next((path for path in media if is_film(path)), None)
+        if path is None and film is not None and self.document.session is None:
+            self.commands.file.track(film)
+            return
         self.commands.take.drop(media, opens_take=path is not None)
         if path is None:
             return
@@ -331,7 +349,7 @@ class MainWindow(WindowBase):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved edits, remember the layout, stop everything."""
         self.workspace.end_gestures()
-        if not self.commands.file.may_close():
+        if not (self.commands.file.may_close() and self.commands.file.may_stop()):
             event.ignore()
             return
         if self.editor is not None:
@@ -341,4 +359,5 @@ class MainWindow(WindowBase):
 
     def leave(self) -> None:
         """Stop everything and free the graphics memory."""
+        self.commands.file.stop()
         self.workspace.close()
