@@ -117,6 +117,9 @@ def test_trackers_are_told_by_format_and_by_what_never_moves(tmp_path: Path) -> 
 
     files = [saved("phone", "cheekSquintLeft", "noseSneerRight"), saved("webcam")]
     files.append(make_livelink_csv(tmp_path / "app__take.csv", seconds=3.0))
+    phone = files[0].read_bytes()
+    files.append(tmp_path / "film__scene_tracked.csv")
+    files[-1].write_bytes(phone)
     solved = saved("solved")
     found = load_performances([*files, solved])
     lids = [ARKIT_INDEX[c] for c in ("eyeBlinkLeft", "eyeBlinkRight")]
@@ -126,7 +129,8 @@ def test_trackers_are_told_by_format_and_by_what_never_moves(tmp_path: Path) -> 
     assert trackers == {
         "phone": Tracker.IPHONE,
         "webcam": Tracker.FILM,
-        "app": Tracker.IPHONE,
+        "app": Tracker.FILM,  # an app that writes the layout of Live Link Face
+        "film": Tracker.FILM,
         "solved": Tracker.OTHER,
     }
     assert [source.name for source in people if source.trained_on] == ["webcam"]

@@ -25,7 +25,8 @@ MOST_SECONDS = 300.0  # of a source; more adds little and costs time
 _SYNTHESISED_NAME = re.compile(r"speaker_\d\d_take_\d\d")
 _COMPARED = 100  # rows of a file
 _SAME = 1e-6  # radians
-# MediaPipe never moves these; ARKit does in any take with expressions.
+_TRACKED = "_tracked"  # how `faceedit track` ends its names
+# MediaPipe never moves these; ARKit always does a little.
 _ARKIT_ONLY = ("cheekSquintLeft", "cheekSquintRight", "noseSneerLeft", "noseSneerRight")
 _MOVES = 0.02
 
@@ -126,9 +127,9 @@ def sources_of(
 
 
 def _tracker(performances: Sequence[Performance], kinds: Collection[str]) -> Tracker:
-    if livelink.FORMAT in kinds:
-        return Tracker.IPHONE
-    if mediapipe.FORMAT in kinds:
+    # A tracked film is a file in the layout of Live Link Face; only its name says what it is.
+    films = [p.path is not None and p.path.stem.endswith(_TRACKED) for p in performances]
+    if mediapipe.FORMAT in kinds or all(films):
         return Tracker.FILM
     if not performances[0].captured[[ARKIT_INDEX[c] for c in EYELIDS.channels]].any():
         return Tracker.OTHER
