@@ -24,7 +24,7 @@ from faceedit_app.lab.evaluation.people import gestures, telling_apart
 from faceedit_app.lab.evaluation.people.events import Events
 from faceedit_app.lab.evaluation.people.figures import PeopleFigures, measure_people
 from faceedit_app.lab.evaluation.people.opened import DAMAGED, FACEEDIT, REAL, SPLICE, Opened
-from faceedit_app.lab.evaluation.people.places import pick, runs
+from faceedit_app.lab.evaluation.people.places import inside, pick, runs
 from faceedit_app.lab.evaluation.people.references import References, Ridge, columns_of
 from faceedit_app.lab.evaluation.people.report import AIMS, goals_table, people_part
 from faceedit_app.lab.evaluation.people.restoration import halved, measure_restoration, swapped
@@ -506,6 +506,8 @@ def test_people_are_measured_the_same_every_time_and_the_references_edit_too(
 ) -> None:
     folder = folder_of_takes(tmp_path / "someone", count=1, seconds=8.0)
     write_livelink(folder / "made_by_us.csv", performance(3.0).weights)
+    lost = range(80, 200)
+    make_livelink_csv(folder / "with_a_gap.csv", seconds=10.0, rate=30, dropped=lost)
     takes = load_performances([folder])
     first, second = (measure_people(takes, shipped_rig(), lambda _: systems) for _ in range(2))
     found = first.as_json()
@@ -529,6 +531,9 @@ def test_places_are_apart_and_where_they_may_be() -> None:
     assert chosen == sorted(chosen)
     assert min(np.diff(chosen)) >= 2.0
     assert 3.0 < chosen[0] < chosen[-1] < 17.0
+    lost = times[(times < 9.0) | (times > 11.0)]
+    assert not inside(lost, 0.5)[(lost > 8.5) & (lost < 11.5)].any()
+    assert inside(lost, 0.5).sum() == len(lost) - 4 * 13
     assert runs(np.array([True, True, False, True])) == [slice(0, 2), slice(3, 4)]
     assert runs(np.zeros(3, bool)) == []
 

@@ -11,6 +11,7 @@ from faceedit_app.core.arrays import Bools, Times
 from faceedit_app.formats.take import Take
 
 SEED = 2019
+GAP = 3.5  # frames; a frame or two that a recording dropped make no difference
 
 
 def random_for(take: Take, purpose: str) -> np.random.Generator:
@@ -42,9 +43,18 @@ def pick(
 
 
 def inside(times: Times, margin: float) -> Bools:
-    """(T,) whether a frame is farther than `margin` seconds from both ends."""
+    """(T,) whether a frame is farther than `margin` seconds from both ends and from any gap."""
     result: Bools = (times > times[0] + margin) & (times < times[-1] - margin)
+    for before, after in gaps(times):
+        result &= (times < before - margin) | (times > after + margin)
     return result
+
+
+def gaps(times: Times) -> list[tuple[float, float]]:
+    """The last second before, and the first after, each gap of more than `GAP` frames."""
+    steps = np.diff(times)
+    places = np.flatnonzero(steps > GAP * np.median(steps))
+    return [(float(times[i]), float(times[i + 1])) for i in places]
 
 
 def frames(times: Times, start: float, end: float) -> slice:

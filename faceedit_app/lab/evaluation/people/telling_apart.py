@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from faceedit_app.core.arkit import ARKIT_INDEX, mirrored_channel
-from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
+from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices, Times
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS
 from faceedit_app.core.regions import MODELLED_CHANNELS
 from faceedit_app.core.resample import GRID_RATE, grid_length, to_grid
@@ -22,7 +22,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.formats.take import Take
 from faceedit_app.lab.evaluation.people.opened import SPLICE, Opened
-from faceedit_app.lab.evaluation.people.places import frames, random_for
+from faceedit_app.lab.evaluation.people.places import frames, gaps, random_for
 from faceedit_app.lab.evaluation.people.references import References
 from faceedit_app.lab.evaluation.people.restoration import swapped
 from faceedit_app.lab.evaluation.people.sources import Source
@@ -163,6 +163,7 @@ def see(source: Source, rig: Rig, systems: Systems, learned: References) -> Seen
         for place, (opened, describe) in enumerate(zip(takes, features, strict=True)):
             random = random_for(opened.take, f"window {number}")
             begins = _begins(len(describe.take), share, random)
+            begins = [begin for begin in begins if not _has_gap(opened.times, begin)]
             made = [_edits(opened, begin, random) for begin in begins]
             windows = [(begin, some) for begin, some in zip(begins, made, strict=True) if some]
             if not windows:
@@ -188,6 +189,11 @@ def _begins(length: int, most: int, random: np.random.Generator) -> list[int]:
     spare = length - count * WINDOW
     cuts = np.sort(random.integers(0, spare + 1, count))
     return [int(cut) + WINDOW * number for number, cut in enumerate(cuts)]
+
+
+def _has_gap(times: Times, begin: int) -> bool:
+    first, last = begin / GRID_RATE, (begin + WINDOW) / GRID_RATE
+    return any(before < last and after > first for before, after in gaps(times))
 
 
 def _middle(begin: int) -> float:
