@@ -46,10 +46,13 @@ def track(
 ) -> int:
     """Track the face in a film: write the take that a phone would have recorded."""
     from faceedit_app.editing.opening import shipped_rig
+    from faceedit_app.formats.opening import checked_rate
 
     place = None if face is None else _place(face)
     if edits is not None and report is None:
         raise FaceEditError("--edits shows edits in the report: give --report DIR as well")
+    if fps is not None:
+        fps = checked_rate(film, fps)
     rig, code, facts = shipped_rig(), 0, []
     for path, take in _jobs(film, output):
         try:

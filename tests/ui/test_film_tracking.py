@@ -118,7 +118,7 @@ def test_a_click_on_the_picture_tracks_the_face_there(
     bench.answers |= {"film_to_track": own, "save_take": take}
     trigger(window, "track_film")
     dialog = dialog_of(window)
-    bench.qtbot.waitUntil(lambda: dialog.bar.maximum() > 1, timeout=30_000)
+    bench.qtbot.waitUntil(lambda: dialog.bar.value() > 0, timeout=30_000)
     picture = dialog.picture
     middle = QPointF(picture.width() / 2, picture.height() / 2).toPoint()
     QTest.mouseClick(picture, Qt.MouseButton.LeftButton, pos=middle)

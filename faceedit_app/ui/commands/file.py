@@ -140,6 +140,13 @@ class FileCommands:
     def _save(self, path: Path) -> bool:
         from faceedit_app.ui.commands import projects
 
+        if self._document.was_changed(path):
+            match dialogs.ask_changed(self._window, path.name):
+                case dialogs.Changed.ELSEWHERE:
+                    return self.save_as()
+                case dialogs.Changed.CANCEL:
+                    return False
+
         def save(path: Path) -> None:
             projects.save(self._workspace, path)
             self._preferences.add_recent(path)

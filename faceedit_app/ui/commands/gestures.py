@@ -40,5 +40,6 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Sound", "Alt and drag", "Move the sound in time; with Shift, ten times finer"),
     ("Words", "Drag an edge", "Move it in time; with Shift, ten times finer"),
     ("Words", "Double click a word", "Select its time"),
+    ("Words", "Right click a word", "Select its time and open the menu"),
     ("Window", "Drop a file", "Open a take, load edits, or add sound or film"),
 )

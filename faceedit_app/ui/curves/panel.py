@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pyqtgraph as pg
 from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
@@ -82,7 +83,8 @@ class CurvesPanel(QWidget):
         self._rows = Rows(self.headers, self.plots)
         self._axes = ValueAxes(self.plots)
         self._pages = QStackedWidget()
-        OnePainting(self, [part.scene() for part in (self.ruler, self.range_bar, *self.plots)])
+        strips: tuple[pg.GraphicsView, ...] = (self.ruler, self.range_bar, *self.plots)
+        OnePainting(self, [strip.scene() for strip in strips])
         self._build()
         self._connect()
         self.set_session(None)

@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.tracking.film_landmarks import Progress
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.media.landmark_paint import paint_landmarks
@@ -68,6 +69,7 @@ class _Picture(QWidget):
         left, top = (self.width() - size.width()) / 2, (self.height() - size.height()) / 2
         return QRectF(left, top, size.width(), size.height())
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint the picture as large as fits."""
         painter = QPainter(self)
@@ -107,6 +109,7 @@ class TrackingDialog(QDialog):
         self.setWindowTitle("Track a film")
         self.setWindowModality(Qt.WindowModality.WindowModal)
         self._stopped, self._next = False, 0.0
+        self._is_looking = False  # for the face; not while the character is fitted
         self.picture = _Picture()
         self.picture.clicked.connect(self._choose)
         self.name = QLabel(film.name)
@@ -145,14 +148,16 @@ class TrackingDialog(QDialog):
         self._stopped = False
 
     def _choose(self, x: float, y: float) -> None:
-        if self.bar.maximum() > 1:  # not while the character is fitted
+        if self._is_looking:
             self.stop()
             self.face_chosen.emit(x, y)
 
     def _show(self, progress: Progress) -> None:
         self.picture.show_progress(progress)
-        self.bar.setRange(0, 0 if progress.of == 1 else progress.of)
+        self._is_looking = progress.picture is not None
+        # The fit takes about as long for one picture as for a thousand.
+        self.bar.setRange(0, progress.of if self._is_looking or progress.done else 0)
         self.bar.setValue(progress.done)
-        count = "" if progress.of == 1 else f", picture {progress.done} of {progress.of}"
+        count = f", picture {progress.done} of {progress.of}" if progress.done else ""
         lost = progress.picture is not None and progress.points is None
         self.status.setText(f"{progress.pass_}{count}{': no face here' if lost else '…'}")
