@@ -215,7 +215,7 @@ MENU: Menu[FileCommands] = Menu("File", (
     Command("open_demo", "Open &demo take", FileCommands.open_demo, (),
             "Open the take that ships with FaceEdit", needs_take=False),
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),
-    Command("record", "&Record from phone…", FileCommands.record, (),
+    Command("record", "Record from &phone…", FileCommands.record, (),
             "Record a take that a phone or another program sends", needs_take=False),
     Command("save", "&Save project", FileCommands.save, ("Ctrl+S",),
             "Save your edits, the view, sound and film as a project", "save",
