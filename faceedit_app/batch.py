@@ -16,6 +16,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -232,7 +233,9 @@ class Log:
         for line in self._file:
             with suppress(ValueError, TypeError):
                 entry = json.loads(line)
-                lists = {k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()}
+                lists: dict[str, Any] = {
+                    k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()
+                }
                 found[entry["name"]] = Outcome(**lists)
         return found
 
@@ -313,12 +316,12 @@ def run_on_cluster(tasks: list[Task], scheduler: str) -> Iterator[Outcome]:
     from dask import distributed
 
     try:
-        client = distributed.Client(scheduler, timeout=10)
+        client = distributed.Client(scheduler, timeout=10)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError) as error:
         raise FaceEditError(f"--scheduler {scheduler}: does not answer ({error})") from error
     with client:
         futures = {client.submit(perform, task, pure=False): task for task in tasks}
-        for future in distributed.as_completed(futures):
+        for future in distributed.as_completed(futures):  # type: ignore[no-untyped-call]
             if future.status == "finished":
                 yield future.result()
             else:

@@ -134,12 +134,12 @@ def make(
     ] = None,
 ) -> None:
     """Make all 52 blendshapes for a head that has none, from FaceEdit's own character."""
-    from faceedit_app.characters.glb import write_rig
+    from faceedit_app.characters.glb_writing import write_rig
     from faceedit_app.characters.making import Template
     from faceedit_app.characters.making import make as make_head
     from faceedit_app.characters.scans import read_scan
     from faceedit_app.editing.opening import shipped_rig
-    from faceedit_app.scan_landmarks import find_landmarks, read_points
+    from faceedit_app.scans.landmarks import find_landmarks, read_points
 
     require("rtree", extra="scans")
     template, head = Template.of(shipped_rig()), read_scan(scan)

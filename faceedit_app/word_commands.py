@@ -11,6 +11,7 @@ import typer
 
 from faceedit_app import character_commands
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.editing.help.spoken import Closure
@@ -60,6 +61,10 @@ def words(
         Optional[Path],  # noqa: UP045
         typer.Option("--models", help="Folder of models; default: those that ship."),
     ] = None,
+    overwrite: Annotated[
+        bool,
+        typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
+    ] = False,
 ) -> None:
     """Find when each word was said, and whether the lips close on m, b and p."""
     from faceedit_app.media import is_media
@@ -82,14 +87,16 @@ def words(
     else:
         session, transcript = _words_of_take(source, said, spellings, fps)
         seconds = session.take.clip.duration
-        closures = _closures(session, output, character, models)
+        if character is not None:
+            session.use_character(character_commands.rig_of(character))
+        closures = _closures(session, output, models, overwrite)
         report = {**as_tables(transcript), "closures": closures}
     report["noise_db"] = transcript.noise
     if transcript.noise is not None and transcript.noise < NOISY:
-        print(f"faceedit: warning: {_NOISY.format(transcript.noise)}", file=sys.stderr)
+        say(f"faceedit: warning: {_NOISY.format(transcript.noise)}", to=sys.stderr)
     if save is not None:
         write_words(save, transcript, seconds)
-    print(json.dumps(report, indent=2) if as_json else _text(report))
+    say(json.dumps(report, indent=2) if as_json else _text(report))
 
 
 def _spellings(given: list[str]) -> dict[str, str]:
@@ -152,21 +159,18 @@ def _aligned(
 
 
 def _closures(
-    session: EditSession, output: Path | None, character: Path | None, models: Path | None
+    session: EditSession, output: Path | None, models: Path | None, overwrite: bool
 ) -> list[dict[str, Any]]:
     """Each m, b and p; with an output, the take is written with those that were open closed."""
     from faceedit_app.editing.help.spoken import closing_edits, closures_of
     from faceedit_app.editing.opening import load_engine
 
-    rig = character_commands.rig_of(character) if character is not None else None
-    if rig is not None:
-        session.use_character(rig)
-    before = after = closures_of(session, rig)
+    before = after = closures_of(session)
     if output is not None:
         session.use_engine(load_engine(session.rig, models))
-        session.add(*closing_edits(session, rig=rig), name="Close lips")
-        session.export(output)
-        after = closures_of(session, rig)
+        session.add(*closing_edits(session), name="Close lips")
+        session.export(output, overwrite)
+        after = closures_of(session)
     return [_entry(*pair) for pair in zip(before, after, strict=True)]
 
 
@@ -190,4 +194,4 @@ def _text(report: dict[str, Any]) -> str:
         what = f"{closure['phoneme'].lower()} of {closure['word']}"
         state = "fixed" if closure["fixed"] else f"{closure['gap_after_mm']:.1f} mm apart"
         lines.append(f"{closure['time']:8.2f}  {what}: {state}")
-    return "\n".join("".join(c if c.isprintable() else "?" for c in line) for line in lines)
+    return "\n".join(lines)

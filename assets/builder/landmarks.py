@@ -15,7 +15,7 @@ import trimesh
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.opening import shipped_rig
-from faceedit_app.scan_landmarks import seen_landmarks
+from faceedit_app.scans.landmarks import seen_landmarks
 from faceedit_app.tracking.face_points import CONTROL_LANDMARKS, IRISES
 from faceedit_app.tracking.landmarker import LANDMARKS, FaceLandmarker
 

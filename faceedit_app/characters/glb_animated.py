@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.characters.glb import rig_content
+from faceedit_app.characters.glb_writing import rig_content
 from faceedit_app.characters.scene import Scene
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.errors import FileError

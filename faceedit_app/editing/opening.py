@@ -13,10 +13,10 @@ from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day, time_of_day
 from faceedit_app.media import beside, offset_by_clock
-from faceedit_app.networks.engine import Engine
 
-if TYPE_CHECKING:  # it imports PyAV
+if TYPE_CHECKING:  # they import PyAV and ONNX Runtime
     from faceedit_app.media.sound import Sound
+    from faceedit_app.networks.engine import Engine
 
 
 def shipped_rig() -> Rig:
@@ -38,6 +38,8 @@ def load_engine(rig: Rig, models: Path | None = None) -> Engine:
     Raises:
         FileError: the model is missing or damaged, or made for another character.
     """
+    from faceedit_app.networks.engine import Engine  # ONNX Runtime; the take does not wait for it
+
     return Engine.load(models if models is not None else shipped("models"), rig)
 
 

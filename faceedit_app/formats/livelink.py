@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text, read_table
@@ -66,12 +66,23 @@ def write(clip: Clip) -> bytes:
     The timecode begins at the clip's, if it has one, else at 0. Lost frames are left out, as the
     application does.
     """
-    weights = clip.arkit_weights()
+    return write_with(clip, np.zeros((len(clip), len(_ROTATIONS)), np.float32))
+
+
+def write_with(clip: Clip, rotations: Floats, lost: Times | None = None) -> bytes:
+    """A clip with rotations, and with rows for the frames in which the face was lost.
+
+    Args:
+        clip: as for `write`.
+        rotations: (T, 9) radians: yaw, pitch and roll of the head, the left and the right eye.
+        lost: (L,) times of lost frames, seconds on the clip's clock.
+    """
     begin = start_of_day(clip.timecodes) if clip.timecodes else 0.0
-    lines = [header_line()]
-    for time, row in zip((begin + clip.times).tolist(), weights, strict=True):
-        lines.append(frame_line(time, row))
-    return "".join(lines).encode()
+    frames = zip((begin + clip.times).tolist(), clip.arkit_weights(), rotations, strict=True)
+    lines = [(time, frame_line(time, row, turns)) for time, row, turns in frames]
+    for time in [] if lost is None else (begin + lost).tolist():
+        lines.append((time, f"{write_timecode(time, DEFAULT_BASE)},0\n"))
+    return "".join([header_line(), *(line for _, line in sorted(lines))]).encode()
 
 
 def header_line() -> str:

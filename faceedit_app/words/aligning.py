@@ -13,17 +13,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.words.denoising import RATE, Samples, Stopped, frame_power, without_noise
 from faceedit_app.words.dictionary import pronounce, tokens
 from faceedit_app.words.transcript import MOST_WORDS, Phoneme, Transcript, Word
 
 if TYPE_CHECKING:
     from pocketsphinx import Decoder
 
-RATE = 16_000  # samples per second of the acoustic model
 NOISY = 10.0  # dB; below, the times are doubtful
 _STEP = 0.01  # seconds of a frame
 _BEAM = 1e-200
@@ -36,12 +34,6 @@ _SHORTEST = 3  # frames: no phoneme is shorter in the model, so words that were 
 _SQUEEZED = 0.35  # share of phonemes as short as that, above which the words do not fit
 _FEW = 6  # phonemes, with which the share says nothing
 _SILENT = 33  # of 32768, -60 dB
-
-Samples = NDArray[np.int16]
-
-
-class Stopped(FaceEditError):
-    """The user cancelled it."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +76,8 @@ def align(
     voice = _mono(samples, rate)
     if np.percentile(np.abs(voice.astype(np.int32)), 99) < _SILENT:
         raise FaceEditError("The sound is silent where the words should be; choose another part")
-    aligner = _Aligner(voice, phones, progress or (lambda _: True))
+    progress = progress or (lambda _: True)
+    aligner = _Aligner(without_noise(voice, progress), phones, progress)
     found: list[Word] = []
     at = 0.0
     for line, words in typed:
@@ -136,7 +129,7 @@ def align_part(
 
 def noise_of(voice: Samples, words: Sequence[Word]) -> float:
     """The signal-to-noise ratio of a sound at 16 kHz, dB: words against what lies between them."""
-    power = _power(voice)
+    power = frame_power(voice)
     times = _STEP * (np.arange(len(power)) + 0.5)
     inside, outside = np.zeros(len(power), np.bool_), np.ones(len(power), np.bool_)
     for word in words:
@@ -164,21 +157,22 @@ def _check_amount(words: int, seconds: float) -> None:
 
 def _mono(samples: Samples, rate: int) -> Samples:
     """(N,) int16 at 16 kHz."""
-    mixed = samples if samples.ndim == 1 else samples.astype(np.float32).mean(axis=1)
-    if rate != RATE:
-        from scipy.signal import resample_poly
+    if samples.ndim == 1:
+        samples = samples[:, None]
+    if rate == RATE and samples.shape[1] == 1:
+        return samples[:, 0]
+    from av import AudioFrame, AudioResampler  # with a sound, it is there already
 
-        common = int(np.gcd(rate, RATE))
-        mixed = resample_poly(mixed.astype(np.float32), RATE // common, rate // common)
-    return np.clip(np.rint(mixed), -32768, 32767).astype(np.int16)
-
-
-def _power(voice: Samples) -> Doubles:
-    """(T,) mean square of each frame of 10 ms."""
-    size = round(_STEP * RATE)
-    whole = voice[: len(voice) // size * size].reshape(-1, size)
-    power: Doubles = np.mean(np.square(whole.astype(np.float64)), axis=1)
-    return power
+    frame = AudioFrame.from_ndarray(
+        np.ascontiguousarray(samples).reshape(1, -1),
+        format="s16",
+        layout="mono" if samples.shape[1] == 1 else "stereo",
+    )
+    frame.sample_rate = rate
+    resampler = AudioResampler("s16", "mono", RATE)
+    parts = [part.to_ndarray().ravel() for part in resampler.resample(frame)]
+    parts += [part.to_ndarray().ravel() for part in resampler.resample(None)]
+    return np.concatenate(parts).astype(np.int16)
 
 
 class _Aligner:
@@ -226,7 +220,7 @@ class _Aligner:
     def _quiet_end(self, start: float) -> float:
         """The quietest moment in the last third of the piece that begins at `start`."""
         first = start + _PIECE * 2 / 3
-        power = _power(self._voice[round(first * RATE) : round((start + _PIECE) * RATE)])
+        power = frame_power(self._voice[round(first * RATE) : round((start + _PIECE) * RATE)])
         smooth = np.convolve(power, np.ones(30) / 30, "same")
         return first + _STEP * int(np.argmin(smooth))
 

@@ -69,12 +69,9 @@ class Transcript:
     @cached_property
     def edges(self) -> tuple[float, ...]:
         """The times of all edges of words and phonemes, in order, each once."""
-        times = sorted(
-            time
-            for word in self.words
-            for part in (word, *word.phonemes)
-            for time in (part.start, part.end)
-        )
+        parts: list[Word | Phoneme] = [*self.words]
+        parts += [phoneme for word in self.words for phoneme in word.phonemes]
+        times = sorted(time for part in parts for time in (part.start, part.end))
         return tuple(time for i, time in enumerate(times) if not i or time - times[i - 1] > _SAME)
 
     def phonemes(self) -> Iterator[tuple[Word, Phoneme]]:
@@ -143,9 +140,10 @@ def to_json(transcript: Transcript | None) -> dict[str, Any] | None:
     """As JSON values, for projects and journals."""
     if transcript is None:
         return None
+    measured = {} if transcript.noise is None else {"noise_db": transcript.noise}
     return {
         "version": VERSION,
-        "noise_db": transcript.noise,
+        **measured,
         "sounds_like": [list(pair) for pair in transcript.sounds_like],
         "words": [
             {

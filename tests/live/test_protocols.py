@@ -60,7 +60,8 @@ def test_a_live_link_packet_is_read_as_it_was_sent(seconds: float, rate: float) 
     assert turned.rotations is not None
     np.testing.assert_array_equal(back.rotations, turned.rotations)
     assert back.seconds == pytest.approx(seconds, abs=1e-4)
-    assert (back.subject, back.rate) == ("Ä", pytest.approx(rate))
+    assert back.subject == "Ä"
+    assert back.rate == pytest.approx(rate)
 
 
 def test_a_packet_without_a_face_is_none() -> None:

@@ -7,13 +7,23 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit, QStyle, QStyleOptionViewItem
+from PySide6.QtWidgets import (
+    QApplication,
+    QLineEdit,
+    QSpinBox,
+    QStyle,
+    QStyleOptionViewItem,
+    QWidget,
+)
 from support.curves import drag, turn
+from support.waiting import run_events
 from support.windows import Bench, drag_curve, session_of
 
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.edits.delegate import cells
-from faceedit_app.ui.edits.model import columns
+from faceedit_app.ui.edits.model import COLUMNS, columns
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.look.palette import ACCENT_DEEP, BACKGROUND
 from faceedit_app.ui.start.window import MainWindow
@@ -116,6 +126,90 @@ def test_rename(bench: Bench, window: MainWindow) -> None:
     bench.qtbot.waitUntil(lambda: names(window) == ["first", "open wide", "third"])
 
 
+def double_click(panel: EditsPanel, row: int, from_right: int) -> QWidget:
+    """On a part of a row; returns the field that opens."""
+    rect = panel.list.visualRect(panel.model.index(row))
+    place = QPoint(rect.right() - from_right, rect.center().y())
+    QTest.mouseClick(panel.list.viewport(), LEFT, pos=place)
+    QTest.mouseDClick(panel.list.viewport(), LEFT, pos=place)
+    field = QApplication.focusWidget()
+    assert field is not None
+    return field
+
+
+def enter(field: QWidget) -> None:
+    """Qt commits what was typed once the field has handled the key."""
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    run_events()
+
+
+def test_strength_and_range_are_typed_in_the_list(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    field = double_click(panel, 1, 20)
+    assert isinstance(field, QSpinBox)
+    field.setValue(60)
+    enter(field)
+    assert session.edits[1].strength == 0.6
+    assert session.undo_name == "Edit strength"
+    for typed, expected in (("0.75 - 2", (0.75, 2.0)), ("nothing", (0.75, 2.0)), ("1", (1, 1))):
+        line = double_click(panel, 1, 100)
+        assert isinstance(line, QLineEdit)
+        line.setText(typed)
+        enter(line)
+        assert (session.edits[1].start, session.edits[1].end) == expected
+    window.actions_["unit_frames"].trigger()
+    line = double_click(panel, 1, 100)
+    assert isinstance(line, QLineEdit)
+    assert line.text() == "61 – 61"
+    line.setText("61 – 91")
+    enter(line)
+    times = session.take.clip.times
+    assert (session.edits[1].start, session.edits[1].end) == (times[60], times[90])
+    assert session.edits[1].strength == 0.6
+
+
+def test_a_paste_is_one_row_that_opens(bench: Bench) -> None:
+    window = bench.editing()
+    panel, session, line = panel_of(window), session_of(window), window.timeline
+    session.add(Edit(("mouth_width",), Op.OFFSET, 0.2, 0.3, 0.1, 1.0, name="before"))
+    line.select((0.5, 1.0))
+    window.actions_["copy"].trigger()
+    line.select(None)
+    line.go_to_time(1.5)
+    window.actions_["paste"].trigger()
+    count = len(session.edits) - 1
+    assert count > 4, "an edit for each curve that differs"
+    pasted = list(range(1, count + 1))
+    shown = [row for row in range(count + 1) if not panel.list.isRowHidden(row)]
+    assert shown == [0, 1]
+    assert panel.rows == pasted
+    together = {control for edit in session.edits[1:] for control in edit.controls}
+    what = panel.model.data(panel.model.index(1), COLUMNS)[1]
+    assert what == describe_controls([c for c in CONTROL_IDS if c in together])
+    click(panel, 1, x=16)
+    assert [edit.enabled for edit in session.edits] == [True] + count * [False]
+    window.actions_["undo"].trigger()
+    assert all(edit.enabled for edit in session.edits)
+    click(panel, 1, x=120)
+    panel.strength.setValue(40)
+    assert {edit.strength for edit in session.edits[1:]} == {0.4}
+    window.actions_["edit_up"].trigger()
+    assert session.edits[-1].name == "before"
+    window.actions_["edit_down"].trigger()
+    assert session.edits[0].name == "before"
+    assert panel.rows == pasted
+    click(panel, 1, x=36)
+    assert not any(panel.list.isRowHidden(row) for row in [0, *pasted])
+    click(panel, 3)
+    assert panel.rows == [3]
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert len(session.edits) == count
+    click(panel, 1, x=36)
+    click(panel, 1, x=120)
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert names(window) == ["before"]
+
+
 def test_after_renaming_the_list_has_the_keyboard_again(bench: Bench, window: MainWindow) -> None:
     """It went on to the speed of playback, where arrows then changed something else."""
     panel = panel_of(window)
@@ -141,11 +235,12 @@ def test_the_falloff_of_a_chosen_edit_is_not_that_of_the_next_drag(window: MainW
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert panel.current is None
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)
-    # An edit of the whole take shows no band, and takes nothing over.
+    # So it is with an edit of the whole take, which has handles at its ends.
     session.add(Edit(("mouth_width",), Op.OFFSET, 0.0, line.duration, 0.0, 1.0, name="all"))
     click(panel, 3)
     assert panel.current == 3
-    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+    assert line.selection == (0.0, line.duration)
+    assert line.own_falloffs == (0.35, 0.4)
     click(panel, 0)
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)

@@ -19,7 +19,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
+from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.page.problems_bar import ProblemsHead
 from faceedit_app.ui.start.window import MainWindow
@@ -66,7 +66,7 @@ def test_a_blink_at_the_playhead_closes_the_eyes(window: MainWindow) -> None:
     assert session.edits[0].controls == ("left_eyelid", "right_eyelid")
     near = np.abs(session.take.clip.times - 3.0) < 0.2
     assert session.asked[near, LEFT_EYE].min() < 0.5
-    assert window.timeline.selection is None
+    assert window.timeline.own_selection is None
 
 
 def test_smile_acts_on_the_selection_or_on_the_whole_take(window: MainWindow) -> None:
@@ -94,7 +94,7 @@ def test_a_chosen_edit_does_not_catch_fixes_made_elsewhere(window: MainWindow) -
 def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     session = session_of(window)
     trigger(window, "expression")
-    dialog = window.findChild(ExpressionDialog)
+    dialog = window.findChild(SliderDialog)
     assert dialog is not None
     dialog.slider.setValue(50)
     dialog._preview()
@@ -107,7 +107,7 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     assert {round(made.strength, 2) for made in kept} == {0.8}
     assert session.asked[100, column] != session.tracked[100, column]
     trigger(window, "undo", "expression")
-    dialog = next(d for d in window.findChildren(ExpressionDialog) if d.isVisible())
+    dialog = next(d for d in window.findChildren(SliderDialog) if d.isVisible())
     dialog.slider.setValue(90)
     dialog._preview()
     dialog.reject()
@@ -227,7 +227,7 @@ def test_the_list_says_what_when_and_how_bad(window: MainWindow) -> None:
     assert editor.problem_list.isVisible()
     assert editor.lists.tabText(1) == "Problems  2"
     shown = [[row.text(column) for column in range(3)] for row in rows_of(window)]
-    assert [row[0] for row in shown] == ["Half blinks", "Lips that stay open"]
+    assert [row[0] for row in shown] == ["Half blink", "Lips stay open"]
     problems = editor.problems.problems
     assert [row[2] for row in shown] == [problem.amount for problem in problems]
     assert shown[0][1] == f"{problems[0].time:.3f} s"
@@ -247,9 +247,9 @@ def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
     tree.sortByColumn(2, Qt.SortOrder.DescendingOrder)
     severities = [problem.severity for problem in editor.problems.problems]
     assert severities[1] > severities[0]
-    assert rows_of(window)[0].text(0) == "Lips that stay open"
+    assert rows_of(window)[0].text(0) == "Lips stay open"
     found.kinds.setCurrentIndex(1)
-    assert [row.text(0) for row in rows_of(window)] == ["Lips that stay open"]
+    assert [row.text(0) for row in rows_of(window)] == ["Lips stay open"]
     trigger(window, "fix_all", "accept_fix")
     assert session_of(window).edits == lips.fix
     assert [problem.kind for problem in editor.problems.problems] == ["blink"]

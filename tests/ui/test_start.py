@@ -109,7 +109,7 @@ def test_networks_answer_once_they_are_loaded(
     window = bench.editing()
     assert window.document.session is not None
     assert window.document.session.has_engine
-    assert window.status.networks.text() == "Ready"
+    assert window.status.networks.text() == "", "nothing to say"
     assert not window.banner.isVisible()
 
 

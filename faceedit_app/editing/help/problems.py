@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -21,6 +22,7 @@ from faceedit_app.editing.help.events import (
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
 from faceedit_app.editing.help.on_character import Gap, gaps_on_character
+from faceedit_app.editing.help.spoken import NEAR, Closure, close_at, closures_of
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.filters import moving_mean
 from faceedit_app.formats.timing import counted
@@ -78,12 +80,16 @@ class Problem:
 
 def find_problems(session: EditSession) -> list[Problem]:
     """The problems of the take with its edits, in order of time."""
-    rigs = session.rig, session.shown_rig
-    return problems_of(session.take.clip, session.weights, session.achieved, rigs)
+    clip, rigs = session.take.clip, (session.rig, session.shown_rig)
+    return problems_of(clip, session.weights, session.achieved, rigs, closures_of(session))
 
 
 def problems_of(
-    clip: Clip, weights: Floats, controls: Floats, rigs: tuple[Rig, Rig] | None = None
+    clip: Clip,
+    weights: Floats,
+    controls: Floats,
+    rigs: tuple[Rig, Rig] | None = None,
+    spoken: Sequence[Closure] = (),
 ) -> list[Problem]:
     """The problems of a clip, in order of time.
 
@@ -92,10 +98,12 @@ def problems_of(
         weights: (T, 52) in ARKit order.
         controls: (T, C) mm, measured with these weights.
         rigs: FaceEdit's own character, and the one shown.
+        spoken: each m, b and p, if the words are known.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
-        *_lips(clip, values, measured),
+        *_spoken(spoken),
+        *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
         *_jitter(clip, measured),
         *_dropped(clip, measured),
@@ -103,6 +111,32 @@ def problems_of(
     if rigs is not None and rigs[0] is not rigs[1]:
         found += map(_on_character, gaps_on_character(clip, weights, *rigs))
     return sorted(found, key=lambda problem: (problem.time, problem.kind))
+
+
+def _spoken(closures: Sequence[Closure]) -> list[Problem]:
+    return [
+        Problem(
+            Kind.LIPS,
+            round(min(closure.phoneme.start, closure.time), 4),
+            round(max(closure.phoneme.end, closure.time), 4),
+            closure.time,
+            (LIP_OPENING,),
+            closure.message,
+            f"{closure.gap:.1f} mm",
+            _share(closure.gap, WIDE_APART),
+            (close_at(closure),),
+        )
+        for closure in closures
+        if closure.is_open
+    ]
+
+
+def _unspoken(lips: list[Problem], spoken: Sequence[Closure]) -> list[Problem]:
+    """Lips that nearly meet where no words are known: words say better where they should."""
+    if not spoken:
+        return lips
+    first, last = spoken[0].phoneme.start - NEAR, spoken[-1].phoneme.end + NEAR
+    return [problem for problem in lips if problem.end < first or problem.start > last]
 
 
 def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:

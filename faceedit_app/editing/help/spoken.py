@@ -23,7 +23,9 @@ from faceedit_app.words.transcript import Phoneme, Transcript, Word
 
 NEAR = 0.08  # seconds between a phoneme and its dip
 _FAR = 2.0  # mm that a dip at that distance must be lower than one inside the phoneme
-_HOLD, _FALLOFF = 0.02, 0.06  # seconds on either side of the dip; together at most `NEAR`
+# Seconds on either side of the dip. The networks' grid of 25 fps widens them: with these, nothing
+# moves by more than 0.3 mm farther away than `NEAR`.
+_HOLD, _FALLOFF = 0.005, 0.04
 _MISSING = 0.5  # mm that must be missing before a shape is changed
 _LIPS = int(np.flatnonzero(ARE_LIPS)[0])
 
@@ -36,6 +38,7 @@ class Closure:
         word, phoneme: what is said.
         frame, time: the dip of the mouth opening that belongs to it; `time` in seconds.
         gap: mm between the lips there.
+        touching: the mouth opening of lips that touch, mm.
     """
 
     word: Word
@@ -43,6 +46,7 @@ class Closure:
     frame: int
     time: float
     gap: float
+    touching: float
 
     @property
     def is_open(self) -> bool:
@@ -80,20 +84,23 @@ class LipGap:
         return gap
 
 
-def closures(words: Transcript, times: Times, gap: Doubles) -> list[Closure]:
+def closures(words: Transcript, times: Times, gap: Doubles, touching: float) -> list[Closure]:
     """Each m, b and p within the take, in order of time.
 
     Args:
         words: in seconds of the take.
         times: (T,) seconds.
         gap: (T,) mm between the lips.
+        touching: the mouth opening of lips that touch, mm.
     """
     found = []
     for word, phoneme in words.phonemes():
         if lips_of(phoneme.symbol) is Lips.CLOSE:
             frame = dip_at(times, gap, phoneme)
             if frame is not None:
-                found.append(Closure(word, phoneme, frame, float(times[frame]), float(gap[frame])))
+                found.append(
+                    Closure(word, phoneme, frame, float(times[frame]), float(gap[frame]), touching)
+                )
     return found
 
 
@@ -116,53 +123,40 @@ def dip_at(times: Times, curve: Doubles, phoneme: Phoneme) -> int | None:
     return int(frames[np.argmin(cost)])
 
 
-def close_at(closure: Closure, touching: float) -> Edit:
-    """An edit that closes the lips at one phoneme, and ends within 80 ms of its dip.
-
-    Args:
-        touching: the mouth opening of lips that touch, mm.
-    """
+def close_at(closure: Closure) -> Edit:
+    """An edit that closes the lips at one phoneme, and ends within 80 ms of its dip."""
     return Edit(
         (LIP_OPENING,),
         Op.SET,
         round(closure.time - _HOLD, 4),
         round(closure.time + _HOLD, 4),
         falloff=_FALLOFF,
-        value=round(touching, 2),
+        value=round(closure.touching, 2),
         name=f"Close lips: {spelled(closure.phoneme.symbol)} of {closure.word.text}"[:200],
     )
 
 
-def closures_of(
-    session: EditSession, rig: Rig | None = None, weights: Floats | None = None
-) -> list[Closure]:
-    """Each m, b and p of a take with its edits.
-
-    Args:
-        rig: the character on which the lips are measured; None = the session's.
-        weights: (T, 52) in ARKit's order; None = the session's.
-    """
+def closures_of(session: EditSession) -> list[Closure]:
+    """Each m, b and p of a take with its edits, on the character that is shown."""
     words = session.words
     if words is None or LIP_OPENING in session.lacks:
         return []
-    shown = session.weights if weights is None else weights
-    gap = LipGap.of(rig or session.rig).measure(shown)
-    return closures(words, session.take.clip.times, gap)
+    gap = LipGap.of(session.shown_rig).measure(session.weights)
+    touching = LipGap.of(session.rig).touching  # edits are made on the session's character
+    return closures(words, session.take.clip.times, gap, touching)
 
 
 def closing_edits(
-    session: EditSession, span: tuple[float, float] | None = None, rig: Rig | None = None
+    session: EditSession, span: tuple[float, float] | None = None
 ) -> tuple[Edit, ...]:
     """Edits that close the lips at each m, b and p at which they stay open.
 
     Args:
         span: first and last second to look at; None = the whole take.
-        rig: the character on which they stay open; None = the session's.
     """
-    touching = LipGap.of(session.rig).touching
     return tuple(
-        close_at(closure, touching)
-        for closure in closures_of(session, rig)
+        close_at(closure)
+        for closure in closures_of(session)
         if closure.is_open and _within(closure.time, span)
     )
 

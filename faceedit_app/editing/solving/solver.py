@@ -33,6 +33,9 @@ from faceedit_app.editing.solving.request import Request, region_influence, requ
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
+# Changed weights are multiples of this. The last bits of a matrix product depend on the processor;
+# rounded, nearly all weights are the same on every one. It moves a jaw by less than a micrometre.
+DECIMALS = 5
 # How far beyond the range seen in training a curve is followed, as a share of that range.
 BEYOND = 0.1
 
@@ -154,6 +157,7 @@ class Solver:
         result = weights.astype(np.float32)
         if self._closing is not None and settings.closes:
             result = self._closing(result, influences)
+        result = _rounded(result, self.tracked[rows])
         controls = self.distances.measure(result)
         # The last bits of a matrix product depend on the number of frames.
         same = (result == self.tracked[rows]).all(axis=1)
@@ -230,6 +234,17 @@ class Solver:
         goal = Goal(wanted[np.ix_(where, part.own_columns)], settings.reach * strength, asked)
         upper = _upper(here[:, columns], influence)
         weights[np.ix_(where, columns)] = part.reach(here, goal, upper, settings.naturalness)
+
+
+def _rounded(weights: Floats, tracked: Floats) -> Floats:
+    """(N, 52) float32: changed weights rounded, the others with the bits of the take."""
+    rounded = np.round(weights.astype(np.float64), DECIMALS).astype(np.float32)
+    result: Floats = np.where(weights == tracked, tracked, rounded)
+    jaw, lips = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
+    # Lips that are no more closed than the jaw is open stay so.
+    over = (result[:, lips] > result[:, jaw]) & (weights[:, lips] <= weights[:, jaw])
+    result[over, lips] = result[over, jaw]
+    return result
 
 
 class _Part:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
-from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Signal
+from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Signal, SignalInstance
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QRegion
 from PySide6.QtWidgets import QToolTip, QWidget
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROLS
-from faceedit_app.ui.face.viewport import Viewport
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import BACKGROUND, TEXT
 
 _RADIUS = 5.0
@@ -19,8 +21,17 @@ _REACH = 30.0  # pixels from the pointer to a vertex that it can choose
 _DEEPER = 4.0  # pixels that a millimetre of depth counts
 
 
+class Pictured(Protocol):
+    """A widget with a picture of vertices, such as the viewport."""
+
+    drawn: SignalInstance
+
+    def project(self, vertices: Sequence[int] | None) -> Doubles | None:
+        """Where vertices are in the picture; see `Viewport.project`."""
+
+
 class PointsOverlay(QWidget):
-    """Draws points on the face; only the points take the mouse.
+    """Draws points on a picture of a head; only the points take the mouse.
 
     Signals:
         moved(str, int): a point, and the vertex of the rig it was dragged to.
@@ -28,10 +39,12 @@ class PointsOverlay(QWidget):
 
     moved = Signal(str, int)
 
-    def __init__(self, viewport: Viewport) -> None:
-        super().__init__(viewport)
-        self._viewport = viewport
-        viewport.drawn.connect(self.refresh)
+    def __init__(self, picture: Pictured) -> None:
+        assert isinstance(picture, QWidget)
+        super().__init__(picture)
+        self._picture: Pictured = picture
+        self._around: QWidget = picture
+        picture.drawn.connect(self.refresh)
         self._points: dict[str, int] = {}
         self._places: dict[str, QPointF] = {}
         self._dragged: str | None = None
@@ -53,8 +66,8 @@ class PointsOverlay(QWidget):
         """Follow the face and the camera."""
         if not self._points or self._dragged is not None or self.isHidden():
             return
-        self.setGeometry(self._viewport.rect())
-        seen = self._viewport.project(list(self._points.values()))
+        self.setGeometry(self._around.rect())
+        seen = self._picture.project(list(self._points.values()))
         if seen is None:
             self._places = {}
         else:
@@ -73,6 +86,7 @@ class PointsOverlay(QWidget):
             region += QRect(middle - QPoint(_GRAB, _GRAB), middle + QPoint(_GRAB, _GRAB))
         self.setMask(region if not region.isEmpty() else QRegion(-2, -2, 1, 1))
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint a dot in its curve's colour for each point."""
         painter = QPainter(self)
@@ -115,7 +129,7 @@ class PointsOverlay(QWidget):
 
     def _vertex_at(self, name: str, place: QPointF) -> int | None:
         """The vertex nearest to a place; those much deeper than the point's own do not count."""
-        seen = self._viewport.project(None)
+        seen = self._picture.project(None)
         if seen is None:
             return None
         away = np.hypot(seen[:, 0] - place.x(), seen[:, 1] - place.y())

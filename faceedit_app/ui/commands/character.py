@@ -15,6 +15,8 @@ from faceedit_app.ui.commands.workspace import Workspace
 if TYPE_CHECKING:  # they import the loaders of characters
     from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.characters.map_file import CharacterMap
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.scans.steps import Attempt
     from faceedit_app.ui.character.checklist import CharacterChecklist
     from faceedit_app.ui.character.points_overlay import PointsOverlay
 
@@ -71,6 +73,41 @@ class CharacterCommands:
         self._workspace.end_gestures()
         if self.is_shown:
             self._document.use_character(None)
+
+    def ask_make(self) -> None:
+        """Make a character from a scan that the user chooses."""
+        workspace = self._workspace
+        path = dialogs.ask_scan(workspace.window, workspace.preferences.folder("character"))
+        if path is not None and workspace.rig is not None:
+            self.make(path, workspace.rig)
+
+    def make(self, path: Path, rig: Rig) -> None:
+        """Make a character from a scan, shown step by step."""
+        from faceedit_app.ui.character.scan_dialog import ScanDialog
+
+        dialog = ScanDialog(self._workspace.window, path, rig)
+
+        def save(attempt: Attempt) -> None:
+            self._save_made(attempt, path)
+
+        dialog.save_asked.connect(save)
+        dialog.show()
+        dialog.begin()
+
+    def _save_made(self, attempt: Attempt, scan: Path) -> None:
+        """Save a character that was made from a scan, and show it."""
+        from faceedit_app.characters.glb_writing import write_rig
+
+        suggestion = scan.with_name(f"{scan.stem}_character.glb")
+        path = dialogs.ask_save_character(self._workspace.window, suggestion)
+        if path is None:
+            return
+        try:
+            write_rig(path, attempt.made.rig)
+        except FaceEditError as error:
+            dialogs.show_error(self._workspace.window, error)
+            return
+        self.open(path)
 
     # --- closing ---------------------------------------------------------------------------------
 

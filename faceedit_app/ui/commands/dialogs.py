@@ -11,7 +11,7 @@ from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
-from faceedit_app.media import ENDINGS
+from faceedit_app.media import ENDINGS, FILM_ENDINGS
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
+WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
+WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
+FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
+FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
@@ -35,6 +39,14 @@ class Unsaved(Enum):
     EXPORT = auto()
     SAVE = auto()
     DISCARD = auto()
+    CANCEL = auto()
+
+
+class Changed(Enum):
+    """What to do if another program has changed a file that is about to be replaced."""
+
+    REPLACE = auto()
+    ELSEWHERE = auto()
     CANCEL = auto()
 
 
@@ -74,7 +86,10 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    kinds = f"Takes and projects ({takes_pattern()} *{PROJECT_SUFFIX});;All files (*)"
+    kinds = (
+        f"Takes, projects and films ({takes_pattern()} *{PROJECT_SUFFIX} {FILM_PATTERNS});;"
+        "All files (*)"
+    )
     return _chosen(
         QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
     )
@@ -243,6 +258,16 @@ def ask_media(parent: QWidget, folder: Path) -> Path | None:
     return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
 
 
+def ask_words(parent: QWidget, folder: Path) -> Path | None:
+    """Which file says what is said."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Open words", str(folder), WORDS))
+
+
+def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the words; the ending says as what."""
+    return _save_name(parent, "Export words", suggestion, WRITTEN_WORDS)
+
+
 def ask_character(parent: QWidget, folder: Path) -> Path | None:
     """Which character to open."""
     from faceedit_app.characters.registry import FORMATS  # not needed before the window is up
@@ -250,6 +275,18 @@ def ask_character(parent: QWidget, folder: Path) -> Path | None:
     endings = [ending for kind in FORMATS for ending in kind.endings]
     kinds = f"Characters ({' '.join(f'*{e} *{e.upper()}' for e in endings)});;All files (*)"
     return _chosen(QFileDialog.getOpenFileName(parent, "Open a character", str(folder), kinds))
+
+
+def ask_scan(parent: QWidget, folder: Path) -> Path | None:
+    """Which scan to make a character from."""
+    kinds = "Scans (*.obj *.OBJ *.ply *.PLY *.stl *.STL *.glb *.GLB *.gltf);;All files (*)"
+    title = "A head without blendshapes"
+    return _chosen(QFileDialog.getOpenFileName(parent, title, str(folder), kinds))
+
+
+def ask_save_character(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save a character."""
+    return _save_name(parent, "Save the character", suggestion, "Characters (*.glb);;All files (*)")
 
 
 def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
@@ -264,6 +301,17 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
+
+
+def ask_film_to_track(parent: QWidget, folder: Path) -> Path | None:
+    """Which film to track."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Track a film", str(folder), FILMS))
+
+
+def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the take of a film."""
+    kinds = "Live Link Face CSV (*.csv);;All files (*)"
+    return _save_name(parent, "Save the tracked take as", suggestion, kinds)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
@@ -304,6 +352,21 @@ def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), Unsaved.CANCEL)
+
+
+def ask_changed(parent: QWidget, name: str) -> Changed:
+    """What to do if another program, or window, has changed a file since it was read."""
+    message = f"{name} has been changed by another program, or in another window."
+    box = _question(parent, message, "If you replace it, those changes are lost.")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("Save under another name…", role.AcceptRole): Changed.ELSEWHERE,
+        box.addButton("Replace", role.DestructiveRole): Changed.REPLACE,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), Changed.CANCEL)
 
 
 def show_error(parent: QWidget | None, error: Exception | str) -> None:

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.media import is_film
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.exports import Exports
@@ -20,6 +22,9 @@ from faceedit_app.ui.commands.live import LivePreview, PhoneRecording
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
+
+if TYPE_CHECKING:  # loaded with the first film
+    from faceedit_app.ui.commands.tracking import FilmTracking
 
 CHARACTER = "C&haracter"  # submenu
 
@@ -30,12 +35,13 @@ class FileCommands:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._window = workspace, workspace.window
         self._document, self._preferences = workspace.document, workspace.preferences
-        self._exports = Exports(workspace, self._show_error)
         self.live = LivePreview(workspace)
         self._recording = PhoneRecording(workspace, self.open_if_saved)
         self.character = CharacterCommands(workspace)
+        self._exports = Exports(workspace, self._show_error)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
+        self._tracking: FilmTracking | None = None
 
     def _show_error(self, error: Exception) -> None:
         dialogs.show_error(self._window, error)
@@ -45,7 +51,7 @@ class FileCommands:
     def ask_open(self) -> None:
         """Open a take or a project that the user chooses."""
         if self.may_close():
-            path = dialogs.ask_open(self._window, self._preferences.folder("take"))
+            path = dialogs.ask_open(self._window, self._workspace.beside("take"))
             if path is not None:
                 self.open(path)
 
@@ -64,7 +70,13 @@ class FileCommands:
             self.open(path)
 
     def open(self, path: Path) -> None:
-        """Read a take or a project in the background; on an error the current one stays open."""
+        """Read a take or a project in the background; on an error the current one stays open.
+
+        The face in a film is tracked first.
+        """
+        if is_film(path):
+            self.track(path)
+            return
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return
@@ -74,6 +86,23 @@ class FileCommands:
             return dialogs.ask_take_of_project(self._window, message, likely, path.parent)
 
         projects.open_project(self._workspace, path, ask, self._show_error)
+
+    def ask_track(self) -> None:
+        """Track the face in a film that the user chooses."""
+        film = dialogs.ask_film_to_track(self._window, self._preferences.folder("media"))
+        if film is not None and self.may_close():
+            self._preferences.set_folder("media", film.resolve().parent)
+            self.track(film)
+
+    def track(self, film: Path) -> None:
+        """Track the face in a film and open the take; until then the present one stays open."""
+        from faceedit_app.ui.commands import tracking
+
+        take = dialogs.ask_save_take(self._window, tracking.suggested_take(film))
+        if take is not None:
+            # Kept until the next one: only its dialog knows it otherwise.
+            self._tracking = tracking.FilmTracking(self._workspace, film, take, self._show_error)
+            self._tracking.start()
 
     def _remember(self, path: Path) -> None:
         """Remember the take and its folder."""
@@ -113,6 +142,13 @@ class FileCommands:
 
     def _save(self, path: Path) -> bool:
         from faceedit_app.ui.commands import projects
+
+        if self._document.was_changed(path):
+            match dialogs.ask_changed(self._window, path.name):
+                case dialogs.Changed.ELSEWHERE:
+                    return self.save_as()
+                case dialogs.Changed.CANCEL:
+                    return False
 
         def save(path: Path) -> None:
             projects.save(self._workspace, path)
@@ -160,7 +196,7 @@ class FileCommands:
 
     def ask_load_edits(self) -> None:
         """Add the edits in a file that the user chooses."""
-        path = dialogs.ask_load_edits(self._window, self._preferences.folder("edits"))
+        path = dialogs.ask_load_edits(self._window, self._workspace.beside("edits"))
         if path is not None:
             self.load_edits(path)
 
@@ -212,6 +248,8 @@ class FileCommands:
 MENU: Menu[FileCommands] = Menu("File", (
     Command("open", "&Open…", FileCommands.ask_open, ("Ctrl+O",),
             "Open a tracked take or a project", "open", needs_take=False),
+    Command("track_film", "&Track a film…", FileCommands.ask_track, (),
+            "Find the face in a film, and open its performance as a take", needs_take=False),
     Command("open_demo", "Open &demo take", FileCommands.open_demo, (),
             "Open the take that ships with FaceEdit", needs_take=False),
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),
@@ -247,12 +285,15 @@ MENU: Menu[FileCommands] = Menu("File", (
     Command("character_checklist", "Chec&klist…", lambda do: do.character.show_checklist(), (),
             "Show which shapes and points were found in your character, and correct them",
             needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("make_character", "Make from a &scan…", lambda do: do.character.ask_make(), (),
+            "Give a head without blendshapes all 52, from an OBJ, PLY, STL or GLB",
+            submenu=CHARACTER),
     Command("close_on_character", "&Close on my character",
             lambda do: do.character.switch_closing(), (),
             "Where edits close lips or lids, also close them on your character",
             enabled=lambda do: do.character.is_shown, checked=lambda do: do.character.closes,
             submenu=CHARACTER),
-    Command("close_range", "Close in the &selection or everywhere",
+    Command("close_range", "Close in the se&lection or everywhere",
             lambda do: do.character.close_range(), (),
             "Add an edit that closes lips and lids on your character where they are closed on ours",
             enabled=lambda do: do.character.is_shown and do.character.closes,

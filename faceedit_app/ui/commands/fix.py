@@ -19,8 +19,9 @@ from faceedit_app.editing.help.presets import (
 )
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
+from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
@@ -29,12 +30,16 @@ if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.help.problems import Problem
 
 
+WHOLE = 0.98  # of the take: an edit with such a range is one of the whole take
+
+
 class FixCommands:
     """Applies fixes and presets, and steps through problems."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
         self._document, self._timeline = workspace.document, workspace.timeline
+        self.words = WordCommands(workspace)
 
     # --- fixes and presets -------------------------------------------------------------------
 
@@ -57,9 +62,12 @@ class FixCommands:
     def _range_meant(self) -> tuple[float, float] | None:
         """The selection; if it is the selected edit's, only while the playhead is in it."""
         selection, page = self._timeline.selection, self._workspace.page
-        if selection is None or page is None or not page.edits.is_tied:
+        line = self._timeline
+        if selection is None or page is None or line.own_selection is not None:
             return selection
-        return selection if selection[0] <= self._timeline.time <= selection[1] else None
+        is_whole = selection[1] - selection[0] > WHOLE * line.duration
+        is_here = selection[0] <= line.time <= selection[1]
+        return selection if is_here and not is_whole else None
 
     def expression(self) -> None:
         """Show the slider from sad to smiling."""
@@ -67,12 +75,14 @@ class FixCommands:
             return
         presets = {preset.id: preset for preset in shipped_presets()}
         span = self._range_meant()
-        where = "in the whole take" if span is None else f"from {span[0]:.2f} to {span[1]:.2f} s"
-        ExpressionDialog(
+        where = f"from {self._workspace.shown_range(*span)}" if span else "in the whole take"
+        SliderDialog(
             self._workspace.window,
             self._document,
-            lambda name: self._edits_of(presets[name]),
-            where,
+            "Smile or sad",
+            f"How happy the mouth looks {where}:",
+            End("sad", "sad", self._edits_of(presets["sad_mouth"])),
+            End("smile", "smile", self._edits_of(presets["smile"])),
             lambda edits: self._workspace.add_edits(edits, edits[0].name),
         ).show()
 
@@ -154,7 +164,7 @@ class FixCommands:
         page, problem = self._workspace.page, self.problem
         if page is not None and problem is not None and problem.fix:
             self._workspace.end_gestures()
-            message = f"{problem.message}. The proposed fix is shown."
+            message = f"Fix shown. {problem.message}."
             page.proposal.offer(message, problem.fix, "Fix problem", problem)
 
     def fix_all(self) -> None:
@@ -243,6 +253,15 @@ MENU: Menu[FixCommands] = Menu("Fix", (
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),
+    Command("close_on_words", "Close l&ips on m, b, p", lambda do: do.words.close_lips(), (),
+            "Close the lips at each m, b and p that stays open, in the selection or the whole take",
+            "lips", enabled=lambda do: do.words.has_words, starts_group=True),
+    Command("shape_on_words", "Shape lips on f, w, s&h", lambda do: do.words.shape_lips(), (),
+            "Shape the lips at f, w, oo, sh and ch, in the selection or the whole take",
+            enabled=lambda do: do.words.has_words),
+    Command("say_clearly", "Say it clearl&y…", lambda do: do.words.say_clearly(), (),
+            "Set how clearly the words are said, with lips that still meet",
+            enabled=lambda do: do.words.has_words),
     Command("next_problem", "&Next problem", lambda do: do.step(1), ("Down",),
             "Go to the next problem", "down",
             enabled=lambda do: bool(do.problems), starts_group=True),

@@ -13,6 +13,7 @@ from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
 from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
@@ -25,6 +26,7 @@ class TakeCommands:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._media = workspace, workspace.media
+        self.words = WordCommands(workspace)
         self._dropped: list[Path] = []  # to be added once the take dropped with them is open
         workspace.opener.rate_needed.connect(self._ask_needed_rate)
 
@@ -49,6 +51,12 @@ class TakeCommands:
         if session is None:
             return
         clip, take = session.take.clip, session.take
+        if self._workspace.document.was_changed(take.path) or session.exported_over is not None:
+            self._workspace.warning.emit(
+                f"{take.path.name} has been replaced since it was opened, so its frame rate cannot "
+                "be changed now: save the project and open the take as it was"
+            )
+            return
         question = f"What is the frame rate of {take.path.name}?"
         rate = dialogs.ask_rate(self._workspace.window, question, len(clip), clip.rate)
         if rate is None or rate == clip.rate:
@@ -67,7 +75,7 @@ class TakeCommands:
     def ask_add(self) -> None:
         """Add a sound or a film that the user chooses."""
         preferences = self._workspace.preferences
-        path = dialogs.ask_media(self._workspace.window, preferences.folder("media"))
+        path = dialogs.ask_media(self._workspace.window, self._workspace.beside("media"))
         if path is not None:
             preferences.set_folder("media", path.resolve().parent)
             self._media.add(path)
@@ -98,6 +106,20 @@ class TakeCommands:
     def mirror_film(self) -> None:
         """Mirror the film, or show it as it is."""
         self._media.mirror(not self._media.mirrored)
+
+    @property
+    def has_landmarks(self) -> bool:
+        """Whether the take was tracked in its film."""
+        return self._media.overlay.exists
+
+    @property
+    def shows_landmarks(self) -> bool:
+        """Whether landmarks are shown over the film."""
+        return self._media.overlay.is_shown
+
+    def toggle_landmarks(self) -> None:
+        """Show the landmarks over the film, or hide them."""
+        self._media.overlay.toggle()
 
     # --- with a take -------------------------------------------------------------------------
 
@@ -140,10 +162,22 @@ MENU: Menu[TakeCommands] = Menu("Take", (
     Command("mirror_film", "&Mirror film", TakeCommands.mirror_film,
             tip="Flip the film, if its left and right do not match the face",
             enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),
+    Command("film_landmarks", "Show &landmarks over the film", TakeCommands.toggle_landmarks,
+            tip="Show where the tracker saw lips and lids, in the colours of their curves",
+            enabled=lambda do: do.has_film and do.has_landmarks,
+            checked=lambda do: do.shows_landmarks),
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
             tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
             starts_group=True),
     Command("remove_film", "Remove &film", TakeCommands.remove_film,
             tip="Remove the film from the take", enabled=lambda do: do.has_film),
+    Command("words", "&Words…", lambda do: do.words.ask(),
+            tip="Say which words are spoken; they appear under the waveform",
+            starts_group=True),
+    Command("find_word", "Find a wo&rd", lambda do: do.words.find(), ("Ctrl+F",),
+            "Search a word and select its time", enabled=lambda do: do.words.has_words),
+    Command("remove_words", "Remove w&ords", lambda do: do.words.remove(),
+            tip="Remove the words from the take; edits stay",
+            enabled=lambda do: do.words.has_words),
 ))
 # fmt: on

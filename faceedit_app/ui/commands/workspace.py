@@ -16,6 +16,7 @@ from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.undo import MediaSteps
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.background import Background
+from faceedit_app.ui.state.clock import shown_range
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.preferences import Preferences
@@ -78,6 +79,17 @@ class Workspace(QObject):
         """The character, once it is loaded."""
         return self.opener.rig
 
+    def beside(self, kind: str) -> Path:
+        """The take's folder; for the demo take and without one, where the dialog was last used.
+
+        Args:
+            kind: of the dialog, see `Preferences.folder`.
+        """
+        take = self.document.path
+        if take is None or is_demo_take(take) or not take.parent.is_dir():
+            return self.preferences.folder(kind)
+        return take.parent
+
     def suggest(self, kind: str, tail: str, ending: str) -> Path:
         """A file name beside the take; for the demo take, in another folder.
 
@@ -102,8 +114,13 @@ class Workspace(QObject):
             self.page.edits.select_new(len(edits))
         start, end = min(e.start for e in edits), max(e.end for e in edits)
         self.message.emit(
-            f"{name}: {start:.2f} to {end:.2f} s; set its strength beside the list of edits"
+            f"{name}: {self.shown_range(start, end)}; set its strength above the list of edits"
         )
+
+    def shown_range(self, start: float, end: float) -> str:
+        """A time range in the unit in which times are shown."""
+        clip, unit = self.timeline.clip, self.timeline.clock.unit
+        return shown_range(clip, start, end, unit) if clip is not None else ""
 
     def open_character(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pyqtgraph as pg
@@ -60,9 +61,11 @@ class ValueAxis(pg.AxisItem):
         specs = super().generateDrawSpecs(painter)
         return None if specs is None else (specs[0], [], specs[2])
 
-    def tickSpacing(self, low: float, high: float, size: float) -> list[tuple[float, float]]:
-        """Round steps, wide enough for the numbers."""
-        return [(nice_step((high - low) * style.VALUE_SPACING / size), 0.0)]
+    def tickValues(self, low: float, high: float, size: float) -> Levels:
+        """Round numbers, wide enough apart; a single level, without pyqtgraph's search for more."""
+        step = nice_step((high - low) * style.VALUE_SPACING / size)
+        first, last = math.ceil(low / step), math.floor(high / step)
+        return [(step, [step * n for n in range(first, last + 1)])]
 
 
 class GridLines(ViewItem):

@@ -53,7 +53,7 @@ class CurveLines(ViewItem):
     def _update_between(self, first: float, last: float) -> None:
         if self._room is None:
             rect = self.boundingRect()
-            edge = _EDGE * self.getViewBox().viewPixelSize()[0]
+            edge = _EDGE * self.getViewBox().pixel
             self._room = edge, rect.left(), rect.right(), rect.top(), rect.height()
         edge, left, right, top, height = self._room
         left, right = max(first - edge, left), min(last + edge, right)

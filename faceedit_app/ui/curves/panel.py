@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import pyqtgraph as pg
 from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import CurveDrag, span_at
+from faceedit_app.ui.curves.hand import FaceHand
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
@@ -24,19 +29,11 @@ from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
 from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
+from faceedit_app.ui.curves.words import CHOSEN_HINT, IDLE_HINTS, length, note_on
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tool, Tools
+from faceedit_app.ui.state.tools import Tools
 
-_APART = 0.05  # least mm between two lines for a note in the header
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
-_IDLE_HINTS = {
-    Tool.MOVE: "Drag a curve up or down to change the face",
-    Tool.DRAW: "Draw a curve freehand",
-    Tool.SMOOTH: "Paint over a shaky curve to smooth it",
-    Tool.SCALE: "Drag a curve up to enlarge movements, down to reduce them",
-    Tool.FLATTEN: "Paint over a curve to hold it at the value where you pressed",
-    Tool.RESTORE: "Paint over edits to go back to the tracked take",
-}
 
 
 class CurvesPanel(QWidget):
@@ -48,6 +45,8 @@ class CurvesPanel(QWidget):
     Signals:
         reshaped(): an edge of the selection is being dragged.
         reshape_ended(): it was released.
+        edit_began(): a drag began that makes a new edit.
+        edit_made(): it, or a key, made one.
         curve_menu_asked(place): a right click on a curve, which now has the focus.
         name_menu_asked(place): on its name.
         time_menu_asked(place): on the ruler, or on the bar under it.
@@ -55,6 +54,8 @@ class CurvesPanel(QWidget):
 
     reshaped = Signal()
     reshape_ended = Signal()
+    edit_began = Signal()
+    edit_made = Signal()
     curve_menu_asked = Signal(QPoint)
     name_menu_asked = Signal(QPoint)
     time_menu_asked = Signal(QPoint)
@@ -77,11 +78,13 @@ class CurvesPanel(QWidget):
         self.range_bar = RangeBar(timeline, self._edges)
         self.fields = RangeFields(timeline, self._edges)
         self.plots = [CurvePlot(control, timeline, self._mouse) for control in CONTROLS]
+        self.hand = FaceHand(self.plots, self._mouse)
         self.headers = [Header(control) for control in CONTROLS]
         self._rows = Rows(self.headers, self.plots)
         self._axes = ValueAxes(self.plots)
         self._pages = QStackedWidget()
-        self._rounds = OnePainting(self)
+        strips: tuple[pg.GraphicsView, ...] = (self.ruler, self.range_bar, *self.plots)
+        OnePainting(self, [strip.scene() for strip in strips])
         self._build()
         self._connect()
         self.set_session(None)
@@ -127,6 +130,7 @@ class CurvesPanel(QWidget):
             strip.menu_asked.connect(self.time_menu_asked)
         self.plots[0].view.sigResized.connect(self._show_columns)
         self.timeline.view_changed.connect(self._show_view)
+        self.timeline.playhead_moved.connect(self._mouse.forget_pointer)
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
         self.timeline.falloff_changed.connect(self._show_state)
@@ -134,6 +138,8 @@ class CurvesPanel(QWidget):
         self._edges.moved.connect(self.reshaped)
         self._edges.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
+        self._mouse.began.connect(self.edit_began)
+        self._mouse.made.connect(self.edit_made)
 
     # --- for the page ----------------------------------------------------------------------
 
@@ -220,6 +226,10 @@ class CurvesPanel(QWidget):
         """Whether an edge of the selection is being moved."""
         return self._edges.is_changing
 
+    def follow_chosen(self, chosen_edit: Callable[[], tuple[int, Edit] | None]) -> None:
+        """Let drags change the chosen edit: row and edit, or None."""
+        self._mouse.chosen_edit = chosen_edit
+
     def cover_legend(self, bar: QWidget) -> None:
         """Put a bar over the legend, where a second click does nothing once the bar is gone."""
         bar.setFixedHeight(style.LEGEND_HEIGHT)
@@ -280,7 +290,6 @@ class CurvesPanel(QWidget):
         self._show_lines()
         self._fit_axes()
         self._show_state()
-        self._rounds.join(plot.scene() for plot in self.plots)
 
     def fit_values(self) -> None:
         """Fit all value axes to what is in view, also those that the user set."""
@@ -385,6 +394,7 @@ class CurvesPanel(QWidget):
         frame = min(timeline.frame, len(session.tracked) - 1)
         arrays = session.tracked, session.asked, session.achieved
         values = zip(*(array[frame].tolist() for array in arrays), strict=True)
+        limits = session.limits
         dragging, span, selection = mouse.is_dragging, mouse.span, self._edges.span
         plain = Marks(selection, span if dragging else None, style.WEAK)
         lit = Marks(selection, span, style.STRONG if dragging else style.HOVER)
@@ -395,10 +405,12 @@ class CurvesPanel(QWidget):
             marks = lit if (plot.control.id in edited if dragging else here) else plain
             handle = self._handle(session, i) if here else None
             plot.show_marks(marks, timeline.time, handle, face)
-            header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
+            low, high = limits[i]
+            share = f"{100 * (face - low) / (high - low):.0f} %" if high > low else ""
+            header.show_value(f"{face:.1f} mm", note_on(tracked, asked, face), share)
             header.show_active(here or plot.shows_focus)
-        fades = timeline.falloff, timeline.falloff_out
-        span = span or span_at(timeline.time, timeline.selection, *fades)
+        fades = timeline.own_falloffs
+        span = span or span_at(timeline.time, timeline.own_selection, *fades)
         self.ruler.show_marks(Marks(selection, span, style.STRONG), timeline.time)
         self.legend.show_hint(self._hint())
 
@@ -418,20 +430,8 @@ class CurvesPanel(QWidget):
     def _hint(self) -> str:
         mouse = self._mouse
         if mouse.is_dragging:
-            seconds = self.timeline.falloff
-            return f"Falloff {seconds:.2f} s (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
+            falloff = length(self.timeline, self.timeline.falloff)
+            return f"Falloff {falloff} (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
-        return _IDLE_HINTS[self.tools.tool]
-
-
-def _note(tracked: float, asked: float, face: float) -> str:
-    """A note if the face differs from what was asked for, or else from the tracked value."""
-    if abs(asked - tracked) > _APART:
-        return f"asked {asked:.1f}" if _read_apart(asked, face) else ""
-    return f"tracked {tracked:.1f}" if _read_apart(tracked, face) else ""
-
-
-def _read_apart(one: float, other: float) -> bool:
-    """Whether two values differ visibly and in one decimal."""
-    return abs(one - other) > _APART and f"{one:.1f}" != f"{other:.1f}"
+        return CHOSEN_HINT if self.timeline.shows_edit else IDLE_HINTS[self.tools.tool]

@@ -204,9 +204,12 @@ class RangeBar(pg.GraphicsView, Mouse):
 
     def turned(self, _pointer: Pointer, notches: float) -> None:
         """Change both falloffs."""
-        line = self._timeline
-        fades = (stepped_falloff(f, notches) for f in (line.falloff, line.falloff_out))
-        line.set_falloffs(*fades)
+        line, span = self._timeline, self._edges.span
+        fade_in, fade_out = (stepped_falloff(f, notches) for f in (line.falloff, line.falloff_out))
+        if span is not None:
+            self._edges.place(Span(span.start, span.end, fade_in, fade_out))
+        else:
+            line.set_falloffs(fade_in, fade_out)
 
     def cancel(self) -> None:
         """Cancel the drag in progress."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import (
@@ -14,11 +16,21 @@ from PySide6.QtCore import (
     Signal,
 )
 
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.fields import clean_text
 from faceedit_app.editing.edits.describe import describe, describe_controls
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.ui.edits.groups import Key, groups_of, key_of
 from faceedit_app.ui.look.texts import plain_tip
+from faceedit_app.ui.state.clock import Unit, label
 from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
 
+COLUMNS = Qt.ItemDataRole.UserRole + 1  # when, on what, how strongly
+GROUP = Qt.ItemDataRole.UserRole + 4  # (edits or 0 if not its head, whether open); None if none
+STRENGTH, RANGE = (Qt.ItemDataRole.UserRole + i for i in (2, 3))  # to set them
+_NUMBER = re.compile(r"\d+(?:\.\d*)?|\.\d+", re.ASCII)
 _MIME = "application/x-faceedit-row"
 Index = QModelIndex | QPersistentModelIndex
 _ROOT = QModelIndex()
@@ -29,13 +41,17 @@ class EditsModel(QAbstractListModel):
 
     Signals:
         moving(int): an edit is about to be moved to a row.
+        regrouped(): a group was opened or closed.
     """
 
     moving = Signal(int)
+    regrouped = Signal()
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, timeline: Timeline) -> None:
         super().__init__(document)
-        self._document = document
+        self._document, self._timeline = document, timeline
+        self._open: set[Key] = set()  # groups whose edits are shown
+        self._groups: dict[int, range] = {}  # the group of each row, by row
 
     @property
     def edits(self) -> Sequence[Edit]:
@@ -45,8 +61,31 @@ class EditsModel(QAbstractListModel):
 
     def refresh(self) -> None:
         """The list of edits changed."""
+        self._groups = {row: group for group in groups_of(self.edits) for row in group}
         self.beginResetModel()
         self.endResetModel()
+
+    # --- groups ------------------------------------------------------------------------------
+
+    def is_open(self, row: int) -> bool:
+        """Whether the edits of a row's group are shown."""
+        return key_of(self.edits[row]) in self._open
+
+    def stands_for(self, row: int) -> range:
+        """The rows that a row stands for: those of its group, if it is the head of a closed one."""
+        group = self._groups.get(row, range(row, row + 1))
+        closed = row == group.start and not self.is_open(row)
+        return group if closed else range(row, row + 1)
+
+    def is_hidden(self, row: int) -> bool:
+        """Whether another row stands for this one."""
+        group = self._groups.get(row, range(row, row + 1))
+        return row != group.start and not self.is_open(row)
+
+    def toggle_group(self, row: int) -> None:
+        """Show the edits of a group, or hide them."""
+        self._open ^= {key_of(self.edits[row])}
+        self.regrouped.emit()
 
     def rowCount(self, parent: Index = _ROOT) -> int:
         """The number of edits."""
@@ -64,24 +103,82 @@ class EditsModel(QAbstractListModel):
                 return Qt.CheckState.Checked if edit.enabled else Qt.CheckState.Unchecked
             case Qt.ItemDataRole.ToolTipRole | Qt.ItemDataRole.AccessibleTextRole:
                 state = "" if edit.enabled else ", switched off"
-                words = f"{describe(edit)}, {', '.join(columns(edit))}{state}"
+                words = f"{describe(edit)}, {', '.join(self.columns(edit))}{state}"
                 return plain_tip(words) if role == Qt.ItemDataRole.ToolTipRole else words
             case Qt.ItemDataRole.UserRole:
                 return edit
+            case _ if role == COLUMNS:
+                return self._columns_of(index.row())
+            case _ if role == GROUP:
+                group = self._groups.get(index.row(), range(1))
+                if len(group) == 1:
+                    return None
+                count = len(group) if index.row() == group.start else 0
+                return count, self.is_open(index.row())
             case _:
                 return None
+
+    def columns(self, edit: Edit) -> tuple[str, str, str]:
+        """When an edit acts, on what, and how strongly, with times in the chosen unit."""
+        return columns(edit, self._timeline.clip, self._timeline.clock.unit)
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
         """Rename an edit, or switch it."""
         row = index.row()
         if role == Qt.ItemDataRole.CheckStateRole:
             on = Qt.CheckState(value) is Qt.CheckState.Checked
-            self._document.act(lambda session: session.set_enabled(row, on))
+            name = "Switch edit on" if on else "Switch edit off"
+            self._change(row, lambda edit: replace(edit, enabled=on), name)
+            return True
+        if role == STRENGTH:
+            strength = float(value)
+            self._change(row, lambda edit: replace(edit, strength=strength), "Edit strength")
+            return True
+        if role == RANGE:
+            self._change(row, lambda edit: edit.stretched(*value), "Range")
             return True
         if role == Qt.ItemDataRole.EditRole and str(value) != self.data(index):
-            self._document.act(lambda session: session.rename(row, str(value)))
+            typed = clean_text(str(value).strip())
+            self._change(row, lambda edit: replace(edit, name=typed), "Rename edit")
             return True
         return False
+
+    def _change(self, row: int, change: Callable[[Edit], Edit], name: str) -> None:
+        """Change what a row stands for, as one step."""
+        edits = list(self.edits)
+        for one in self.stands_for(row):
+            edits[one] = change(edits[one])
+        if tuple(edits) != tuple(self.edits):
+            self._document.act(lambda session: session.put(edits, name))
+
+    def _columns_of(self, row: int) -> tuple[str, str, str]:
+        """The columns of a row, for all that it stands for."""
+        edits = [self.edits[one] for one in self.stands_for(row)]
+        when, what, strength = self.columns(edits[0])
+        if len(edits) > 1:
+            together = {control for edit in edits for control in edit.controls}
+            what = describe_controls([c for c in CONTROL_IDS if c in together])
+            if len({edit.strength for edit in edits}) > 1:
+                strength = "–"
+        return when, what, strength
+
+    def typed_range(self, text: str) -> tuple[float, float] | None:
+        """The range that a text such as `1.2 – 3` means, in the unit of `ends`; None if none."""
+        clip, numbers = self._timeline.clip, [float(n) for n in _NUMBER.findall(text)]
+        if clip is None or not 1 <= len(numbers) <= 2:
+            return None
+        if self._timeline.clock.unit is Unit.FRAMES:
+            frames = (min(max(round(n), 1), len(clip)) - 1 for n in numbers)
+            numbers = [float(clip.times[frame]) for frame in frames]
+        first, last = (min(max(n, 0.0), clip.duration) for n in (numbers[0], numbers[-1]))
+        return min(first, last), max(first, last)
+
+    def ends(self, edit: Edit) -> str:
+        """The range of an edit as it is typed: in frames, or else in seconds."""
+        clip = self._timeline.clip
+        if clip is not None and self._timeline.clock.unit is Unit.FRAMES:
+            return " – ".join(label(clip, s, Unit.FRAMES) for s in (edit.start, edit.end))
+        return f"{max(edit.start, 0.0):.3f} – {max(edit.end, 0.0):.3f}"
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         """What can be done with a row; edits are dropped between rows."""
@@ -125,18 +222,42 @@ class EditsModel(QAbstractListModel):
         return False
 
     def move_edit(self, row: int, to: int) -> None:
-        """Move an edit to another row."""
-        to = min(max(to, 0), len(self.edits) - 1)
-        if row != to:
+        """Move an edit to another row, with all that its row stands for."""
+        moved = self.stands_for(row)
+        if to > row:  # past what the row at the place stands for
+            to = min(to + len(moved) - 1, len(self.edits) - 1)
+            to = self._groups[to].stop - 1 if self.is_hidden(to) or to in self._groups else to
+            to -= len(moved) - 1
+        else:
+            to = max(to, 0)
+            to = self._groups[to].start if self.is_hidden(to) else to
+        edits = list(self.edits)
+        block = edits[moved.start : moved.stop]
+        del edits[moved.start : moved.stop]
+        edits[to:to] = block
+        if tuple(edits) != tuple(self.edits):
             self.moving.emit(to)
-            self._document.act(lambda session: session.move(row, to))
+            self._document.act(lambda session: session.put(edits, "Move edit"))
 
 
-def columns(edit: Edit) -> tuple[str, str, str]:
-    """When it acts, on what, and how strongly."""
-    start, end = (f"{max(seconds, 0.0):.2f}" for seconds in (edit.start, edit.end))
+def columns(
+    edit: Edit, clip: Clip | None = None, unit: Unit = Unit.SECONDS
+) -> tuple[str, str, str]:
+    """When it acts, on what, and how strongly.
+
+    Args:
+        edit: the edit.
+        clip, unit: for times in frames or timecode; otherwise they are in seconds.
+    """
+    ends = (max(seconds, 0.0) for seconds in (edit.start, edit.end))
+    if clip is None or unit is Unit.SECONDS:
+        start, end = (f"{seconds:.2f}" for seconds in ends)
+        tail = " s"
+    else:
+        start, end = (label(clip, seconds, unit) for seconds in ends)
+        tail = ""
     return (
-        f"{start} s" if start == end else f"{start} – {end} s",
+        f"{start}{tail}" if start == end else f"{start} – {end}{tail}",
         describe_controls(edit.controls),
         f"{100 * edit.strength:.0f} %",
     )

@@ -281,10 +281,6 @@ class Viewport(QWidget):
         """Where the face is seen from."""
         return self._picture.camera
 
-    def camera_for(self, aspect: float) -> Camera:
-        """The camera for a picture of width / height `aspect`, framed as this one is."""
-        return self.camera if self._aim is None else self._picture.aimed(self._aim, aspect)
-
     def project(self, vertices: Sequence[int] | None) -> Doubles | None:
         """Where vertices of the face are in the picture; None if it shows two faces, or none.
 
@@ -295,6 +291,10 @@ class Viewport(QWidget):
             (N, 3): pixels from the left and from the top, and metres in front of the camera.
         """
         return self._picture.project(vertices, self.width(), self.height())
+
+    def camera_for(self, aspect: float) -> Camera:
+        """The camera for a picture of width / height `aspect`, framed as this one is."""
+        return self.camera if self._aim is None else self._picture.aimed(self._aim, aspect)
 
     def reset_camera(self) -> None:
         """Look from the front again."""

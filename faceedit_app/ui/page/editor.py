@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QAbstractSlider,
@@ -19,8 +21,10 @@ from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
+from faceedit_app.ui.media.words_row import WordsRow
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
+from faceedit_app.ui.page.overview import Overview
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.problems_list import ProblemsList
 from faceedit_app.ui.page.proposal_bar import ProposalBar
@@ -53,6 +57,8 @@ class Editor(QWidget):
     ) -> None:
         super().__init__()
         self._document, self._timeline, self._playback = document, timeline, playback
+        self._tools = tools
+        self._take: Path | None = None
         self.settings_bar = SettingsBar(actions, document)
         self.tool_bar = ToolBar(actions, tools)
         self.proposal = ProposalBar(actions, document)
@@ -60,7 +66,10 @@ class Editor(QWidget):
         self.problems = ProblemsBar(document, timeline)
         self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
         self.curves.cover_legend(self.proposal)
+        self.overview = Overview(document, timeline)
+        self.curves.add_row(QWidget(), self.overview)
         self.sound = SoundRow(media, timeline)
+        self.words = WordsRow(actions, document, timeline)
         self.film = FilmPane(media, timeline)
         self.face = FacePane(actions, document, timeline)
         self.edits = EditsPanel(actions, document, timeline)
@@ -84,7 +93,7 @@ class Editor(QWidget):
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)
         self.panes = _splitter(
-            Qt.Orientation.Horizontal, _stacked(self.curves, self.sound), self.side
+            Qt.Orientation.Horizontal, _stacked(self.curves, self.sound, self.words), self.side
         )
         self.panes.setSizes(_SHARES)
         self.panes.setStretchFactor(0, 3)
@@ -104,6 +113,10 @@ class Editor(QWidget):
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
         self.curves.fields.left.connect(document.seal)
+        self.curves.edit_began.connect(self.edits.leave)
+        self.curves.edit_made.connect(self.edits.select_new)
+        self.curves.follow_chosen(lambda: self.edits.chosen_edit)
+        self.face.handles.hand = self.curves.hand
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)
@@ -165,6 +178,9 @@ class Editor(QWidget):
         assert session is not None
         clip = session.take.clip
         self._timeline.open(clip)
+        if session.take.path != self._take:  # not the same one at another frame rate
+            self._restore_settings()
+        self._take = session.take.path
         self.curves.set_session(session)
         self.transport.set_clip(clip)
         self.problems.restart()
@@ -173,8 +189,18 @@ class Editor(QWidget):
         self.edits.refresh()
         self.face.refresh()
 
+    def _restore_settings(self) -> None:
+        """Undo what the last take left on, which nobody expects in the next."""
+        self._timeline.restore_falloffs()
+        self._tools.link(True)
+        self._playback.set_loop(False)
+        self.transport.restore_speed()
+
     def cancel_gesture(self) -> bool:
-        """Esc: close hints, cancel a slider's drag, discard a proposal; False if there is none."""
+        """Esc: close hints, cancel a drag, discard a proposal; False if there is none."""
+        if self.words.strip.is_held:
+            self.words.strip.cancel()
+            return True
         return (
             self.hints.finish()
             or self.settings_bar.cancel()
@@ -184,7 +210,7 @@ class Editor(QWidget):
 
     def mouse_lost(self) -> None:
         """The mouse is lost to another window: end drags and keep their result."""
-        for part in (self.curves, self.sound.waveform, self.face.viewport):
+        for part in (self.curves, self.sound.waveform, self.words.strip, self.face.viewport):
             part.mouse_lost()
         for slider in self.findChildren(QAbstractSlider):
             slider.setSliderDown(False)
@@ -216,14 +242,15 @@ class Editor(QWidget):
             self.edits.reshape(*line.selection, line.falloff, line.falloff_out)
 
 
-def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
-    """Two widgets, one above the other."""
+def _stacked(stretched: QWidget, *fixed: QWidget) -> QWidget:
+    """Widgets, one above the other."""
     box = QWidget()
     column = QVBoxLayout(box)
     column.setContentsMargins(0, 0, 0, 0)
     column.setSpacing(0)
     column.addWidget(stretched, 1)
-    column.addWidget(fixed)
+    for widget in fixed:
+        column.addWidget(widget)
     return box
 
 

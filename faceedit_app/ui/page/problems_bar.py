@@ -9,6 +9,7 @@ from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, 
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QToolTip, QWidget
 
 from faceedit_app.editing.help.problems import Problem, find_problems, problems_of
+from faceedit_app.editing.help.spoken import closures_of
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
@@ -42,6 +43,12 @@ NAMES = {
     "jitter": "shaking",
     "character": "open on your character",
     "dropped": "lost frames",
+}
+ONE = {
+    "lips": "Lips stay open",
+    "blink": "Half blink",
+    "jitter": "Shaking",
+    "dropped": "Lost frames",
 }
 
 
@@ -98,7 +105,7 @@ class ProblemsBar(QWidget):
         self._newest += 1
         number, clip = self._newest, session.take.clip
         weights, controls = session.weights.copy(), session.achieved.copy()
-        rigs = session.rig, session.shown_rig
+        rigs, spoken = (session.rig, session.shown_rig), closures_of(session)
 
         def done(problems: list[Problem]) -> None:
             if number == self._newest and self._document.session is session:
@@ -109,7 +116,10 @@ class ProblemsBar(QWidget):
         def failed(_: Exception) -> None:
             """Show no marks."""
 
-        self._background.run(lambda: problems_of(clip, weights, controls, rigs), done, failed)
+        def work() -> list[Problem]:
+            return problems_of(clip, weights, controls, rigs, spoken)
+
+        self._background.run(work, done, failed)
 
     def search(self) -> None:
         """Search the take as edited."""
@@ -236,7 +246,7 @@ class ProblemsBar(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if not self.problems:
             painter.setFont(style.scaled_font(self, 0.82))
-            painter.setPen(style.color(style.FAINT))
+            painter.setPen(style.color(style.MUTED))
             words = "No problems found" if self.is_searched else "Looking for problems…"
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, words)
             return

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.editing.help.problems import Problem
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Choice, caption, icon_button
-from faceedit_app.ui.page.problems_bar import NAMES, ProblemsBar
+from faceedit_app.ui.page.problems_bar import NAMES, ONE, ProblemsBar
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.clock import shown_time
 from faceedit_app.ui.state.timeline import Timeline
@@ -85,12 +85,12 @@ class ProblemsList(QWidget):
         bar.addStretch()
         bar.addWidget(icon_button(actions["fix_problem"], text="Fix"))
         bar.addWidget(icon_button(actions["fix_all"], text="Fix ticked"))
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addLayout(bar)
-        column.addWidget(rows, 1)
-        column.addWidget(self._empty, 1)
+        stack = QVBoxLayout(self)
+        stack.setContentsMargins(0, 0, 0, 0)
+        stack.setSpacing(0)
+        stack.addLayout(bar)
+        stack.addWidget(rows, 1)
+        stack.addWidget(self._empty, 1)
 
     @property
     def chosen(self) -> tuple[Problem, ...]:
@@ -116,7 +116,10 @@ class ProblemsList(QWidget):
         here = self._bar.current_problem
         with QSignalBlocker(self.rows):
             for row in self._items():
-                row.setSelected(self._bar.problems[row.data(_KIND, _INDEX)] is here)
+                is_here = self._bar.problems[row.data(_KIND, _INDEX)] is here
+                row.setSelected(is_here)
+                if is_here:
+                    self.rows.scrollToItem(row)
 
     def _fill_kinds(self) -> None:
         """Offer the kinds that there are, with their number."""
@@ -175,7 +178,7 @@ class _Row(QTreeWidgetItem):
     """A problem; the columns sort by kind, time and severity, not by their texts."""
 
     def __init__(self, problem: Problem, index: int, time: str) -> None:
-        super().__init__([_label(problem.kind), time, problem.amount])
+        super().__init__([ONE[problem.kind], time, problem.amount])
         keys = problem.kind.value, problem.time, problem.severity
         for column, key in enumerate(keys):
             self.setData(column, _KEY, key)

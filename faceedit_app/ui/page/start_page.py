@@ -9,6 +9,7 @@ from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
+    QProgressBar,
     QPushButton,
     QStackedLayout,
     QVBoxLayout,
@@ -45,7 +46,21 @@ class StartPage(QWidget):
         self._fill(actions)
         self._pages = QStackedLayout(self)
         self._pages.addWidget(self._centered(self._drop))
-        self._pages.addWidget(self.loading)
+        self._pages.addWidget(self._loading_page())
+
+    def _loading_page(self) -> QWidget:
+        page, bar = QWidget(), QProgressBar()
+        bar.setRange(0, 0)  # how long it takes is not known
+        bar.setTextVisible(False)
+        bar.setFixedSize(220, 6)
+        bar.setAccessibleName("Opening")
+        column = QVBoxLayout(page)
+        column.addStretch()
+        column.addWidget(self.loading)
+        column.addSpacing(GAP)
+        column.addWidget(bar, 0, Qt.AlignmentFlag.AlignCenter)
+        column.addStretch()
+        return page
 
     def _fill(self, actions: Actions) -> None:
         sign = QLabel()
@@ -53,7 +68,7 @@ class StartPage(QWidget):
         title = QLabel("Open a tracked face")
         title.setObjectName("title")
         lead = QLabel(
-            "Drop a Live Link Face CSV here, or choose one.\n"
+            "Drop a Live Link Face CSV or a film of a face here, or choose one.\n"
             "Then drag its curves: the face follows, and the rest stays as recorded."
         )
         lead.setObjectName("lead")

@@ -90,7 +90,7 @@ class StatusBar(QStatusBar):
         """Show the state of the model, `loading`, `ready` or `missing`, and why."""
         texts = {
             "loading": "Loading the face model…",
-            "ready": "Ready",
+            "ready": "",
             "missing": "No face model: edits look less natural",
         }
         self.networks.setText(texts[state])

@@ -10,7 +10,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
 from faceedit_app.ui.start import crash, smoke
-from faceedit_app.ui.start.application import application, keep_for_good
+from faceedit_app.ui.start.application import application, keep_for_good, rarely_collect
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.preferences import Preferences
 
@@ -26,6 +26,7 @@ def run(take: Path | None, demo: bool = False, character: Path | None = None) ->
     Returns:
         The process's exit code.
     """
+    rarely_collect()
     app = application()
     crash.install()
     _quit_on_interrupt(app)

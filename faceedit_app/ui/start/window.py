@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.media import is_media
+from faceedit_app.media import is_film, is_media
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import Commands
 from faceedit_app.ui.commands.workspace import Workspace
@@ -34,6 +34,7 @@ if TYPE_CHECKING:  # these import a lot; the window appears first
 
 _FIRST_SIZE = (1440, 900)
 _MESSAGE_MS = 6000
+_SLOW_MS = 400  # of reading, after which the take on the screen is cleared
 
 
 class MainWindow(WindowBase):
@@ -54,6 +55,8 @@ class MainWindow(WindowBase):
         self._preferences, self._background = preferences, workspace.background
         self._can_draw = False  # once the renderer is prepared
         self._draws = False  # once a face has been opened
+        self._slow_reading = QTimer(self, singleShot=True, interval=_SLOW_MS)
+        self._slow_reading.timeout.connect(self._clear)
         self._journal_note = ""  # as last shown
         self._lacks_shown: set[str] = set()  # controls of the open take already warned about
         self.commands = Commands(workspace)
@@ -122,6 +125,7 @@ class MainWindow(WindowBase):
             media.sound_changed,
             media.film_changed,
             media.turned,
+            media.overlay.changed,
             self.sound_player.changed,
         ):
             changed.connect(self.actions_.refresh)
@@ -137,7 +141,7 @@ class MainWindow(WindowBase):
         self, take: Path | None = None, demo: bool = False, character: Path | None = None
     ) -> None:
         """Start loading; call it once the window is on the screen."""
-        self.document.keeps_journal = True
+        self.document.keeps_journal = self.document.awaits_engine = True
         if not offer_recovery(self.workspace):
             if take is not None:
                 self.commands.file.open(take)
@@ -227,6 +231,7 @@ class MainWindow(WindowBase):
         self.settled.emit()
 
     def _continue_without_engine(self, error: Exception) -> None:
+        self.document.settle_engine()
         self.status.set_networks("missing", str(error))
         self.banner.show_message(
             f"The face model could not be loaded, so edits look less natural. {error}",
@@ -277,9 +282,19 @@ class MainWindow(WindowBase):
             self.banner.remove(before)
         self.setWindowModified(not self.document.is_clean)
 
+    def _clear(self) -> None:
+        """Reading takes long: show that instead of the take that it replaces."""
+        self._pages.setCurrentWidget(self.start_page)
+
     def _show_reading(self, text: str) -> None:
-        if self.document.session is None:
-            self.start_page.show_loading(text or None)
+        self.start_page.show_loading(text or None)
+        if self.document.session is not None and self.editor is not None:
+            # What takes long clears the take that it replaces; if it fails, that one comes back.
+            self._pages.setCurrentWidget(self.editor)
+            if text:
+                self._slow_reading.start()
+            else:
+                self._slow_reading.stop()
         if text:
             self.status.showMessage(text)
         else:
@@ -300,6 +315,10 @@ class MainWindow(WindowBase):
         """Open a take or a character, load edits, add sound or film."""
         media = [path for path in paths if is_media(path)]
         path = next((path for path in paths if path not in media), None)
+        film = next((path for path in media if is_film(path)), None)
+        if path is None and film is not None and self.document.session is None:
+            self.commands.file.track(film)
+            return
         self.commands.take.drop(media, opens_take=path is not None)
         if path is None:
             return

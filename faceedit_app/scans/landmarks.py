@@ -103,10 +103,11 @@ def _posed(scan: Scan, axes: Doubles) -> tuple[Rig, Doubles]:
     back = np.eye(4)
     back[:3, :3] = axes.T / scale
     back[:3, 3] = axes.T @ middle
-    return _drawable(((turned - middle) * scale).astype(np.float32), scan), back
+    return drawable(((turned - middle) * scale).astype(np.float32), scan), back
 
 
-def _drawable(vertices: Floats, scan: Scan) -> Rig:
+def drawable(vertices: Floats, scan: Scan) -> Rig:
+    """A scan with its vertices (V, 3) elsewhere, metres, as a rig to draw."""
     colors = np.tile(_CLAY, (len(vertices), 1)) if scan.colors is None else scan.colors
     return Rig(
         neutral=vertices,

@@ -1,0 +1,105 @@
+"""The row of the words: a field to search them, a button, and the strip."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QMenu, QWidget
+
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.look.widgets import icon_button
+from faceedit_app.ui.media.words_strip import HEIGHT, WordsStrip
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
+
+_MENU = ("play_around", "loop", "", "close_on_words", "shape_on_words", "say_clearly", "", "words")
+
+
+class _Search(QLineEdit):
+    """A field whose Esc gives the keys back to the curves."""
+
+    def event(self, event: QEvent) -> bool:
+        """While typing, Esc is not a shortcut."""
+        if (
+            event.type() == QEvent.Type.ShortcutOverride
+            and isinstance(event, QKeyEvent)
+            and event.key() == Qt.Key.Key_Escape
+        ):
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc leaves the field."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.window().setFocus()
+        else:
+            super().keyPressEvent(event)
+
+
+class WordsRow(QWidget):
+    """Under the waveform, aligned with the plots; hidden unless the take has words."""
+
+    def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
+        super().__init__()
+        self._document, self._actions = document, actions
+        self.strip = WordsStrip(document, timeline)
+        self.strip.menu_asked.connect(self._show_menu)
+        self.search = _Search()
+        self.search.setObjectName("find_word")
+        self.search.setPlaceholderText("Find a word")
+        self.search.setAccessibleName("Find a word")
+        self.search.setToolTip(
+            "Type the beginning of a word; Enter selects it, then the next one; Esc leaves."
+        )
+        self.search.setClearButtonEnabled(True)
+        self.search.setFocusPolicy(Qt.FocusPolicy.ClickFocus)  # the keys belong to the curves
+        self.search.setAcceptDrops(False)  # dropped files go to the window
+        self.search.returnPressed.connect(self._find)
+        self.search.textEdited.connect(lambda _text: self._show_found(True))
+        head = QWidget()
+        head.setObjectName("sound_head")
+        head.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        head.setFixedWidth(style.HEADER_WIDTH)
+        line = QHBoxLayout(head)
+        line.setContentsMargins(8, 2, 4, 2)
+        line.setSpacing(2)
+        line.addWidget(self.search, 1)
+        line.addWidget(icon_button(actions["close_on_words"], "small"))
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, style.ROW_GAP, style.RIGHT_MARGIN, style.ROW_GAP)
+        row.setSpacing(0)
+        row.addWidget(head)
+        row.addWidget(self.strip, 1)
+        self.setFixedHeight(HEIGHT + 2 * style.ROW_GAP)
+        self.setObjectName("words_row")
+        for changed in (document.opened, document.changed, document.previewed):
+            changed.connect(self.sync)
+        self.sync()
+
+    def sync(self) -> None:
+        """Show the take's words, or hide."""
+        has_words = self.strip.words is not None
+        if self.isHidden() == has_words:
+            self.setVisible(has_words)
+        if has_words:
+            self.strip.renew()
+
+    def _show_menu(self, place: QPoint) -> None:
+        menu = QMenu(self)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        for name in _MENU:
+            if name:
+                menu.addAction(self._actions[name])
+            else:
+                menu.addSeparator()
+        menu.popup(place)
+
+    def _find(self) -> None:
+        self._show_found(self.strip.find(self.search.text()))
+
+    def _show_found(self, found: bool) -> None:
+        """Show in the field whether the word was found."""
+        self.search.setProperty("refused", not found)
+        self.search.style().polish(self.search)
