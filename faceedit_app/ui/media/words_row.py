@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QMenu, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QWidget
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.look.widgets import icon_button
+from faceedit_app.ui.look.widgets import context_menu, icon_button
 from faceedit_app.ui.media.words_strip import HEIGHT, WordsStrip
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
-_MENU = ("play_around", "loop", "", "close_on_words", "shape_on_words", "say_clearly", "", "words")
+_MENU = (
+    ("play_around", "loop"),
+    ("close_on_words", "shape_on_words", "say_clearly"),
+    ("words", "remove_words"),
+)
 
 
 class _Search(QLineEdit):
@@ -87,14 +91,9 @@ class WordsRow(QWidget):
             self.strip.renew()
 
     def _show_menu(self, place: QPoint) -> None:
-        menu = QMenu(self)
-        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        for name in _MENU:
-            if name:
-                menu.addAction(self._actions[name])
-            else:
-                menu.addSeparator()
-        menu.popup(place)
+        self._actions.refresh()
+        groups = [[self._actions[name] for name in group] for group in _MENU]
+        context_menu(self, *groups).popup(place)
 
     def _find(self) -> None:
         self._show_found(self.strip.find(self.search.text()))
