@@ -12,7 +12,8 @@ from pathlib import Path
 import av
 import numpy as np
 
-from faceedit_app.characters.glb import read_rig, write_rig
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.characters.map_file import read_map
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.scans import read_scan
