@@ -157,7 +157,7 @@ def dialogs_cancelled() -> Iterator[list[str]]:
     for name, ask in before.items():
         answer = _cancelled(ask)
         setattr(dialogs, name, lambda *_args, _answer=answer, **_more: _answer)
-    dialogs.show_error = lambda _parent, error: shown.append(str(error))
+    setattr(dialogs, "show_error", lambda _parent, error: shown.append(str(error)))  # noqa: B010
     try:
         yield shown
     finally:
