@@ -20,6 +20,14 @@ def gaussian(curve: Doubles, sigma: float) -> Doubles:
     return np.convolve(np.pad(curve, half_width, mode="edge"), kernel / kernel.sum(), mode="valid")
 
 
+def smoothed(curves: Doubles, sigma: float) -> Doubles:
+    """Curves (T, C), each smoothed as by `gaussian`; those that are 0 throughout are left out."""
+    smooth = np.zeros_like(curves)
+    for column in np.flatnonzero(curves.any(axis=0)):
+        smooth[:, column] = gaussian(curves[:, column], sigma)
+    return smooth
+
+
 def moving_mean(curves: Doubles, window: int) -> Doubles:
     """The mean of `window` frames around each frame of curves (T, C); the ends are repeated."""
     before = window // 2

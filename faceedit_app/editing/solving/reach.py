@@ -58,6 +58,8 @@ class Reach:
         channels: (K,) columns that may change.
         covariance: (K, K) of the channels in performances.
         coupled: positions (a, b) in `channels` with weight a <= weight b (mouthClose, jawOpen).
+        natural: (K, K) by which the length of a change is judged; None = `covariance`. A take
+            that hardly moves is not a face that can hardly move.
     """
 
     def __init__(
@@ -66,48 +68,61 @@ class Reach:
         channels: Indices,
         covariance: Doubles,
         coupled: tuple[int, int] | None = None,
+        natural: Doubles | None = None,
     ) -> None:
         self._distances, self._channels = distances, channels
         self._covariance, self._coupled = covariance, coupled
+        natural = covariance if natural is None else natural
         gradients = distances.gradients[channels].astype(np.float64)  # (K, C, 3)
         self._moves = gradients.reshape(len(channels), -1)
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
-        self._precision = np.linalg.inv(covariance + 1e-6 * np.eye(len(covariance)))
+        self._precision = np.linalg.inv(natural + 1e-6 * np.eye(len(natural)))
 
     def __call__(
-        self, weights: Doubles, goal: Goal, upper: Doubles, naturalness: float = 1.0
+        self,
+        weights: Doubles,
+        goal: Goal,
+        upper: Doubles,
+        naturalness: float = 1.0,
+        lower: Doubles | None = None,
+        exempt: Bools | None = None,
     ) -> Doubles:
         """The new weights (N, K) of the channels.
 
         Args:
             weights: (N, 52) present weights, of which those of `channels` may change.
             goal: see `Goal`.
-            upper: (N, K) largest allowed weights; the smallest is 0.
+            upper, lower: (N, K) largest and smallest allowed weights; by default, the smallest
+                is 0. A weight that is beyond a bound already may stay there.
             naturalness: 1 limits the length of the change to `NATURAL_LENGTH`, 0 does not.
+            exempt: (N,) frames whose change may have any length; None = none of them.
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
         targets = np.maximum(self._distances.lengths(vectors), 0.0)
         targets += goal.strength * (goal.targets - targets)
         noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
-        frames = _Frames(start, np.minimum(start, 0.0), upper, vectors, targets, noise)
-        limit = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
-        change, lengths = self._search(frames, limit, passed=False)
+        lower = np.minimum(start, 0.0 if lower is None else lower)
+        longest = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
+        limit = np.full(len(start), longest)
+        if exempt is not None:
+            limit[exempt] = np.inf
+        frames = _Frames(start, lower, upper, vectors, targets, noise, limit)
+        change, lengths = self._search(frames, passed=False)
         # Pressed lips may have passed each other: opening them then begins with what seems to
         # close them.
         missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
         if len(missed):
             those = frames.at(missed)
-            other, there = self._search(those, limit, passed=True)
+            other, there = self._search(those, passed=True)
             better = those.cost(there) < those.cost(lengths[missed])
             change[missed[better]] = other[better]
         # Rounding leaves weights such as -1e-17.
         return np.clip(start + change, frames.lower, np.maximum(start, upper))
 
-    def _search(self, frames: _Frames, limit: float, passed: bool) -> tuple[Doubles, Doubles]:
+    def _search(self, frames: _Frames, passed: bool) -> tuple[Doubles, Doubles]:
         """The change of the channels (N, K), and the resulting lengths (N, C), mm.
 
         Args:
-            limit: the longest change, in standard deviations.
             passed: start as if each pair of vertices had passed each other.
         """
         found, there = np.empty_like(frames.start), np.empty_like(frames.targets)
@@ -117,7 +132,7 @@ class Reach:
         for iteration in range(ITERATIONS):
             slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
             aim = self._step(slopes, wanted, frames.noise, change, frozen)
-            aim *= self._shortening(aim, limit)
+            aim *= self._shortening(aim, frames.limit)
             allowed = frames.bounded(aim, self._coupled)
             stopped = frozen | (np.abs(allowed - aim) > 1e-9)
             new, here = self._line_search(frames, here, change, allowed)
@@ -168,7 +183,7 @@ class Reach:
         moved: Doubles = (solved.transpose(0, 2, 1) @ spread)[:, 0]
         return np.where(frozen, held, moved)
 
-    def _shortening(self, change: Doubles, limit: float) -> Doubles:
+    def _shortening(self, change: Doubles, limit: Doubles) -> Doubles:
         """(N, 1) factors that limit the length of each frame's change."""
         length = np.sqrt(((change @ self._precision) * change).sum(axis=1))
         factor: Doubles = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
@@ -233,6 +248,7 @@ class _Frames:
         vectors: (N, C, 3) mm.
         targets: (N, C) mm.
         noise: (N, C) mm², how exactly each target has to be met.
+        limit: (N,) the longest change, in standard deviations.
     """
 
     start: Doubles
@@ -241,10 +257,12 @@ class _Frames:
     vectors: Doubles
     targets: Doubles
     noise: Doubles
+    limit: Doubles
 
     def at(self, rows: Indices | Bools) -> _Frames:
         """Some of the frames."""
         arrays = (self.start, self.lower, self.upper, self.vectors, self.targets, self.noise)
+        arrays += (self.limit,)
         return _Frames(*(array[rows] for array in arrays))
 
     def bounded(self, change: Doubles, coupled: tuple[int, int] | None) -> Doubles:
