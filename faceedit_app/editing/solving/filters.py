@@ -21,10 +21,16 @@ def gaussian(curve: Doubles, sigma: float) -> Doubles:
 
 
 def smoothed(curves: Doubles, sigma: float) -> Doubles:
-    """Curves (T, C), each smoothed as by `gaussian`; those that are 0 throughout are left out."""
-    smooth = np.zeros_like(curves)
-    for column in np.flatnonzero(curves.any(axis=0)):
-        smooth[:, column] = gaussian(curves[:, column], sigma)
+    """Curves (T, C), each smoothed as by `gaussian`; faster, for narrow Gaussians."""
+    half_width = int(4 * sigma + 0.5)
+    kernel = np.exp(-0.5 * (np.arange(half_width + 1) / sigma) ** 2)
+    kernel /= kernel[0] + 2 * kernel[1:].sum()
+    wide = np.pad(curves, ((half_width, half_width), (0, 0)), mode="edge")
+    count = len(curves)
+    smooth: Doubles = kernel[0] * curves
+    for step in range(1, half_width + 1):
+        before, after = half_width - step, half_width + step
+        smooth += kernel[step] * (wide[before : before + count] + wide[after : after + count])
     return smooth
 
 

@@ -212,6 +212,11 @@ class Part:
         beyond = np.clip(np.where(hold > 0, excess, 0.0).max(axis=1, initial=0.0), 0.0, 1.0)
         return self._statistics.bounds(beyond)
 
+    def lengths(self, weights: Doubles) -> Doubles:
+        """(N, C) mm: its own controls with weights (N, 52)."""
+        lengths: Doubles = np.maximum(self._distances.lengths(self._distances.vectors(weights)), 0.0)
+        return lengths
+
     @property
     def idle(self) -> Indices:
         """Positions of channels that stay still, because the take never uses them."""

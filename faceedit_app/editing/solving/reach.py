@@ -30,6 +30,8 @@ ASKED_MM = 0.05
 FREE_MM = 1.5
 # mm that a control may lack before the search is repeated from the other side.
 MISSED_MM = 1.0
+# mm: lids that a tracker has closed too far are parted in full only if they are to be this open.
+APART_MM = 1.0
 # The longest change that still counts as natural, in standard deviations of the prior.
 NATURAL_LENGTH = 4.0
 
@@ -43,11 +45,13 @@ class Goal:
         strength: (N, C) in 0..1, how far to go from the present length to the target.
         asked: (N, C) bool, whether the user asked for this control; the others stay near their
             targets and give way.
+        tolerance: (N, C) mm that a control may miss its target by, added to what all may.
     """
 
     targets: Doubles
     strength: Doubles
     asked: Bools
+    tolerance: Doubles | float = 0.0
 
 
 class Reach:
@@ -98,9 +102,12 @@ class Reach:
             exempt: (N,) frames whose change may have any length; None = none of them.
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
-        targets = np.maximum(self._distances.lengths(vectors), 0.0)
+        lengths = self._distances.lengths(vectors)
+        targets = np.maximum(lengths, 0.0)
         targets += goal.strength * (goal.targets - targets)
-        noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
+        # Vertices that have passed each other come apart little by little.
+        targets += np.minimum(lengths, 0.0) * np.clip(1.0 - targets / APART_MM, 0.0, 1.0)
+        noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2 + np.square(goal.tolerance)
         lower = np.minimum(start, 0.0 if lower is None else lower)
         longest = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
         limit = np.full(len(start), longest)
@@ -279,5 +286,6 @@ class _Frames:
 
         Pairs that have passed each other count as touching.
         """
-        costs: Doubles = ((self.targets - np.maximum(lengths, 0.0)) ** 2 / self.noise).sum(axis=-1)
+        lengths = np.maximum(lengths, np.minimum(self.targets, 0.0))
+        costs: Doubles = ((self.targets - lengths) ** 2 / self.noise).sum(axis=-1)
         return costs

@@ -43,6 +43,8 @@ if TYPE_CHECKING:  # the window is there before the networks
 SAMPLED = 12
 # Seconds of standard deviation of the Gaussian that divides a request into slow and quick.
 QUICK = 0.04
+# How much a curve may miss what is missing for a moment only, as a share of that.
+TWITCH = 2.0
 # The take's closed lips: this percentile of its opening, if that is less than so many mm; else the
 # opening of closed lips in other performances.
 _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
@@ -303,7 +305,8 @@ class Solver:
         here = weights[where]
         influence = influence[np.ix_(where, part.have)]
         targets = wanted[np.ix_(where, part.own_columns)]
-        goal = Goal(targets, settings.reach * strength, asked)
+        tolerance = self._passing(part, weights, wanted, mine.hold)[where]
+        goal = Goal(targets, settings.reach * strength, asked, tolerance)
         lower, upper = (bound[:, part.have] for bound in part.bounds(targets, hold))
         start = here[:, columns]
         still = influence == 0
@@ -313,6 +316,17 @@ class Solver:
         weights[np.ix_(where, columns)] = part.reach(
             here, goal, upper, settings.naturalness, lower, closed
         )
+
+    def _passing(self, part: Part, weights: Doubles, wanted: Doubles, hold: Doubles) -> Doubles:
+        """(N, C) mm: how much of what is missing comes and goes within a few frames.
+
+        Curves that were smoothed one by one are not always those of a face. Where they cannot be
+        met together but by a twitch, they need not be.
+        """
+        own = part.own_columns
+        missing = hold[:, own] * (wanted[:, own] - part.lengths(weights))
+        passing: Doubles = missing - smoothed(missing, QUICK * self.clip.rate)
+        return TWITCH * passing
 
     def _are_closures(self, part: Part, targets: Doubles, asked: Bools) -> Bools:
         """(N,) the frames on which the lips are asked to shut."""

@@ -22,6 +22,8 @@ IDLE = 0.02
 ENOUGH_SECONDS = 1.0
 # Weight of other performances in the covariance, in frames at 25 fps.
 PRIOR_FRAMES = 20.0
+# The same for quick movement, which a few frames show well enough.
+QUICK_PRIOR_FRAMES = 2.0
 # Movement beyond the take's own range that any request may use.
 MARGIN = 0.05
 
@@ -69,7 +71,8 @@ class TakeStatistics:
         if seconds < ENOUGH_SECONDS:
             used = np.ones_like(used)
         weights = np.concatenate(blocks)
-        covariance = _shrunk(_covariance(weights), len(weights), _even(prior, mirror), mirror)
+        even = _even(prior, mirror)
+        covariance = _shrunk(_covariance(weights), len(weights), even, PRIOR_FRAMES, mirror)
         changes = [np.diff(block, 2, axis=0) for block in blocks if len(block) > 2]
         fast = covariance
         if changes:
@@ -77,9 +80,8 @@ class TakeStatistics:
             square = change.T @ change / len(change)
             size = np.trace(square)
             if size > 0:
-                # Shrunk with as little of the slow covariance as that is shrunk to other takes.
                 scaled = square * (np.trace(covariance) / size)
-                fast = _shrunk(scaled, len(change), covariance, mirror)
+                fast = _shrunk(scaled, len(change), covariance, QUICK_PRIOR_FRAMES, mirror)
         live = np.outer(used, used)
         return cls(low, high, used, covariance * live, fast * live)
 
@@ -103,8 +105,11 @@ def _covariance(weights: Doubles) -> Doubles:
     return covariance
 
 
-def _shrunk(own: Doubles, frames: int, prior: Doubles, mirror: Indices) -> Doubles:
-    return (frames * _even(own, mirror) + PRIOR_FRAMES * prior) / (frames + PRIOR_FRAMES)
+def _shrunk(
+    own: Doubles, frames: int, prior: Doubles, prior_frames: float, mirror: Indices
+) -> Doubles:
+    total = frames * _even(own, mirror) + prior_frames * prior
+    return total / (frames + prior_frames)
 
 
 def _even(covariance: Doubles, mirror: Indices) -> Doubles:
