@@ -22,6 +22,9 @@ _GAINS = {
     ("mouthUpperUp", "noseSneer"): 0.68,
     ("mouthPucker", "mouthShrugLower"): 0.30,
 }
+# Channels that performances trained on, most of them ranges of motion, use more than people do
+# when they smile or speak; a take that uses them says so itself.
+_RESERVED = {"mouthStretch": 0.3, "mouthFrown": 0.6, "mouthPress": 0.5}
 # Variance of an accompanying channel that the leaders do not explain.
 _OWN_VARIANCE = 0.002
 
@@ -33,6 +36,11 @@ def gains(leading: Sequence[str], following: Sequence[str]) -> Doubles:
         for j, follower in enumerate(following):
             table[i, j] = _gain(leader, follower)
     return table
+
+
+def use(channels: Sequence[str]) -> Doubles:
+    """(K,) in 0..1, the share of the networks' answer that each channel gives."""
+    return np.array([_RESERVED.get(_side(channel)[0], 1.0) for channel in channels])
 
 
 def with_accompanying(covariance: Doubles, table: Doubles) -> Doubles:

@@ -5,7 +5,8 @@ drops is not one that anybody makes. So the networks are not asked for the track
 other curves but for the most probable ones (the mean of a Gaussian, conditioned on the change of
 the curves that were asked for), under the covariance of the take's own curves.
 
-The other side of a face is held: a wink does not close the other eye.
+The other side of a face is held, and so is what can touch: a wink does not close the other eye, and
+a smile does not part closed lips.
 """
 
 from __future__ import annotations
@@ -27,14 +28,15 @@ class Expectation:
         curves: (T, C) mm: the take at 25 fps.
         prior: (C, C) mm², their covariance in other performances.
         mirror: (C,) the position of each curve's mirror image.
+        held: (C,) curves that change only if they are asked for.
     """
 
-    def __init__(self, curves: Doubles, prior: Doubles, mirror: Indices) -> None:
+    def __init__(self, curves: Doubles, prior: Doubles, mirror: Indices, held: Bools) -> None:
         centred = curves - curves.mean(axis=0)
         covariance = centred.T @ centred + PRIOR_FRAMES * prior
         covariance = covariance / (len(curves) + PRIOR_FRAMES)
         self._covariance = 0.5 * (covariance + covariance[np.ix_(mirror, mirror)])
-        self._mirror = mirror
+        self._mirror, self._held = mirror, held
         self._gains: dict[bytes, Doubles] = {}
 
     def fill(self, change: Doubles, asked: Bools) -> Doubles:
@@ -45,7 +47,7 @@ class Expectation:
             asked: (N, C) whether the edits ask for this curve.
         """
         given = asked | (change != 0)
-        given |= given[:, self._mirror]
+        given |= given[:, self._mirror] | (given.any(axis=1)[:, None] & self._held)
         numbers = given @ (1 << np.arange(given.shape[1]))
         filled = change.copy()
         for number in np.unique(numbers):

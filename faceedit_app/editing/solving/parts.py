@@ -12,7 +12,7 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, MIRRORED_CONTROL, control_named
 from faceedit_app.core.regions import Region
 from faceedit_app.core.rig import Distances
-from faceedit_app.editing.solving.accompanying import gains, with_accompanying
+from faceedit_app.editing.solving.accompanying import gains, use, with_accompanying
 from faceedit_app.editing.solving.answerable import ENOUGH, region_covariance
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
@@ -91,7 +91,9 @@ class Part:
         self.have = np.array([i for i, c in enumerate(self.channels) if c in may], np.intp)
         self.mirror = np.array([self._place(mirrored_channel(c)) for c in self.channels], np.intp)
         self._follow = gains(region.channels, more)
-        self._prior = with_accompanying(region_covariance(region, engine), self._follow)
+        self._use = use(region.channels)
+        covariance = region_covariance(region, engine) * np.outer(self._use, self._use)
+        self._prior = with_accompanying(covariance, self._follow)
         slopes = self._slopes(np.zeros(len(ARKIT_INDEX)))
         self._statistics = TakeStatistics.of(
             sample.low[self.columns],
@@ -160,8 +162,10 @@ class Part:
     def _expectation(self, slopes: Doubles, sample: Sample) -> Expectation:
         curves = np.concatenate(sample.curves)[:, self.own_columns]
         places = {name: i for i, name in enumerate(self.own)}
-        mirror = [places.get(MIRRORED_CONTROL[name], i) for name, i in places.items()]
-        return Expectation(curves, slopes @ self._prior @ slopes.T, np.array(mirror, np.intp))
+        mirror = np.array([places.get(MIRRORED_CONTROL[name], i) for name, i in places.items()])
+        held = np.array([control_named(name).closes is not None for name in self.own], np.bool_)
+        prior = slopes @ self._prior @ slopes.T
+        return Expectation(curves, prior, mirror.astype(np.intp), held)
 
     def _new_reach(self) -> Reach:
         names = [self.channels[i] for i in self.have]
@@ -195,8 +199,8 @@ class Part:
             low[heard], high[heard] = self._model.low, self._model.high + slack
         return low, high
 
-    def bounds(self, wanted: Doubles, hold: Doubles) -> tuple[Doubles, Doubles]:
-        """The smallest and largest weights (N, K).
+    def beyond(self, wanted: Doubles, hold: Doubles) -> Doubles:
+        """(N,) in 0..1: how far a request leaves what the take does, see `TakeStatistics.bounds`.
 
         Args:
             wanted: (N, C) mm of its own controls.
@@ -209,8 +213,13 @@ class Part:
             names = [self.own.index(self._model.controls[i]) for i in places]
             far[names] = _FAR * (self._model.high - self._model.low)[places]
         excess = np.maximum(low - wanted, wanted - high) / far
-        beyond = np.clip(np.where(hold > 0, excess, 0.0).max(axis=1, initial=0.0), 0.0, 1.0)
-        return self._statistics.bounds(beyond)
+        beyond: Doubles = np.where(hold > 0, excess, 0.0).max(axis=1, initial=0.0).clip(0.0, 1.0)
+        return beyond
+
+    def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
+        """The smallest and largest weights (N, K) of the channels that it has."""
+        lower, upper = self._statistics.bounds(beyond)
+        return lower[:, self.have], upper[:, self.have]
 
     def lengths(self, weights: Doubles) -> Doubles:
         """(N, C) mm: its own controls with weights (N, 52)."""
@@ -229,7 +238,7 @@ class Part:
             answer: (N, M) for the channels of the networks.
         """
         count = len(self.region.channels)
-        even = 0.5 * (answer + answer[:, self.mirror[:count]])
+        even = 0.5 * self._use * (answer + answer[:, self.mirror[:count]])
         return np.concatenate([even, even @ self._follow], axis=1)
 
     def last_layer(self, answers: list[Doubles], sample: Sample) -> LastLayer:

@@ -53,6 +53,17 @@ class Goal:
     asked: Bools
     tolerance: Doubles | float = 0.0
 
+    def targets_from(self, lengths: Doubles) -> Doubles:
+        """(N, C) mm where to go from present lengths."""
+        return lengths + self.strength * (self.targets - lengths)
+
+    def at(self, rows: Bools | slice) -> Goal:
+        """The goal on some of the frames."""
+        tolerance = self.tolerance
+        if not isinstance(tolerance, float):
+            tolerance = tolerance[rows]
+        return Goal(self.targets[rows], self.strength[rows], self.asked[rows], tolerance)
+
 
 class Reach:
     """Brings the controls of one region to a goal, each frame by itself.
@@ -103,8 +114,7 @@ class Reach:
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
         lengths = self._distances.lengths(vectors)
-        targets = np.maximum(lengths, 0.0)
-        targets += goal.strength * (goal.targets - targets)
+        targets = goal.targets_from(np.maximum(lengths, 0.0))
         # Vertices that have passed each other come apart little by little.
         targets += np.minimum(lengths, 0.0) * np.clip(1.0 - targets / APART_MM, 0.0, 1.0)
         noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2 + np.square(goal.tolerance)

@@ -45,6 +45,8 @@ SAMPLED = 12
 QUICK = 0.04
 # How much a curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 2.0
+# mm that a curve may miss before the take's own range is left.
+MISSING_MM = 0.2
 # The take's closed lips: this percentile of its opening, if that is less than so many mm; else the
 # opening of closed lips in other performances.
 _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
@@ -307,15 +309,31 @@ class Solver:
         targets = wanted[np.ix_(where, part.own_columns)]
         tolerance = self._passing(part, weights, wanted, mine.hold)[where]
         goal = Goal(targets, settings.reach * strength, asked, tolerance)
-        lower, upper = (bound[:, part.have] for bound in part.bounds(targets, hold))
+        beyond = part.beyond(targets, hold)
+        closed = self._are_closures(part, targets, asked)
         start = here[:, columns]
         still = influence == 0
-        upper = np.where(still, start, np.minimum(upper, _upper(start, influence)))
-        lower = np.where(still, start, lower)
-        closed = self._are_closures(part, targets, asked)
-        weights[np.ix_(where, columns)] = part.reach(
-            here, goal, upper, settings.naturalness, lower, closed
-        )
+
+        def reach(rows: Bools | slice, beyond: Doubles) -> Doubles:
+            lower, upper = part.bounds(beyond)
+            upper = np.minimum(upper, _upper(start[rows], influence[rows]))
+            upper = np.where(still[rows], start[rows], upper)
+            lower = np.where(still[rows], start[rows], lower)
+            part_goal = goal.at(rows)
+            return part.reach(
+                here[rows], part_goal, upper, settings.naturalness, lower, closed[rows]
+            )
+
+        found = here.copy()
+        found[:, columns] = reach(slice(None), beyond)
+        # What the take's own range cannot answer, a wider one has to.
+        missing = np.abs(goal.targets_from(part.lengths(here)) - part.lengths(found))
+        missing = np.where(asked, missing - MISSING_MM - tolerance, 0.0).max(axis=1)
+        short = (missing > 0) & (beyond < 1)
+        if short.any():
+            wider = np.minimum(beyond[short] + missing[short], 1.0)
+            found[np.ix_(short, columns)] = reach(short, wider)
+        weights[np.ix_(where, columns)] = found[:, columns]
 
     def _passing(self, part: Part, weights: Doubles, wanted: Doubles, hold: Doubles) -> Doubles:
         """(N, C) mm: how much of what is missing comes and goes within a few frames.
@@ -325,8 +343,9 @@ class Solver:
         """
         own = part.own_columns
         missing = hold[:, own] * (wanted[:, own] - part.lengths(weights))
-        passing: Doubles = missing - smoothed(missing, QUICK * self.clip.rate)
-        return TWITCH * passing
+        passing = missing - smoothed(missing, QUICK * self.clip.rate)
+        tolerance: Doubles = TWITCH * np.abs(passing)
+        return tolerance
 
     def _are_closures(self, part: Part, targets: Doubles, asked: Bools) -> Bools:
         """(N,) the frames on which the lips are asked to shut."""
