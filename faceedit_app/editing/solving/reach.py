@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.rig import Distances
 
-ITERATIONS = 6
+ITERATIONS = 5
 # Shorter steps, tried if a full one leads farther away.
 STEPS = np.array([0.7, 0.4, 0.2, 0.1, 0.0])
 # A frame is done if its weights moved by no more than this: the next step would be a small part of
@@ -25,6 +25,8 @@ STEPS = np.array([0.7, 0.4, 0.2, 0.1, 0.0])
 SETTLED = 2e-3
 # It is also done if its controls are at their targets: one that was asked for, within 0.016 mm.
 MET = 0.1
+# Or if a step has brought it this little nearer, as a share of what was left: the rest cannot be met.
+GAIN = 0.1
 # Precision of controls that were asked for, and how much the others may give way, mm.
 ASKED_MM = 0.05
 FREE_MM = 1.5
@@ -101,6 +103,7 @@ class Reach:
         naturalness: float = 1.0,
         lower: Doubles | None = None,
         exempt: Bools | None = None,
+        iterations: int = ITERATIONS,
     ) -> Doubles:
         """The new weights (N, K) of the channels.
 
@@ -111,6 +114,7 @@ class Reach:
                 is 0. A weight that is beyond a bound already may stay there.
             naturalness: 1 limits the length of the change to `NATURAL_LENGTH`, 0 does not.
             exempt: (N,) frames whose change may have any length; None = none of them.
+            iterations: how often the distances are linearised.
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
         lengths = self._distances.lengths(vectors)
@@ -124,19 +128,21 @@ class Reach:
         if exempt is not None:
             limit[exempt] = np.inf
         frames = _Frames(start, lower, upper, vectors, targets, noise, limit)
-        change, lengths = self._search(frames, passed=False)
+        change, lengths = self._search(frames, iterations)
         # Pressed lips may have passed each other: opening them then begins with what seems to
         # close them.
         missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
         if len(missed):
             those = frames.at(missed)
-            other, there = self._search(those, passed=True)
+            other, there = self._search(those, iterations, passed=True)
             better = those.cost(there) < those.cost(lengths[missed])
             change[missed[better]] = other[better]
         # Rounding leaves weights such as -1e-17.
         return np.clip(start + change, frames.lower, np.maximum(start, upper))
 
-    def _search(self, frames: _Frames, passed: bool) -> tuple[Doubles, Doubles]:
+    def _search(
+        self, frames: _Frames, iterations: int, passed: bool = False
+    ) -> tuple[Doubles, Doubles]:
         """The change of the channels (N, K), and the resulting lengths (N, C), mm.
 
         Args:
@@ -146,16 +152,19 @@ class Reach:
         rows: slice | Indices = slice(None)  # the frames that are not done yet
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
         here = self._place(frames, frames.vectors)
-        for iteration in range(ITERATIONS):
+        for iteration in range(iterations):
             slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
             aim = self._step(slopes, wanted, frames.noise, change, frozen)
             aim *= self._shortening(aim, frames.limit)
             allowed = frames.bounded(aim, self._coupled)
             stopped = frozen | (np.abs(allowed - aim) > 1e-9)
+            before = here.costs
             new, here = self._line_search(frames, here, change, allowed)
             found[rows], there[rows] = new, here.lengths
             moving = (np.abs(new - change) > SETTLED) | (stopped != frozen)
             going = moving.any(axis=1) & (here.costs > MET)
+            if iteration:  # bounds show in the first step, and are kept to from the second
+                going &= here.costs < (1.0 - GAIN) * before
             change, frozen = new, stopped
             if not going.any():
                 break

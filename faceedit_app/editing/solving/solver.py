@@ -47,6 +47,7 @@ QUICK = 0.04
 TWITCH = 2.0
 # mm that a curve may miss before the take's own range is left.
 MISSING_MM = 0.2
+LAST = 2  # iterations of reach in the wider range
 # The take's closed lips: this percentile of its opening, if that is less than so many mm; else the
 # opening of closed lips in other performances.
 _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
@@ -312,28 +313,31 @@ class Solver:
         beyond = part.beyond(targets, hold)
         closed = self._are_closures(part, targets, asked)
         start = here[:, columns]
-        still = influence == 0
-
-        def reach(rows: Bools | slice, beyond: Doubles) -> Doubles:
-            lower, upper = part.bounds(beyond)
-            upper = np.minimum(upper, _upper(start[rows], influence[rows]))
-            upper = np.where(still[rows], start[rows], upper)
-            lower = np.where(still[rows], start[rows], lower)
-            part_goal = goal.at(rows)
-            return part.reach(
-                here[rows], part_goal, upper, settings.naturalness, lower, closed[rows]
-            )
-
+        lower, upper = self._within(part.bounds(beyond), start, influence)
         found = here.copy()
-        found[:, columns] = reach(slice(None), beyond)
+        found[:, columns] = part.reach(here, goal, upper, settings.naturalness, lower, closed)
         # What the take's own range cannot answer, a wider one has to.
-        missing = np.abs(goal.targets_from(part.lengths(here)) - part.lengths(found))
-        missing = np.where(asked, missing - MISSING_MM - tolerance, 0.0).max(axis=1)
-        short = (missing > 0) & (beyond < 1)
-        if short.any():
-            wider = np.minimum(beyond[short] + missing[short], 1.0)
-            found[np.ix_(short, columns)] = reach(short, wider)
+        targets = goal.targets_from(part.lengths(here))
+        missing = np.abs(targets - part.lengths(found)) - MISSING_MM - tolerance
+        missing = np.where(asked, missing, 0.0).max(axis=1)
+        short = np.flatnonzero((missing > 0) & (beyond < 1))
+        if len(short):
+            wider = part.bounds(np.minimum(beyond[short] + missing[short], 1.0))
+            lower, upper = self._within(wider, start[short], influence[short])
+            rest = Goal(targets, np.ones_like(targets), asked, tolerance).at(short)
+            found[np.ix_(short, columns)] = part.reach(
+                found[short], rest, upper, settings.naturalness, lower, closed[short], LAST
+            )
         weights[np.ix_(where, columns)] = found[:, columns]
+
+    @staticmethod
+    def _within(
+        bounds: tuple[Doubles, Doubles], start: Doubles, influence: Doubles
+    ) -> tuple[Doubles, Doubles]:
+        """Bounds (N, K) that leave alone what no edit influences."""
+        still = influence == 0
+        upper = np.where(still, start, np.minimum(bounds[1], _upper(start, influence)))
+        return np.where(still, start, bounds[0]), upper
 
     def _passing(self, part: Part, weights: Doubles, wanted: Doubles, hold: Doubles) -> Doubles:
         """(N, C) mm: how much of what is missing comes and goes within a few frames.
