@@ -25,6 +25,8 @@ _GAINS = {
 # Channels that performances trained on, most of them ranges of motion, use more than people do
 # when they smile or speak; a take that uses them says so itself.
 _RESERVED = {"mouthStretch": 0.3, "mouthFrown": 0.6, "mouthPress": 0.5}
+# Channels that do not rise while lips are closed.
+STAYS_IN_CLOSURES = ("mouthFrown",)
 # Variance of an accompanying channel that the leaders do not explain.
 _OWN_VARIANCE = 0.002
 
@@ -38,9 +40,14 @@ def gains(leading: Sequence[str], following: Sequence[str]) -> Doubles:
     return table
 
 
+def stem(channel: str) -> str:
+    """A channel's name without its side."""
+    return _side(channel)[0]
+
+
 def use(channels: Sequence[str]) -> Doubles:
     """(K,) in 0..1, the share of the networks' answer that each channel gives."""
-    return np.array([_RESERVED.get(_side(channel)[0], 1.0) for channel in channels])
+    return np.array([_RESERVED.get(stem(channel), 1.0) for channel in channels])
 
 
 def with_accompanying(covariance: Doubles, table: Doubles) -> Doubles:

@@ -15,10 +15,11 @@ minute nearly replaces it. It depends on nothing but the take.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.arrays import Doubles, Indices
 
 # How firmly the coefficients of the curves, and those of their products, are kept near 0, in
 # frames at 25 fps.
@@ -82,7 +83,13 @@ class LastLayer:
         return within
 
 
+@cache
+def _pairs(curves: int) -> tuple[Indices, Indices]:
+    first, second = np.triu_indices(curves)
+    return first, second
+
+
 def _functions(standard: Doubles) -> Doubles:
     """(N, C) -> (N, F): the curves and their products."""
-    first, second = np.triu_indices(standard.shape[1])
+    first, second = _pairs(standard.shape[1])
     return np.concatenate([standard, standard[:, first] * standard[:, second]], axis=1)

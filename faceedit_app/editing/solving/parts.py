@@ -9,10 +9,22 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX, mirrored_channel
 from faceedit_app.core.arrays import Bools, Doubles, Indices
-from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, MIRRORED_CONTROL, control_named
+from faceedit_app.core.controls import (
+    CONTROL_INDEX,
+    CONTROLS,
+    LIP_OPENING,
+    MIRRORED_CONTROL,
+    control_named,
+)
 from faceedit_app.core.regions import Region
 from faceedit_app.core.rig import Distances
-from faceedit_app.editing.solving.accompanying import gains, use, with_accompanying
+from faceedit_app.editing.solving.accompanying import (
+    STAYS_IN_CLOSURES,
+    gains,
+    stem,
+    use,
+    with_accompanying,
+)
 from faceedit_app.editing.solving.answerable import ENOUGH, region_covariance
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
@@ -107,6 +119,14 @@ class Part:
         self._sides = self._own_sides(distances)
         self._range = sample.shortest[self.own_columns], sample.longest[self.own_columns]
         self.expectation = self._expectation(slopes, sample)
+        stays = [i for i in self.have if stem(self.channels[i]) in STAYS_IN_CLOSURES]
+        self.frowns = np.flatnonzero(np.isin(self.have, stays))
+        moving = np.abs(self._distances.gradients).any(axis=(1, 2))
+        moving[self.columns] = True
+        self.sees = np.flatnonzero(moving)
+        self.heard_lips = (
+            self.listens_to.index(LIP_OPENING) if LIP_OPENING in self.listens_to else -1
+        )
         self.reach: Reach | None = None
         if len(self.own) and len(self.have):
             self.reach = self._new_reach()
@@ -223,7 +243,9 @@ class Part:
 
     def lengths(self, weights: Doubles) -> Doubles:
         """(N, C) mm: its own controls with weights (N, 52)."""
-        lengths: Doubles = np.maximum(self._distances.lengths(self._distances.vectors(weights)), 0.0)
+        lengths: Doubles = np.maximum(
+            self._distances.lengths(self._distances.vectors(weights)), 0.0
+        )
         return lengths
 
     @property

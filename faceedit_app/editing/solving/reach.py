@@ -25,7 +25,7 @@ STEPS = np.array([0.7, 0.4, 0.2, 0.1, 0.0])
 SETTLED = 2e-3
 # It is also done if its controls are at their targets: one that was asked for, within 0.016 mm.
 MET = 0.1
-# Or if a step has brought it this little nearer, as a share of what was left: the rest cannot be met.
+# Or if a step has brought it this little nearer, as a share of what was left.
 GAIN = 0.1
 # Precision of controls that were asked for, and how much the others may give way, mm.
 ASKED_MM = 0.05

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Bools, Doubles, Floats
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.regions import REGIONS
@@ -29,11 +28,11 @@ from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.answerable import find_lacks, without
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
+from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
-from faceedit_app.editing.solving.reach import Goal
 from faceedit_app.editing.solving.request import Request, request
 
 if TYPE_CHECKING:  # the window is there before the networks
@@ -41,13 +40,10 @@ if TYPE_CHECKING:  # the window is there before the networks
 
 # Chunks that the statistics of a take are measured on: 12 are 100 s.
 SAMPLED = 12
+# Results of regions that are kept.
+REMEMBERED = 12
 # Seconds of standard deviation of the Gaussian that divides a request into slow and quick.
 QUICK = 0.04
-# How much a curve may miss what is missing for a moment only, as a share of that.
-TWITCH = 2.0
-# mm that a curve may miss before the take's own range is left.
-MISSING_MM = 0.2
-LAST = 2  # iterations of reach in the wider range
 # The take's closed lips: this percentile of its opening, if that is less than so many mm; else the
 # opening of closed lips in other performances.
 _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
@@ -98,12 +94,19 @@ class Solver:
             region.id: Part(region, engine, self.distances, may, self._missing, self._sample)
             for region in REGIONS
         }
+        # Brows move lids, and cheeks do; lids are solved before the mouth, which is edited more often.
+        self._in_order = sorted(self._parts.items(), key=lambda entry: len(entry[1].own))
         self._companions = Companions(
             {part.own: part.control_covariance() for part in self._parts.values()}
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
         self._answers = Answers(engine, self.grid) if engine else None
+        self._combining = {
+            name: Combining(part, self.shut, QUICK * clip.rate)
+            for name, part in self._parts.items()
+        }
+        self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
         self._layers: dict[tuple[str, float], LastLayer] = {}
         self.limits = self._limits()
 
@@ -122,19 +125,24 @@ class Solver:
         extremes = (each.astype(np.float64) for each in (low, high, shortest, longest))
         return Sample(weights, curves, *extremes, self.clip.duration)
 
-    def _last_layer(self, region: str, naturalness: float) -> LastLayer:
-        """The take's own last layer of a region; linear in naturalness, as the answers are."""
+    def _last_layer(self, region: str, settings: Settings) -> LastLayer | None:
+        """The take's own last layer of a region; None if it has no part in the answer."""
+        if self.engine is None or settings.mode is Mode.RESYNTHESIZE:
+            return None
+        return self._fitted_layer(region, settings.naturalness, self.engine)
+
+    def _fitted_layer(self, region: str, naturalness: float, engine: Engine) -> LastLayer:
+        """Linear in naturalness, as the answers are."""
         if 0 < naturalness < 1:
-            ends = self._last_layer(region, 0.0), self._last_layer(region, 1.0)
-            return ends[0].towards(ends[1], naturalness)
+            ends = (self._fitted_layer(region, end, engine) for end in (0.0, 1.0))
+            return next(ends).towards(next(ends), naturalness)
         key = region, naturalness
         if key not in self._layers:
-            assert self.engine is not None
             answers = []
             for chunk in self._sampled:
                 own = self.chunks.own_ranges[chunk]
                 first, last = (int(i) for i in self.chunks.grid_ranges[chunk])
-                answer = self.engine.answer(region, self.grid[first:last], naturalness)
+                answer = engine.answer(region, self.grid[first:last], naturalness)
                 answers.append(answer[own[0] - first : own[1] - first])
             self._layers[key] = self._parts[region].last_layer(answers, self._sample)
         return self._layers[key]
@@ -173,7 +181,7 @@ class Solver:
         mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
         weights = self.tracked[rows].astype(np.float64)
         influences = {}
-        for name, part in self._parts.items():
+        for name, part in self._in_order:
             influence = part.influence(mine.influence)
             if name in task.regions:
                 influence = np.ones_like(influence)
@@ -183,16 +191,22 @@ class Solver:
             change = self._wanted_change(asked, tracked)
             slow = smoothed(change, QUICK * rate)
             answers = self._answer(task, tuple(influences), slow)
-            quick = (change - slow)[inner]
+            change, slow = change[inner], slow[inner]
             for name, influence in influences.items():
                 part = self._parts[name]
-                answer = answers[name]
-                if settings.mode is Mode.PRESERVE:
-                    self._respect_take(part, answer, rows, slow[inner], quick, settings)
-                self._combine(weights, part, answer, influence, rows, settings)
-            wanted = tracked[inner] + change[inner]
-            for name, influence in influences.items():
-                self._reach(weights, self._parts[name], mine, wanted, influence, settings)
+                heard, own = part.heard_columns, part.own_columns
+                wanted = RegionRequest(
+                    settings=settings,
+                    layer=self._last_layer(name, settings),
+                    answer=answers[name],
+                    influence=influence,
+                    slow=slow[:, heard],
+                    before=tracked[inner][:, heard],
+                    quick=(change - slow)[:, own],
+                    wanted=(tracked[inner] + change)[:, own],
+                    hold=mine.hold[:, own],
+                )
+                self._solve_region(task.chunk, name, weights, wanted)
         result = weights.astype(np.float32)
         controls = self.distances.measure(result)
         # The last bits of a matrix product depend on the number of frames.
@@ -249,128 +263,17 @@ class Solver:
                 answers[name] = self._parts[name].whole(answer)
         return answers
 
-    def _respect_take(
-        self,
-        part: Part,
-        answer: Doubles,
-        rows: slice,
-        slow: Doubles,
-        quick: Doubles,
-        settings: Settings,
-    ) -> None:
-        """Add to the networks' answer what this take's face does, in place."""
-        heard = part.heard_columns
-        if self._answers is not None:
-            before = self.controls[rows][:, heard].astype(np.float64)
-            layer = self._last_layer(part.region.id, settings.naturalness)
-            answer += layer.change(before, before + slow[:, heard])
-        if part.reach is not None:
-            answer += quick[:, part.own_columns] @ part.quick
-        answer[:, part.idle] = 0.0
+    def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
+        """Put a region's weights into those of a chunk (N, 52).
 
-    def _combine(
-        self,
-        weights: Doubles,
-        part: Part,
-        answer: Doubles,
-        influence: Doubles,
-        rows: slice,
-        settings: Settings,
-    ) -> None:
-        """Combine the networks' answer with the chunk's weights, within bounds."""
-        columns = part.columns[part.have]
-        answer, influence = answer[:, part.have], influence[:, part.have]
-        old = weights[:, columns]
-        if settings.mode is Mode.PRESERVE:
-            answer = old + influence * answer
-        new = np.clip(answer, np.minimum(old, 0.0), _upper(old, influence))
-        weights[:, columns] = np.where(influence > 0, new, old)
-        if "mouthClose" in part.region.channels:
-            _couple(weights, self.tracked[rows], (influence > 0).any(axis=1))
-
-    def _reach(
-        self,
-        weights: Doubles,
-        part: Part,
-        mine: Request,
-        wanted: Doubles,
-        influence: Doubles,
-        settings: Settings,
-    ) -> None:
-        """Bring the region's own controls the rest of the way to what was asked for."""
-        where = np.flatnonzero(mine.hold[:, part.own_columns].any(axis=1))
-        if not len(where) or part.reach is None or settings.reach == 0:
-            return
-        columns = part.columns[part.have]
-        hold = mine.hold[np.ix_(where, part.own_columns)]
-        asked = hold > 0
-        strength = np.where(asked, hold, hold.max(axis=1, keepdims=True))
-        here = weights[where]
-        influence = influence[np.ix_(where, part.have)]
-        targets = wanted[np.ix_(where, part.own_columns)]
-        tolerance = self._passing(part, weights, wanted, mine.hold)[where]
-        goal = Goal(targets, settings.reach * strength, asked, tolerance)
-        beyond = part.beyond(targets, hold)
-        closed = self._are_closures(part, targets, asked)
-        start = here[:, columns]
-        lower, upper = self._within(part.bounds(beyond), start, influence)
-        found = here.copy()
-        found[:, columns] = part.reach(here, goal, upper, settings.naturalness, lower, closed)
-        # What the take's own range cannot answer, a wider one has to.
-        targets = goal.targets_from(part.lengths(here))
-        missing = np.abs(targets - part.lengths(found)) - MISSING_MM - tolerance
-        missing = np.where(asked, missing, 0.0).max(axis=1)
-        short = np.flatnonzero((missing > 0) & (beyond < 1))
-        if len(short):
-            wider = part.bounds(np.minimum(beyond[short] + missing[short], 1.0))
-            lower, upper = self._within(wider, start[short], influence[short])
-            rest = Goal(targets, np.ones_like(targets), asked, tolerance).at(short)
-            found[np.ix_(short, columns)] = part.reach(
-                found[short], rest, upper, settings.naturalness, lower, closed[short], LAST
-            )
-        weights[np.ix_(where, columns)] = found[:, columns]
-
-    @staticmethod
-    def _within(
-        bounds: tuple[Doubles, Doubles], start: Doubles, influence: Doubles
-    ) -> tuple[Doubles, Doubles]:
-        """Bounds (N, K) that leave alone what no edit influences."""
-        still = influence == 0
-        upper = np.where(still, start, np.minimum(bounds[1], _upper(start, influence)))
-        return np.where(still, start, bounds[0]), upper
-
-    def _passing(self, part: Part, weights: Doubles, wanted: Doubles, hold: Doubles) -> Doubles:
-        """(N, C) mm: how much of what is missing comes and goes within a few frames.
-
-        Curves that were smoothed one by one are not always those of a face. Where they cannot be
-        met together but by a twitch, they need not be.
+        The last result is kept: a drag changes one region, and the others ask for the same again.
         """
-        own = part.own_columns
-        missing = hold[:, own] * (wanted[:, own] - part.lengths(weights))
-        passing = missing - smoothed(missing, QUICK * self.clip.rate)
-        tolerance: Doubles = TWITCH * np.abs(passing)
-        return tolerance
-
-    def _are_closures(self, part: Part, targets: Doubles, asked: Bools) -> Bools:
-        """(N,) the frames on which the lips are asked to shut."""
-        if LIP_OPENING not in part.own:
-            return np.zeros(len(targets), np.bool_)
-        lips = part.own.index(LIP_OPENING)
-        closures: Bools = asked[:, lips] & (targets[:, lips] <= self.shut + 0.01)
-        return closures
-
-
-def _upper(old: Doubles, influence: Doubles) -> Doubles:
-    """The largest weight: 1; a tracked value above 1 is reduced only as the edit fades in."""
-    return 1.0 + np.maximum(old - 1.0, 0.0) * (1.0 - influence)
-
-
-def _couple(weights: Doubles, tracked: Floats, where: Bools) -> None:
-    """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
-
-    If the take itself exceeds this, the same excess is allowed.
-    """
-    close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
-    slack = np.maximum(tracked[:, close].astype(np.float64) - tracked[:, jaw], 0.0)
-    limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
-    weights[where, close] = limit[where]
+        part = self._parts[name]
+        seen = weights[:, part.sees]
+        known = self._solved.pop((chunk, name), None)
+        if known is None or not (np.array_equal(known[1], seen) and known[0].equals(asked)):
+            known = asked, seen, self._combining[name](weights, asked)
+        self._solved[chunk, name] = known
+        while len(self._solved) > REMEMBERED:
+            del self._solved[next(iter(self._solved))]  # the least recently used
+        weights[:, part.columns[part.have]] = known[2]

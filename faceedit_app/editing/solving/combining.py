@@ -1,0 +1,200 @@
+"""One region of one chunk: the answer combined with the take, within its bounds, then reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Bools, Doubles
+from faceedit_app.core.controls import LIP_OPENING
+from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.solving.filters import smoothed
+from faceedit_app.editing.solving.last_layer import LastLayer
+from faceedit_app.editing.solving.parts import Part
+from faceedit_app.editing.solving.reach import Goal
+
+# How much a curve may miss what is missing for a moment only, as a share of that.
+TWITCH = 2.0
+# mm that a curve may miss before the take's own range is left.
+MISSING_MM = 0.2
+LAST = 2  # iterations of reach in the wider range
+# mm by which lips have to close until a frown may not rise at all.
+_CLOSING_MM = 0.5
+
+
+@dataclass(frozen=True)
+class RegionRequest:
+    """What is asked of a region on the N frames of a chunk.
+
+    Attributes:
+        settings: how edits are answered.
+        layer: the take's own last layer; None without networks, or to resynthesize.
+        answer: (N, K) what the networks add to (preserve) or replace (resynthesize).
+        influence: (N, K) in 0..1, where each channel may answer.
+        slow: (N, H) mm, the slow part of the change of the curves that the region listens to.
+        before: (N, H) mm, these curves as tracked.
+        quick: (N, C) mm, the quick part of the change of its own curves.
+        wanted: (N, C) mm, its own curves as they should be.
+        hold: (N, C) in 0..1, how firmly its own curves are asked for.
+    """
+
+    settings: Settings
+    layer: LastLayer | None
+    answer: Doubles
+    influence: Doubles
+    slow: Doubles
+    before: Doubles
+    quick: Doubles
+    wanted: Doubles
+    hold: Doubles
+
+    def equals(self, other: RegionRequest) -> bool:
+        """Whether another request asks for exactly the same."""
+        for each in fields(self):
+            mine, theirs = getattr(self, each.name), getattr(other, each.name)
+            if isinstance(mine, np.ndarray):
+                if not np.array_equal(mine, theirs):
+                    return False
+            elif mine is not theirs and (each.name == "layer" or mine != theirs):
+                return False
+        return True
+
+
+class Combining:
+    """Computes the weights of one region.
+
+    Args:
+        part: the region.
+        shut: mm between the take's closed lips.
+        quick: frames of standard deviation of the Gaussian that divides slow from quick.
+    """
+
+    def __init__(self, part: Part, shut: float, quick: float) -> None:
+        self._part, self._shut, self._quick = part, shut, quick
+        self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
+
+    def __call__(self, weights: Doubles, asked: RegionRequest) -> Doubles:
+        """(N, K) weights of the channels that the take has.
+
+        Args:
+            weights: (N, 52) as tracked, and as solved for regions before this one.
+            asked: what is asked for.
+        """
+        part = self._part
+        result, columns = weights.copy(), part.columns[part.have]
+        most = self._most(weights[:, columns], asked)
+        self._combine(result, asked, most)
+        if part.reach is not None and asked.settings.reach > 0:
+            where = np.flatnonzero(asked.hold.any(axis=1))
+            if len(where):
+                self._reach(result, asked, most, where)
+        return result[:, columns]
+
+    def _most(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
+        """(N, K) the largest weights that any answer may give.
+
+        That is 1; a tracked value above it is reduced only as the edit fades in. And lips that
+        are asked to close do not frown, unless the corners of the mouth are asked for as well.
+        """
+        part = self._part
+        most: Doubles = 1.0 + np.maximum(tracked - 1.0, 0.0) * (1.0 - asked.influence[:, part.have])
+        if self._lips is not None and len(part.frowns) and asked.settings.mode is Mode.PRESERVE:
+            closing = -asked.slow[:, part.heard_lips] / _CLOSING_MM
+            alone = ~(np.delete(asked.hold, self._lips, axis=1) > 0).any(axis=1)
+            firm = np.clip(closing, 0.0, 1.0) * alone
+            frowns = tracked[:, part.frowns]
+            most[:, part.frowns] = np.maximum(
+                frowns, most[:, part.frowns] - firm[:, None] * (most[:, part.frowns] - frowns)
+            )
+        return most
+
+    def _combine(self, weights: Doubles, asked: RegionRequest, most: Doubles) -> None:
+        """Combine the networks' answer with the weights (N, 52), in place."""
+        part = self._part
+        columns, influence = part.columns[part.have], asked.influence[:, part.have]
+        old, answer = weights[:, columns], asked.answer
+        if asked.settings.mode is Mode.PRESERVE:
+            if asked.layer is not None:
+                answer = answer + asked.layer.change(asked.before, asked.before + asked.slow)
+            if part.reach is not None:
+                answer = answer + asked.quick @ part.quick
+            answer[:, part.idle] = 0.0
+            answer = old + influence * answer[:, part.have]
+        else:
+            answer = answer[:, part.have]
+        new = np.clip(answer, np.minimum(old, 0.0), most)
+        weights[:, columns] = np.where(influence > 0, new, old)
+        if "mouthClose" in part.region.channels:
+            _couple(weights, old, columns, (influence > 0).any(axis=1))
+
+    def _reach(
+        self, weights: Doubles, asked: RegionRequest, most: Doubles, where: np.ndarray
+    ) -> None:
+        """Bring the region's own controls the rest of the way to what was asked for, in place."""
+        part, columns = self._part, self._part.columns[self._part.have]
+        naturalness = asked.settings.naturalness
+        lengths = part.lengths(weights)
+        tolerance = self._passing(asked, lengths)[where]
+        hold, wanted = asked.hold[where], asked.wanted[where]
+        mask = hold > 0
+        strength = asked.settings.reach * np.where(mask, hold, hold.max(axis=1, keepdims=True))
+        goal = Goal(wanted, strength, mask, tolerance)
+        here = weights[where]
+        start, still = here[:, columns], asked.influence[where][:, part.have] == 0
+        beyond, closed = part.beyond(wanted, hold), self._are_closures(wanted, mask)
+        lower, upper = _within(part.bounds(beyond), start, still, most[where])
+        found = here.copy()
+        found[:, columns] = part.reach(here, goal, upper, naturalness, lower, closed)
+        # What the take's own range cannot answer, a wider one has to.
+        targets = goal.targets_from(lengths[where])
+        missing = np.abs(targets - part.lengths(found)) - MISSING_MM - tolerance
+        missing = np.where(mask, missing, 0.0).max(axis=1)
+        short = np.flatnonzero((missing > 0) & (beyond < 1))
+        if len(short):
+            wider = part.bounds(np.minimum(beyond[short] + missing[short], 1.0))
+            lower, upper = _within(wider, start[short], still[short], most[where][short])
+            rest = Goal(targets, np.ones_like(targets), mask, tolerance).at(short)
+            found[np.ix_(short, columns)] = part.reach(
+                found[short], rest, upper, naturalness, lower, closed[short], LAST
+            )
+        weights[where] = found
+
+    def _passing(self, asked: RegionRequest, lengths: Doubles) -> Doubles:
+        """(N, C) mm: how much of what is missing comes and goes within a few frames.
+
+        Curves that were smoothed one by one are not always those of a face. Where they cannot be
+        met together but by a twitch, they need not be.
+        """
+        missing = asked.hold * (asked.wanted - lengths)
+        tolerance: Doubles = TWITCH * np.abs(missing - smoothed(missing, self._quick))
+        return tolerance
+
+    def _are_closures(self, wanted: Doubles, asked: Bools) -> Bools:
+        """(N,) the frames on which the lips are asked to shut."""
+        if self._lips is None:
+            return np.zeros(len(wanted), np.bool_)
+        closures: Bools = asked[:, self._lips] & (wanted[:, self._lips] <= self._shut + 0.01)
+        return closures
+
+
+def _within(
+    bounds: tuple[Doubles, Doubles], start: Doubles, still: Bools, most: Doubles
+) -> tuple[Doubles, Doubles]:
+    """Bounds (N, K) that leave alone what no edit influences."""
+    upper = np.where(still, start, np.minimum(bounds[1], most))
+    return np.where(still, start, bounds[0]), upper
+
+
+def _couple(weights: Doubles, old: Doubles, columns: np.ndarray, where: Bools) -> None:
+    """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
+
+    If the take itself exceeds this, the same excess is allowed.
+    """
+    close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
+    before = weights.copy()
+    before[:, columns] = old
+    slack = np.maximum(before[:, close] - before[:, jaw], 0.0)
+    limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
+    weights[where, close] = limit[where]
