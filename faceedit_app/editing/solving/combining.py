@@ -17,9 +17,9 @@ from faceedit_app.editing.solving.reach import Goal
 
 # How much a curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 2.0
-# mm that a curve may miss before the take's own range is left.
-MISSING_MM = 0.2
-LAST = 2  # iterations of reach in the wider range
+# The take's own range is left, little by little, for a curve that misses its target by this much,
+# and for a change that is longer than so many standard deviations of natural ones.
+MISSING_MM, LONG = 0.2, 3.0
 # mm by which lips have to close until a frown may not rise at all.
 _CLOSING_MM = 0.5
 
@@ -33,10 +33,10 @@ class RegionRequest:
         layer: the take's own last layer; None without networks, or to resynthesize.
         answer: (N, K) what the networks add to (preserve) or replace (resynthesize).
         influence: (N, K) in 0..1, where each channel may answer.
-        slow: (N, H) mm, the slow part of the change of the curves that the region listens to.
+        slow: (N, H) mm, the slow part of the change of the curves that the networks listen to.
         before: (N, H) mm, these curves as tracked.
         quick: (N, C) mm, the quick part of the change of its own curves.
-        wanted: (N, C) mm, its own curves as they should be.
+        tracked, wanted: (N, C) mm, its own curves as they are and as they should be.
         hold: (N, C) in 0..1, how firmly its own curves are asked for.
     """
 
@@ -47,6 +47,7 @@ class RegionRequest:
     slow: Doubles
     before: Doubles
     quick: Doubles
+    tracked: Doubles
     wanted: Doubles
     hold: Doubles
 
@@ -101,7 +102,7 @@ class Combining:
         part = self._part
         most: Doubles = 1.0 + np.maximum(tracked - 1.0, 0.0) * (1.0 - asked.influence[:, part.have])
         if self._lips is not None and len(part.frowns) and asked.settings.mode is Mode.PRESERVE:
-            closing = -asked.slow[:, part.heard_lips] / _CLOSING_MM
+            closing = (asked.tracked - asked.wanted)[:, self._lips] / _CLOSING_MM
             alone = ~(np.delete(asked.hold, self._lips, axis=1) > 0).any(axis=1)
             firm = np.clip(closing, 0.0, 1.0) * alone
             frowns = tracked[:, part.frowns]
@@ -119,7 +120,7 @@ class Combining:
             if asked.layer is not None:
                 answer = answer + asked.layer.change(asked.before, asked.before + asked.slow)
             if part.reach is not None:
-                answer = answer + asked.quick @ part.quick
+                answer = answer + asked.settings.reach * (asked.quick @ part.quick)
             answer[:, part.idle] = 0.0
             answer = old + influence * answer[:, part.have]
         else:
@@ -145,21 +146,22 @@ class Combining:
         start, still = here[:, columns], asked.influence[where][:, part.have] == 0
         beyond, closed = part.beyond(wanted, hold), self._are_closures(wanted, mask)
         lower, upper = _within(part.bounds(beyond), start, still, most[where])
+        result = part.reach(here, goal, upper, naturalness, lower, closed)
         found = here.copy()
-        found[:, columns] = part.reach(here, goal, upper, naturalness, lower, closed)
-        # What the take's own range cannot answer, a wider one has to.
-        targets = goal.targets_from(lengths[where])
-        missing = np.abs(targets - part.lengths(found)) - MISSING_MM - tolerance
-        missing = np.where(mask, missing, 0.0).max(axis=1)
-        short = np.flatnonzero((missing > 0) & (beyond < 1))
+        found[:, columns] = result
+        missing = np.abs(goal.targets_from(lengths[where]) - part.lengths(found))
+        missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1)
+        share = np.maximum(missing, part.reach.length(result - start) - LONG).clip(0.0, 1.0)
+        short = np.flatnonzero(share > 0)
         if len(short):
-            wider = part.bounds(np.minimum(beyond[short] + missing[short], 1.0))
-            lower, upper = _within(wider, start[short], still[short], most[where][short])
-            rest = Goal(targets, np.ones_like(targets), mask, tolerance).at(short)
-            found[np.ix_(short, columns)] = part.reach(
-                found[short], rest, upper, naturalness, lower, closed[short], LAST
+            # What the take itself cannot answer, or only by an improbable face, others can.
+            everything = part.bounds(np.ones(len(short)))
+            lower, upper = _within(everything, start[short], still[short], most[where][short])
+            wide = part.wide_reach(
+                here[short], goal.at(short), upper, naturalness, lower, closed[short]
             )
-        weights[where] = found
+            result[short] += share[short, None] * (wide - result[short])
+        weights[np.ix_(where, columns)] = result
 
     def _passing(self, asked: RegionRequest, lengths: Doubles) -> Doubles:
         """(N, C) mm: how much of what is missing comes and goes within a few frames.

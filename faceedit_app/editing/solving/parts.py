@@ -12,7 +12,6 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import (
     CONTROL_INDEX,
     CONTROLS,
-    LIP_OPENING,
     MIRRORED_CONTROL,
     control_named,
 )
@@ -77,6 +76,7 @@ class Part:
         have: positions of the channels that may change, because the take has them.
         mirror: (K,) the position of each channel's mirror image.
         reach: brings its own controls to a goal; None if it has none or no channel may change.
+        wide_reach: the same, for what the take itself does not show.
     """
 
     def __init__(
@@ -95,6 +95,7 @@ class Part:
         self._distances = distances.select(self.own_columns)
         heard = self._model.controls if self._model else region.controls
         self.listens_to = tuple(dict.fromkeys((*heard, *self.own)))
+        self.layer_columns = np.array([CONTROL_INDEX[name] for name in heard], np.intp)
         self.heard_columns = np.array([CONTROL_INDEX[name] for name in self.listens_to], np.intp)
         moves = sample.high - sample.low > IDLE
         more = [c for c in region.accompanying if c in may and moves[ARKIT_INDEX[c]]]
@@ -124,12 +125,10 @@ class Part:
         moving = np.abs(self._distances.gradients).any(axis=(1, 2))
         moving[self.columns] = True
         self.sees = np.flatnonzero(moving)
-        self.heard_lips = (
-            self.listens_to.index(LIP_OPENING) if LIP_OPENING in self.listens_to else -1
-        )
         self.reach: Reach | None = None
         if len(self.own) and len(self.have):
-            self.reach = self._new_reach()
+            self.reach = self._new_reach(self._statistics.covariance)
+            self.wide_reach = self._new_reach(self._statistics.wide)
             self.quick = self._quick_gain(np.median(np.concatenate(sample.weights), axis=0))
 
     def _place(self, channel: str) -> int:
@@ -187,14 +186,13 @@ class Part:
         prior = slopes @ self._prior @ slopes.T
         return Expectation(curves, prior, mirror.astype(np.intp), held)
 
-    def _new_reach(self) -> Reach:
+    def _new_reach(self, covariance: Doubles) -> Reach:
         names = [self.channels[i] for i in self.have]
         both = {"mouthClose", "jawOpen"} <= set(names)
         coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
         have = np.ix_(self.have, self.have)
-        covariance = self._statistics.covariance[have]
         columns = self.columns[self.have]
-        return Reach(self._distances, columns, covariance, coupled, self._prior[have])
+        return Reach(self._distances, columns, covariance[have], coupled, self._prior[have])
 
     def _quick_gain(self, pose: Doubles) -> Doubles:
         """(C, K) the most probable quick change of the channels for each millimetre."""
@@ -269,6 +267,6 @@ class Part:
         Args:
             answers: (N, M) the networks' answer to each stretch of the sample.
         """
-        curves = np.concatenate(sample.curves)[:, self.heard_columns]
+        curves = np.concatenate(sample.curves)[:, self.layer_columns]
         weights = np.concatenate(sample.weights)[:, self.columns]
         return LastLayer.fit(curves, weights - self.whole(np.concatenate(answers)))

@@ -211,9 +211,14 @@ class Reach:
 
     def _shortening(self, change: Doubles, limit: Doubles) -> Doubles:
         """(N, 1) factors that limit the length of each frame's change."""
-        length = np.sqrt(((change @ self._precision) * change).sum(axis=1))
+        length = self.length(change)
         factor: Doubles = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
         return factor
+
+    def length(self, change: Doubles) -> Doubles:
+        """(N,) the length of changes (N, K), in standard deviations of natural ones."""
+        square: Doubles = ((change @ self._precision) * change).sum(axis=1)
+        return np.sqrt(square)
 
     def _line_search(
         self, frames: _Frames, here: _Place, old: Doubles, new: Doubles

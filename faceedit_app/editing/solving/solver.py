@@ -94,7 +94,7 @@ class Solver:
             region.id: Part(region, engine, self.distances, may, self._missing, self._sample)
             for region in REGIONS
         }
-        # Brows move lids, and cheeks do; lids are solved before the mouth, which is edited more often.
+        # Brows move lids a little; the mouth, which is edited most, comes last.
         self._in_order = sorted(self._parts.items(), key=lambda entry: len(entry[1].own))
         self._companions = Companions(
             {part.own: part.control_covariance() for part in self._parts.values()}
@@ -194,7 +194,7 @@ class Solver:
             change, slow = change[inner], slow[inner]
             for name, influence in influences.items():
                 part = self._parts[name]
-                heard, own = part.heard_columns, part.own_columns
+                heard, own = part.layer_columns, part.own_columns
                 wanted = RegionRequest(
                     settings=settings,
                     layer=self._last_layer(name, settings),
@@ -203,6 +203,7 @@ class Solver:
                     slow=slow[:, heard],
                     before=tracked[inner][:, heard],
                     quick=(change - slow)[:, own],
+                    tracked=tracked[inner][:, own],
                     wanted=(tracked[inner] + change)[:, own],
                     hold=mine.hold[:, own],
                 )

@@ -36,6 +36,8 @@ class TakeStatistics:
         low, high: (K,) the smallest and the largest weight.
         used: (K,) whether the channel moves at all.
         covariance: (K, K) of the weights; 0 for idle channels.
+        wide: (K, K) the mean of the take's covariance and that of other performances, idle
+            channels included, for what the take itself cannot answer.
         fast: (K, K) covariance of quick movement (second differences at 25 fps), scaled to the
             trace of `covariance`; 0 for idle channels.
     """
@@ -44,6 +46,7 @@ class TakeStatistics:
     high: Doubles
     used: Bools
     covariance: Doubles
+    wide: Doubles
     fast: Doubles
 
     @classmethod
@@ -83,7 +86,8 @@ class TakeStatistics:
                 scaled = square * (np.trace(covariance) / size)
                 fast = _shrunk(scaled, len(change), covariance, QUICK_PRIOR_FRAMES, mirror)
         live = np.outer(used, used)
-        return cls(low, high, used, covariance * live, fast * live)
+        wide = 0.5 * (covariance + even)
+        return cls(low, high, used, covariance * live, wide, fast * live)
 
     def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
         """The smallest and largest weights (N, K) for requests on N frames.
