@@ -7,19 +7,18 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Bools, Doubles
+from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import Part
-from faceedit_app.editing.solving.reach import Goal
+from faceedit_app.editing.solving.reach import Goal, Reach
 
 # How much a curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 2.0
-# The take's own range is left, little by little, for a curve that misses its target by this much,
-# and for a change that is longer than so many standard deviations of natural ones.
-MISSING_MM, LONG = 0.2, 3.0
+# The take's own range is left, little by little, for a curve that misses its target by this much.
+MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.
 _CLOSING_MM = 0.5
 
@@ -32,6 +31,7 @@ class RegionRequest:
         settings: how edits are answered.
         layer: the take's own last layer; None without networks, or to resynthesize.
         answer: (N, K) what the networks add to (preserve) or replace (resynthesize).
+        unlike: (N,) in 0..1, how unlike the take this request is.
         influence: (N, K) in 0..1, where each channel may answer.
         slow: (N, H) mm, the slow part of the change of the curves that the networks listen to.
         before: (N, H) mm, these curves as tracked.
@@ -43,6 +43,7 @@ class RegionRequest:
     settings: Settings
     layer: LastLayer | None
     answer: Doubles
+    unlike: Doubles
     influence: Doubles
     slow: Doubles
     before: Doubles
@@ -117,11 +118,13 @@ class Combining:
         columns, influence = part.columns[part.have], asked.influence[:, part.have]
         old, answer = weights[:, columns], asked.answer
         if asked.settings.mode is Mode.PRESERVE:
+            unlike = asked.unlike[:, None]
+            answer = part.whole(answer, unlike)
             if asked.layer is not None:
-                answer = answer + asked.layer.change(asked.before, asked.before + asked.slow)
+                answer += asked.layer.change(asked.before, asked.before + asked.slow)
             if part.reach is not None:
-                answer = answer + asked.settings.reach * (asked.quick @ part.quick)
-            answer[:, part.idle] = 0.0
+                answer += asked.settings.reach * (asked.quick @ part.quick)
+            answer[:, part.idle] *= unlike
             answer = old + influence * answer[:, part.have]
         else:
             answer = answer[:, part.have]
@@ -130,38 +133,39 @@ class Combining:
         if "mouthClose" in part.region.channels:
             _couple(weights, old, columns, (influence > 0).any(axis=1))
 
-    def _reach(
-        self, weights: Doubles, asked: RegionRequest, most: Doubles, where: np.ndarray
-    ) -> None:
+    def _reach(self, weights: Doubles, asked: RegionRequest, most: Doubles, where: Indices) -> None:
         """Bring the region's own controls the rest of the way to what was asked for, in place."""
-        part, columns = self._part, self._part.columns[self._part.have]
-        naturalness = asked.settings.naturalness
+        part, naturalness = self._part, asked.settings.naturalness
+        columns = part.columns[part.have]
         lengths = part.lengths(weights)
         tolerance = self._passing(asked, lengths)[where]
         hold, wanted = asked.hold[where], asked.wanted[where]
         mask = hold > 0
         strength = asked.settings.reach * np.where(mask, hold, hold.max(axis=1, keepdims=True))
-        goal = Goal(wanted, strength, mask, tolerance)
-        here = weights[where]
-        start, still = here[:, columns], asked.influence[where][:, part.have] == 0
-        beyond, closed = part.beyond(wanted, hold), self._are_closures(wanted, mask)
-        lower, upper = _within(part.bounds(beyond), start, still, most[where])
-        result = part.reach(here, goal, upper, naturalness, lower, closed)
-        found = here.copy()
-        found[:, columns] = result
-        missing = np.abs(goal.targets_from(lengths[where]) - part.lengths(found))
-        missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1)
-        share = np.maximum(missing, part.reach.length(result - start) - LONG).clip(0.0, 1.0)
-        short = np.flatnonzero(share > 0)
-        if len(short):
-            # What the take itself cannot answer, or only by an improbable face, others can.
-            everything = part.bounds(np.ones(len(short)))
-            lower, upper = _within(everything, start[short], still[short], most[where][short])
-            wide = part.wide_reach(
-                here[short], goal.at(short), upper, naturalness, lower, closed[short]
-            )
-            result[short] += share[short, None] * (wide - result[short])
-        weights[np.ix_(where, columns)] = result
+        aim = _Aim(
+            here=weights[where],
+            goal=Goal(wanted, strength, mask, tolerance),
+            still=asked.influence[where][:, part.have] == 0,
+            most=most[where],
+            closed=self._are_closures(wanted, mask),
+        )
+        found, share = aim.here.copy(), asked.unlike[where].copy()
+        alike = np.flatnonzero(share < 1)
+        if len(alike):
+            bounds = part.bounds(part.beyond(wanted[alike], hold[alike]))
+            near = aim.at(alike).solve(part.reach, columns, bounds, naturalness)
+            found[np.ix_(alike, columns)] = near
+            missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))[alike]
+            missing = np.where(mask[alike], missing - MISSING_MM - tolerance[alike], 0.0)
+            share[alike] = np.maximum(share[alike], missing.max(axis=1)).clip(0.0, 1.0)
+        rest = np.flatnonzero(share > 0)
+        if len(rest):
+            # What the take does not show, others do.
+            bounds = part.bounds(np.ones(len(rest)))
+            wide = aim.at(rest).solve(part.wide_reach, columns, bounds, naturalness)
+            near = found[np.ix_(rest, columns)]
+            found[np.ix_(rest, columns)] = near + share[rest, None] * (wide - near)
+        weights[where] = found
 
     def _passing(self, asked: RegionRequest, lengths: Doubles) -> Doubles:
         """(N, C) mm: how much of what is missing comes and goes within a few frames.
@@ -181,15 +185,49 @@ class Combining:
         return closures
 
 
-def _within(
-    bounds: tuple[Doubles, Doubles], start: Doubles, still: Bools, most: Doubles
-) -> tuple[Doubles, Doubles]:
-    """Bounds (N, K) that leave alone what no edit influences."""
-    upper = np.where(still, start, np.minimum(bounds[1], most))
-    return np.where(still, start, bounds[0]), upper
+@dataclass(frozen=True)
+class _Aim:
+    """What reach starts from and aims at, on N frames.
+
+    Attributes:
+        here: (N, 52) weights.
+        goal: see `Goal`.
+        still: (N, K) channels that no edit influences.
+        most: (N, K) the largest weights that any answer may give.
+        closed: (N,) frames on which the lips are asked to shut.
+    """
+
+    here: Doubles
+    goal: Goal
+    still: Bools
+    most: Doubles
+    closed: Bools
+
+    def at(self, rows: Indices) -> _Aim:
+        """The aim on some of the frames."""
+        return _Aim(
+            self.here[rows],
+            self.goal.at(rows),
+            self.still[rows],
+            self.most[rows],
+            self.closed[rows],
+        )
+
+    def solve(
+        self,
+        reach: Reach,
+        columns: Indices,
+        bounds: tuple[Doubles, Doubles],
+        naturalness: float,
+    ) -> Doubles:
+        """(N, K) the weights of `columns` that reach finds within bounds, (N, K) each."""
+        start = self.here[:, columns]
+        lower = np.where(self.still, start, bounds[0])
+        upper = np.where(self.still, start, np.minimum(bounds[1], self.most))
+        return reach(self.here, self.goal, upper, naturalness, lower, self.closed)
 
 
-def _couple(weights: Doubles, old: Doubles, columns: np.ndarray, where: Bools) -> None:
+def _couple(weights: Doubles, old: Doubles, columns: Indices, where: Bools) -> None:
     """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
 
     If the take itself exceeds this, the same excess is allowed.

@@ -37,6 +37,8 @@ class Expectation:
         covariance = covariance / (len(curves) + PRIOR_FRAMES)
         self._covariance = 0.5 * (covariance + covariance[np.ix_(mirror, mirror)])
         self._mirror, self._held = mirror, held
+        size = len(self._covariance)
+        self._precision = np.linalg.inv(self._covariance + JITTER * np.eye(size))
         self._gains: dict[bytes, Doubles] = {}
 
     def fill(self, change: Doubles, asked: Bools) -> Doubles:
@@ -56,6 +58,11 @@ class Expectation:
             if known.any() and not known.all():
                 filled[np.ix_(rows, ~known)] = change[np.ix_(rows, known)] @ self._gain(known)
         return filled
+
+    def distance(self, change: Doubles) -> Doubles:
+        """(N,) the length of changes (N, C), mm, in standard deviations of the take's curves."""
+        square: Doubles = ((change @ self._precision) * change).sum(axis=1)
+        return np.sqrt(square)
 
     def _gain(self, known: Bools) -> Doubles:
         key = known.tobytes()

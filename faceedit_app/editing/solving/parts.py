@@ -38,6 +38,9 @@ BEYOND = 0.1
 # A request this far beyond what the take does, as a share of the range seen in training, may use
 # all that a face can do.
 _FAR = 0.1
+# Standard deviations of the take's curves: a request up to the first is answered as the take would,
+# one beyond the second as other faces would.
+ALIKE, UNLIKE = 4.0, 7.0
 # Channels with a smaller share of a curve's movement are not needed for it.
 _NEEDED = 0.02
 # mm: how exactly quick changes are answered.
@@ -251,15 +254,25 @@ class Part:
         """Positions of channels that stay still, because the take never uses them."""
         return np.flatnonzero(~self._statistics.used)
 
-    def whole(self, answer: Doubles) -> Doubles:
+    def whole(self, answer: Doubles, unlike: Doubles | float = 0.0) -> Doubles:
         """(N, K) the networks' answer, symmetric, and with accompanying channels.
 
         Args:
             answer: (N, M) for the channels of the networks.
+            unlike: (N, 1) in 0..1, how unlike the take a request is.
         """
         count = len(self.region.channels)
-        even = 0.5 * self._use * (answer + answer[:, self.mirror[:count]])
+        even = 0.5 * (answer + answer[:, self.mirror[:count]])
+        even *= self._use + unlike * (1.0 - self._use)
         return np.concatenate([even, even @ self._follow], axis=1)
+
+    def unlike(self, change: Doubles) -> Doubles:
+        """(N,) in 0..1: how unlike the take changes (N, C) of its own curves are, mm."""
+        if not len(self.own):
+            return np.zeros(len(change))
+        distance = self.expectation.distance(change)
+        unlike: Doubles = ((distance - ALIKE) / (UNLIKE - ALIKE)).clip(0.0, 1.0)
+        return unlike
 
     def last_layer(self, answers: list[Doubles], sample: Sample) -> LastLayer:
         """Fit the take's own last layer.

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.rig import Distances
 
-ITERATIONS = 5
+ITERATIONS = 4
 # Shorter steps, tried if a full one leads farther away.
-STEPS = np.array([0.7, 0.4, 0.2, 0.1, 0.0])
+STEPS = np.array([0.6, 0.3, 0.1, 0.0])
 # A frame is done if its weights moved by no more than this: the next step would be a small part of
 # that, far too small to see.
 SETTLED = 2e-3
@@ -59,7 +59,7 @@ class Goal:
         """(N, C) mm where to go from present lengths."""
         return lengths + self.strength * (self.targets - lengths)
 
-    def at(self, rows: Bools | slice) -> Goal:
+    def at(self, rows: Indices) -> Goal:
         """The goal on some of the frames."""
         tolerance = self.tolerance
         if not isinstance(tolerance, float):
@@ -103,7 +103,6 @@ class Reach:
         naturalness: float = 1.0,
         lower: Doubles | None = None,
         exempt: Bools | None = None,
-        iterations: int = ITERATIONS,
     ) -> Doubles:
         """The new weights (N, K) of the channels.
 
@@ -114,7 +113,6 @@ class Reach:
                 is 0. A weight that is beyond a bound already may stay there.
             naturalness: 1 limits the length of the change to `NATURAL_LENGTH`, 0 does not.
             exempt: (N,) frames whose change may have any length; None = none of them.
-            iterations: how often the distances are linearised.
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
         lengths = self._distances.lengths(vectors)
@@ -128,21 +126,19 @@ class Reach:
         if exempt is not None:
             limit[exempt] = np.inf
         frames = _Frames(start, lower, upper, vectors, targets, noise, limit)
-        change, lengths = self._search(frames, iterations)
+        change, lengths = self._search(frames)
         # Pressed lips may have passed each other: opening them then begins with what seems to
         # close them.
         missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
         if len(missed):
             those = frames.at(missed)
-            other, there = self._search(those, iterations, passed=True)
+            other, there = self._search(those, passed=True)
             better = those.cost(there) < those.cost(lengths[missed])
             change[missed[better]] = other[better]
         # Rounding leaves weights such as -1e-17.
         return np.clip(start + change, frames.lower, np.maximum(start, upper))
 
-    def _search(
-        self, frames: _Frames, iterations: int, passed: bool = False
-    ) -> tuple[Doubles, Doubles]:
+    def _search(self, frames: _Frames, passed: bool = False) -> tuple[Doubles, Doubles]:
         """The change of the channels (N, K), and the resulting lengths (N, C), mm.
 
         Args:
@@ -152,7 +148,7 @@ class Reach:
         rows: slice | Indices = slice(None)  # the frames that are not done yet
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
         here = self._place(frames, frames.vectors)
-        for iteration in range(iterations):
+        for iteration in range(ITERATIONS):
             slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
             aim = self._step(slopes, wanted, frames.noise, change, frozen)
             aim *= self._shortening(aim, frames.limit)
@@ -211,14 +207,9 @@ class Reach:
 
     def _shortening(self, change: Doubles, limit: Doubles) -> Doubles:
         """(N, 1) factors that limit the length of each frame's change."""
-        length = self.length(change)
+        length = np.sqrt(((change @ self._precision) * change).sum(axis=1))
         factor: Doubles = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
         return factor
-
-    def length(self, change: Doubles) -> Doubles:
-        """(N,) the length of changes (N, K), in standard deviations of natural ones."""
-        square: Doubles = ((change @ self._precision) * change).sum(axis=1)
-        return np.sqrt(square)
 
     def _line_search(
         self, frames: _Frames, here: _Place, old: Doubles, new: Doubles

@@ -199,6 +199,7 @@ class Solver:
                     settings=settings,
                     layer=self._last_layer(name, settings),
                     answer=answers[name],
+                    unlike=part.unlike(change[:, own]),
                     influence=influence,
                     slow=slow[:, heard],
                     before=tracked[inner][:, heard],
@@ -242,8 +243,7 @@ class Solver:
         """
         rows, settings = self.chunks.slice(task.chunk), task.settings
         resynthesize = settings.mode is Mode.RESYNTHESIZE
-        share, weights = float(resynthesize), self.tracked[rows].astype(np.float64)
-        answers = {name: share * weights[:, self._parts[name].columns] for name in regions}
+        answers = {name: self._unanswered(name, rows, resynthesize) for name in regions}
         if self._answers is None or not regions:
             return answers
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
@@ -261,8 +261,15 @@ class Solver:
             if resynthesize:
                 answers[name][:, : answer.shape[1]] = answer
             else:
-                answers[name] = self._parts[name].whole(answer)
+                answers[name] = answer
         return answers
+
+    def _unanswered(self, name: str, rows: slice, resynthesize: bool) -> Doubles:
+        """(N, K) what stands in for the networks' answer if there is none."""
+        part = self._parts[name]
+        if resynthesize:
+            return self.tracked[rows][:, part.columns].astype(np.float64)
+        return np.zeros((rows.stop - rows.start, len(part.region.channels)))
 
     def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
         """Put a region's weights into those of a chunk (N, 52).
