@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -148,23 +148,19 @@ class Combining:
             still=asked.influence[where][:, part.have] == 0,
             most=most[where],
             closed=self._are_closures(wanted, mask),
+            share=asked.unlike[where],
         )
-        found, share = aim.here.copy(), asked.unlike[where].copy()
-        alike = np.flatnonzero(share < 1)
-        if len(alike):
-            bounds = part.bounds(part.beyond(wanted[alike], hold[alike]))
-            near = aim.at(alike).solve(part.reach, columns, bounds, naturalness)
-            found[np.ix_(alike, columns)] = near
-            missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))[alike]
-            missing = np.where(mask[alike], missing - MISSING_MM - tolerance[alike], 0.0)
-            share[alike] = np.maximum(share[alike], missing.max(axis=1)).clip(0.0, 1.0)
-        rest = np.flatnonzero(share > 0)
+        beyond = np.maximum(part.beyond(wanted, hold), aim.share)
+        found = aim.here.copy()
+        found[:, columns] = aim.solve(part.reach, columns, part.bounds(beyond), naturalness)
+        missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
+        missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
+        rest = np.flatnonzero(missing > np.minimum(aim.share, beyond))
         if len(rest):
             # What the take does not show, others do.
-            bounds = part.bounds(np.ones(len(rest)))
-            wide = aim.at(rest).solve(part.wide_reach, columns, bounds, naturalness)
-            near = found[np.ix_(rest, columns)]
-            found[np.ix_(rest, columns)] = near + share[rest, None] * (wide - near)
+            bounds = part.bounds(np.maximum(beyond, missing)[rest])
+            more = replace(aim, share=np.maximum(aim.share, missing)).at(rest)
+            found[np.ix_(rest, columns)] = more.solve(part.reach, columns, bounds, naturalness)
         weights[where] = found
 
     def _passing(self, asked: RegionRequest, lengths: Doubles) -> Doubles:
@@ -195,6 +191,7 @@ class _Aim:
         still: (N, K) channels that no edit influences.
         most: (N, K) the largest weights that any answer may give.
         closed: (N,) frames on which the lips are asked to shut.
+        share: (N,) in 0..1, how far the take is left for what other faces do.
     """
 
     here: Doubles
@@ -202,16 +199,12 @@ class _Aim:
     still: Bools
     most: Doubles
     closed: Bools
+    share: Doubles
 
     def at(self, rows: Indices) -> _Aim:
         """The aim on some of the frames."""
-        return _Aim(
-            self.here[rows],
-            self.goal.at(rows),
-            self.still[rows],
-            self.most[rows],
-            self.closed[rows],
-        )
+        arrays = (self.still[rows], self.most[rows], self.closed[rows], self.share[rows])
+        return _Aim(self.here[rows], self.goal.at(rows), *arrays)
 
     def solve(
         self,
@@ -224,7 +217,7 @@ class _Aim:
         start = self.here[:, columns]
         lower = np.where(self.still, start, bounds[0])
         upper = np.where(self.still, start, np.minimum(bounds[1], self.most))
-        return reach(self.here, self.goal, upper, naturalness, lower, self.closed)
+        return reach(self.here, self.goal, upper, naturalness, lower, self.closed, self.share)
 
 
 def _couple(weights: Doubles, old: Doubles, columns: Indices, where: Bools) -> None:

@@ -79,7 +79,6 @@ class Part:
         have: positions of the channels that may change, because the take has them.
         mirror: (K,) the position of each channel's mirror image.
         reach: brings its own controls to a goal; None if it has none or no channel may change.
-        wide_reach: the same, for what the take itself does not show.
     """
 
     def __init__(
@@ -130,8 +129,7 @@ class Part:
         self.sees = np.flatnonzero(moving)
         self.reach: Reach | None = None
         if len(self.own) and len(self.have):
-            self.reach = self._new_reach(self._statistics.covariance)
-            self.wide_reach = self._new_reach(self._statistics.wide)
+            self.reach = self._new_reach()
             self.quick = self._quick_gain(np.median(np.concatenate(sample.weights), axis=0))
 
     def _place(self, channel: str) -> int:
@@ -189,13 +187,14 @@ class Part:
         prior = slopes @ self._prior @ slopes.T
         return Expectation(curves, prior, mirror.astype(np.intp), held)
 
-    def _new_reach(self, covariance: Doubles) -> Reach:
+    def _new_reach(self) -> Reach:
         names = [self.channels[i] for i in self.have]
         both = {"mouthClose", "jawOpen"} <= set(names)
         coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
         have = np.ix_(self.have, self.have)
         columns = self.columns[self.have]
-        return Reach(self._distances, columns, covariance[have], coupled, self._prior[have])
+        own, wide = self._statistics.covariance[have], self._statistics.wide[have]
+        return Reach(self._distances, columns, own, coupled, self._prior[have], wide)
 
     def _quick_gain(self, pose: Doubles) -> Doubles:
         """(C, K) the most probable quick change of the channels for each millimetre."""

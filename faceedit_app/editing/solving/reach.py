@@ -77,6 +77,7 @@ class Reach:
         coupled: positions (a, b) in `channels` with weight a <= weight b (mouthClose, jawOpen).
         natural: (K, K) by which the length of a change is judged; None = `covariance`. A take
             that hardly moves is not a face that can hardly move.
+        wide: (K, K) covariance for changes that `covariance` does not know; None = `covariance`.
     """
 
     def __init__(
@@ -86,9 +87,11 @@ class Reach:
         covariance: Doubles,
         coupled: tuple[int, int] | None = None,
         natural: Doubles | None = None,
+        wide: Doubles | None = None,
     ) -> None:
         self._distances, self._channels = distances, channels
         self._covariance, self._coupled = covariance, coupled
+        self._more = None if wide is None else wide - covariance
         natural = covariance if natural is None else natural
         gradients = distances.gradients[channels].astype(np.float64)  # (K, C, 3)
         self._moves = gradients.reshape(len(channels), -1)
@@ -103,6 +106,7 @@ class Reach:
         naturalness: float = 1.0,
         lower: Doubles | None = None,
         exempt: Bools | None = None,
+        share: Doubles | None = None,
     ) -> Doubles:
         """The new weights (N, K) of the channels.
 
@@ -113,6 +117,7 @@ class Reach:
                 is 0. A weight that is beyond a bound already may stay there.
             naturalness: 1 limits the length of the change to `NATURAL_LENGTH`, 0 does not.
             exempt: (N,) frames whose change may have any length; None = none of them.
+            share: (N,) in 0..1, how far the wide covariance takes the place of the other.
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
         lengths = self._distances.lengths(vectors)
@@ -125,7 +130,8 @@ class Reach:
         limit = np.full(len(start), longest)
         if exempt is not None:
             limit[exempt] = np.inf
-        frames = _Frames(start, lower, upper, vectors, targets, noise, limit)
+        share = np.zeros(len(start)) if share is None else share
+        frames = _Frames(start, lower, upper, vectors, targets, noise, limit, share)
         change, lengths = self._search(frames)
         # Pressed lips may have passed each other: opening them then begins with what seems to
         # close them.
@@ -150,7 +156,7 @@ class Reach:
         here = self._place(frames, frames.vectors)
         for iteration in range(ITERATIONS):
             slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
-            aim = self._step(slopes, wanted, frames.noise, change, frozen)
+            aim = self._step(frames, slopes, wanted, change, frozen)
             aim *= self._shortening(aim, frames.limit)
             allowed = frames.bounded(aim, self._coupled)
             stopped = frozen | (np.abs(allowed - aim) > 1e-9)
@@ -184,12 +190,7 @@ class Reach:
         return slopes, frames.targets - here.lengths + np.einsum("nck,nk->nc", slopes, change)
 
     def _step(
-        self,
-        slopes: Doubles,
-        wanted: Doubles,
-        noise: Doubles,
-        change: Doubles,
-        frozen: Bools,
+        self, frames: _Frames, slopes: Doubles, wanted: Doubles, change: Doubles, frozen: Bools
     ) -> Doubles:
         """The most probable change with slopes x change = wanted; frozen channels keep theirs."""
         rest, free, held = wanted, slopes, change
@@ -198,9 +199,12 @@ class Reach:
             rest = wanted - np.einsum("nck,nk->nc", slopes, held)
             free = np.where(frozen[:, None, :], 0.0, slopes)
         spread = (free.reshape(-1, len(self._covariance)) @ self._covariance).reshape(free.shape)
+        if self._more is not None and frames.share.any():
+            wide = np.flatnonzero(frames.share)
+            spread[wide] += frames.share[wide, None, None] * (free[wide] @ self._more)
         system = spread @ free.transpose(0, 2, 1)
         diagonal = np.arange(system.shape[1])
-        system[:, diagonal, diagonal] += noise
+        system[:, diagonal, diagonal] += frames.noise
         solved = np.linalg.solve(system, rest[:, :, None])  # (N, C, 1)
         moved: Doubles = (solved.transpose(0, 2, 1) @ spread)[:, 0]
         return np.where(frozen, held, moved)
@@ -271,6 +275,7 @@ class _Frames:
         targets: (N, C) mm.
         noise: (N, C) mm², how exactly each target has to be met.
         limit: (N,) the longest change, in standard deviations.
+        share: (N,) in 0..1, the part of the wide covariance.
     """
 
     start: Doubles
@@ -280,11 +285,12 @@ class _Frames:
     targets: Doubles
     noise: Doubles
     limit: Doubles
+    share: Doubles
 
     def at(self, rows: Indices | Bools) -> _Frames:
         """Some of the frames."""
         arrays = (self.start, self.lower, self.upper, self.vectors, self.targets, self.noise)
-        arrays += (self.limit,)
+        arrays += (self.limit, self.share)
         return _Frames(*(array[rows] for array in arrays))
 
     def bounded(self, change: Doubles, coupled: tuple[int, int] | None) -> Doubles:
