@@ -10,10 +10,13 @@ does not show. A channel that the take lacks or never uses stays as it is.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles, Indices
+from faceedit_app.core.rig import Distances
 
 # (leading, following) -> weight of the follower for each unit of the leader, side by side.
 _GAINS = {
@@ -22,6 +25,10 @@ _GAINS = {
     ("mouthUpperUp", "noseSneer"): 0.68,
     ("mouthPucker", "mouthShrugLower"): 0.30,
 }
+# The same across regions: the follower joins in unless its own curve is asked for.
+_ACROSS = {("mouthSmile", "eyeSquint"): 0.48}
+# Frames at 25 fps, with a leader that varies by `_SPREAD`, that the table counts as.
+_PRIOR_FRAMES, _SPREAD = 200.0, 0.15
 # Channels that performances trained on, most of them ranges of motion, use more than people do
 # when they smile or speak; a take that uses them says so itself.
 _RESERVED = {"mouthStretch": 0.3, "mouthFrown": 0.6, "mouthPress": 0.5}
@@ -60,6 +67,67 @@ def with_accompanying(covariance: Doubles, table: Doubles) -> Doubles:
     across = covariance @ table
     own = table.T @ across + _OWN_VARIANCE * np.eye(table.shape[1])
     return np.block([[covariance, across], [across.T, own]])
+
+
+@dataclass(frozen=True)
+class Across:
+    """A channel that accompanies one of another region.
+
+    Attributes:
+        leader, follower: columns among the 52.
+        gain: how far the follower goes with the leader in this take.
+        low: the follower's smallest weight in the take.
+        controls: the controls that the follower moves.
+    """
+
+    leader: int
+    follower: int
+    gain: float
+    low: float
+    controls: Indices
+
+    def join(self, weights: Doubles, tracked: Doubles, hold: Doubles) -> None:
+        """Move the follower with the leader, in place.
+
+        Args:
+            weights: (N, 52) edited.
+            tracked: (N, 52).
+            hold: (N, C) in 0..1, how firmly each curve is asked for.
+        """
+        change = weights[:, self.leader] - tracked[:, self.leader]
+        free = 1.0 - hold[:, self.controls].max(axis=1, initial=0.0)
+        now = weights[:, self.follower]
+        low, high = np.minimum(now, self.low), np.maximum(now, 1.0)
+        moved = np.clip(now + self.gain * free * change, low, high)
+        weights[:, self.follower] = np.where(change != 0, moved, now)
+
+
+def across(
+    used: Sequence[str], blocks: list[Doubles], low: Doubles, distances: Distances
+) -> list[Across]:
+    """The channels that accompany others of another region in a take.
+
+    Args:
+        used: channels that the take has and uses.
+        blocks: stretches (N, 52) of the take at 25 fps.
+        low: (52,) the smallest weights of the take.
+        distances: all controls as a function of the 52 weights.
+    """
+    weights = np.concatenate(blocks)
+    centred = weights - weights.mean(axis=0)
+    found = []
+    for (lead, follow), gain in _ACROSS.items():
+        for leader in (c for c in ARKIT_CHANNELS if stem(c) == lead and c in used):
+            follower = follow + _side(leader)[1]
+            if follower not in used:
+                continue
+            a, b = ARKIT_INDEX[leader], ARKIT_INDEX[follower]
+            prior = _PRIOR_FRAMES * _SPREAD**2
+            own = centred[:, a] @ centred[:, b] + prior * gain
+            fitted = float(own / (centred[:, a] @ centred[:, a] + prior))
+            moves = np.flatnonzero(np.abs(distances.gradients[b]).any(axis=1))
+            found.append(Across(a, b, max(fitted, 0.0), float(low[b]), moves))
+    return found
 
 
 def _gain(leader: str, follower: str) -> float:

@@ -54,8 +54,12 @@ def request(
     medians: Doubles,
     edits: Sequence[Edit],
     companions: Companions | None = None,
+    limits: tuple[Doubles, Doubles] | None = None,
 ) -> Request:
     """Apply `edits` in order to the tracked controls.
+
+    An edit that asks for more than a face can do asks for what it can do, before its strength
+    applies: half of far too much is half of all that is possible.
 
     Args:
         times: (N,) seconds.
@@ -63,7 +67,10 @@ def request(
         tracked: (N, C), mm.
         medians: (C,), mm: the take's median of each control, the fixed point of `scale`.
         companions: which curves follow which; None = no curve follows.
+        limits: (C,) mm each, the lowest and highest values that the take and a face can have;
+            None = 0 to `FARTHEST`.
     """
+    low, high = limits or (np.zeros(tracked.shape[1]), np.full(tracked.shape[1], FARTHEST))
     curves = tracked.astype(np.float64, copy=True)
     hold, influence, claimed = (np.zeros_like(curves) for _ in range(3))
     for edit in active(edits):
@@ -78,10 +85,10 @@ def request(
         for control in edit.controls:
             column = CONTROL_INDEX[control]
             wanted = _wanted(edit, rows, times, curves, tracked, medians, rate, column)
-            now = curves[rows, column]
-            # A distance cannot be negative; 0 is touching.
+            now, least, most = curves[rows, column], low[column], high[column]
+            wanted = np.clip(wanted, least, most)
             curves[rows, column] = np.where(
-                mask > 0, np.clip(now + share * (wanted - now), 0.0, FARTHEST), now
+                mask > 0, np.clip(now + share * (wanted - now), least, most), now
             )
             if edit.op is Op.RESET:
                 hold[rows, column] *= 1 - share
@@ -92,7 +99,7 @@ def request(
                 influence[rows, column] = np.maximum(influence[rows, column], spread)
         if companions is not None and before is not None:
             added = companions.follow(edit, curves[rows] - before, claimed[rows])
-            moved = np.clip(curves[rows] + added, 0.0, FARTHEST)
+            moved = np.clip(curves[rows] + added, low, high)
             curves[rows] = np.where(added != 0, moved, curves[rows])
         for column in companions.claims(edit) if companions is not None else ():
             claimed[rows, column] = np.maximum(claimed[rows, column], mask)

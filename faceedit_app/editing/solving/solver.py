@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
@@ -25,6 +26,7 @@ from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
@@ -34,6 +36,7 @@ from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.request import Request, request
+from faceedit_app.editing.solving.take_statistics import IDLE
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
@@ -102,6 +105,9 @@ class Solver:
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
         self._answers = Answers(engine, self.grid) if engine else None
+        moves = self._sample.high - self._sample.low > IDLE
+        used = [c for c in self.clip.channels if moves[ARKIT_INDEX[c]]]
+        self._across = across(used, self._sample.weights, self._sample.low, self.distances)
         self._combining = {
             name: Combining(part, self.shut, QUICK * clip.rate)
             for name, part in self._parts.items()
@@ -109,6 +115,7 @@ class Solver:
         self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
         self._layers: dict[tuple[str, float], LastLayer] = {}
         self.limits = self._limits()
+        self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
 
     def _measure(self) -> Sample:
         """The part of the take that its statistics are measured on."""
@@ -176,7 +183,9 @@ class Solver:
         rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
         tracked = self.controls[near].astype(np.float64)
         times, rate = self.clip.times[near], self.clip.rate
-        asked = request(times, rate, tracked, self.medians, task.edits, self._companions)
+        asked = request(
+            times, rate, tracked, self.medians, task.edits, self._companions, self._limit_arrays
+        )
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
         weights = self.tracked[rows].astype(np.float64)
@@ -209,6 +218,9 @@ class Solver:
                     hold=mine.hold[:, own],
                 )
                 self._solve_region(task.chunk, name, weights, wanted)
+            if settings.mode is Mode.PRESERVE:
+                for each in self._across:
+                    each.join(weights, self.tracked[rows], mine.hold)
         result = weights.astype(np.float32)
         controls = self.distances.measure(result)
         # The last bits of a matrix product depend on the number of frames.
