@@ -16,7 +16,7 @@ from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
 
 # How much a curve may miss what is missing for a moment only, as a share of that.
-TWITCH = 2.0
+TWITCH = 3.0
 # The take's own range is left, little by little, for a curve that misses its target by this much.
 MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.

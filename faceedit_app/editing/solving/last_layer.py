@@ -47,12 +47,13 @@ class LastLayer:
     coefficients: Doubles
 
     @classmethod
-    def fit(cls, curves: Doubles, lacking: Doubles) -> LastLayer:
+    def fit(cls, curves: Doubles, lacking: Doubles, weight: float = 1.0) -> LastLayer:
         """Fit the correction.
 
         Args:
             curves: (T, C) mm.
             lacking: (T, K) the weights less the networks' answer to the curves.
+            weight: how much each frame counts.
         """
         mean, spread = curves.mean(axis=0), curves.std(axis=0) + LEAST_SPREAD
         standard = (curves - mean) / spread
@@ -62,7 +63,7 @@ class LastLayer:
         penalty[: curves.shape[1]] = LINEAR
         # The constant cancels in the difference of two answers, so it is taken out beforehand.
         offset = functions - functions.mean(axis=0)
-        system = offset.T @ offset + np.diag(penalty)
+        system = offset.T @ offset + np.diag(penalty / weight)
         coefficients = np.linalg.solve(system, offset.T @ (lacking - lacking.mean(axis=0)))
         return cls(mean, spread, low, high, coefficients)
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_INDEX, mirrored_channel
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import (
+    CONTROL_IDS,
     CONTROL_INDEX,
     CONTROLS,
     MIRRORED_CONTROL,
@@ -100,11 +101,14 @@ class Part:
         self.layer_columns = np.array([CONTROL_INDEX[name] for name in heard], np.intp)
         self.heard_columns = np.array([CONTROL_INDEX[name] for name in self.listens_to], np.intp)
         moves = sample.high - sample.low > IDLE
+        moves |= moves[[ARKIT_INDEX[mirrored_channel(c)] for c in ARKIT_CHANNELS]]
         more = [c for c in region.accompanying if c in may and moves[ARKIT_INDEX[c]]]
         self.channels = (*region.channels, *more)
         self.columns = np.array([ARKIT_INDEX[c] for c in self.channels], np.intp)
         self.have = np.array([i for i, c in enumerate(self.channels) if c in may], np.intp)
-        self.mirror = np.array([self._place(mirrored_channel(c)) for c in self.channels], np.intp)
+        self.mirror = np.array(
+            [self._place(mirrored_channel(c), c) for c in self.channels], np.intp
+        )
         self._follow = gains(region.channels, more)
         self._use = use(region.channels)
         covariance = region_covariance(region, engine) * np.outer(self._use, self._use)
@@ -132,8 +136,9 @@ class Part:
             self.reach = self._new_reach()
             self.quick = self._quick_gain(np.median(np.concatenate(sample.weights), axis=0))
 
-    def _place(self, channel: str) -> int:
-        return self.channels.index(channel) if channel in self.channels else 0
+    def _place(self, channel: str, other: str) -> int:
+        """The position of a channel, or of another if the take lacks the first."""
+        return self.channels.index(channel if channel in self.channels else other)
 
     def _slopes(self, pose: Doubles) -> Doubles:
         """(C, K) mm per unit of weight, of its own controls."""
@@ -279,6 +284,14 @@ class Part:
         Args:
             answers: (N, M) the networks' answer to each stretch of the sample.
         """
-        curves = np.concatenate(sample.curves)[:, self.layer_columns]
-        weights = np.concatenate(sample.weights)[:, self.columns]
-        return LastLayer.fit(curves, weights - self.whole(np.concatenate(answers)))
+        curves = np.concatenate(sample.curves)
+        lacking = np.concatenate(sample.weights)[:, self.columns]
+        lacking = lacking - self.whole(np.concatenate(answers))
+        # What a face does on one side it may do on the other.
+        heard, columns = curves[:, self.layer_columns], self.layer_columns
+        mirrored = curves[:, [CONTROL_INDEX[MIRRORED_CONTROL[CONTROL_IDS[i]]] for i in columns]]
+        return LastLayer.fit(
+            np.concatenate([heard, mirrored]),
+            np.concatenate([lacking, lacking[:, self.mirror]]),
+            weight=0.5,
+        )

@@ -3,9 +3,9 @@
 An answer should look like the rest of the take. So every channel keeps to the range in which the
 take's own tracker moves it, channels that the take never uses stay still, and a change is the most
 probable one under the covariance of this take. The covariance is shrunk to that of other
-performances: a take of two seconds says little, one of a minute nearly everything. It is symmetric
-under mirroring, like the covariance that it is shrunk to, because a smile to the left is as
-probable as one to the right.
+performances: a take of two seconds says little, one of a minute nearly everything. Range and
+covariance are symmetric under mirroring, because a smile to the left is as probable as one to the
+right. Only quick movement is not: one side of a face may shake while the other is still.
 """
 
 from __future__ import annotations
@@ -70,12 +70,14 @@ class TakeStatistics:
             needed: (K,) channels without which a curve cannot be answered; they count as used.
             seconds: the length of the take.
         """
+        low, high = np.minimum(low, low[mirror]), np.maximum(high, high[mirror])
         used = (high - low > IDLE) | needed
         if seconds < ENOUGH_SECONDS:
             used = np.ones_like(used)
         weights = np.concatenate(blocks)
         even = _even(prior, mirror)
-        covariance = _shrunk(_covariance(weights), len(weights), even, PRIOR_FRAMES, mirror)
+        own = _even(_covariance(weights), mirror)
+        covariance = _shrunk(own, len(weights), even, PRIOR_FRAMES)
         changes = [np.diff(block, 2, axis=0) for block in blocks if len(block) > 2]
         fast = covariance
         if changes:
@@ -84,7 +86,7 @@ class TakeStatistics:
             size = np.trace(square)
             if size > 0:
                 scaled = square * (np.trace(covariance) / size)
-                fast = _shrunk(scaled, len(change), covariance, QUICK_PRIOR_FRAMES, mirror)
+                fast = _shrunk(scaled, len(change), covariance, QUICK_PRIOR_FRAMES)
         live = np.outer(used, used)
         wide = 0.5 * (covariance + even)
         return cls(low, high, used, covariance * live, wide, fast * live)
@@ -109,11 +111,8 @@ def _covariance(weights: Doubles) -> Doubles:
     return covariance
 
 
-def _shrunk(
-    own: Doubles, frames: int, prior: Doubles, prior_frames: float, mirror: Indices
-) -> Doubles:
-    total = frames * _even(own, mirror) + prior_frames * prior
-    return total / (frames + prior_frames)
+def _shrunk(own: Doubles, frames: int, prior: Doubles, prior_frames: float) -> Doubles:
+    return (frames * own + prior_frames * prior) / (frames + prior_frames)
 
 
 def _even(covariance: Doubles, mirror: Indices) -> Doubles:
