@@ -12,13 +12,12 @@ import typer
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.core.arrays import Doubles
     from faceedit_app.core.rig import Rig
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.formats.take import Take
     from faceedit_app.networks.engine import Engine
 
 app = typer.Typer(help="Check or make a character of your own.", no_args_is_help=True)
@@ -50,7 +49,7 @@ def inspect(
         if path.exists():
             raise FileError(path, "exists", "edit it, or delete it first")
         map_file.write_map(path, fitted.whole_map)
-    print(json.dumps(_facts(fitted), indent=2) if as_json else _text(fitted))
+    say(json.dumps(_facts(fitted), indent=2) if as_json else _text(fitted))
 
 
 @app.command()
@@ -118,7 +117,7 @@ def seal(
         },
         **figures,
     }
-    print(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
+    say(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
 
 
 @app.command()
@@ -135,12 +134,12 @@ def make(
     ] = None,
 ) -> None:
     """Make all 52 blendshapes for a head that has none, from FaceEdit's own character."""
-    from faceedit_app.characters.glb import write_rig
+    from faceedit_app.characters.glb_writing import write_rig
     from faceedit_app.characters.making import Template
     from faceedit_app.characters.making import make as make_head
     from faceedit_app.characters.scans import read_scan
     from faceedit_app.editing.opening import shipped_rig
-    from faceedit_app.scan_landmarks import find_landmarks, read_points
+    from faceedit_app.scans.landmarks import find_landmarks, read_points
 
     require("rtree", extra="scans")
     template, head = Template.of(shipped_rig()), read_scan(scan)
@@ -152,8 +151,8 @@ def make(
     write_rig(output, made.rig)
     middle, most = made.distance_to(head)
     for sentence in head.remarks:
-        print(f"{scan}: {sentence}", file=sys.stderr)
-    print(
+        say(f"{scan}: {sentence}", to=sys.stderr)
+    say(
         f"{output}: {len(landmarks.positions)} landmarks; the skin of the face is {middle:.2f} mm "
         f"from the scan (95 % within {most:.2f} mm)"
     )
@@ -169,30 +168,8 @@ def rig_of(path: Path) -> Rig:
 
     fitted = open_character(path)
     for sentence in (*fitted.checklist.remarks, *fitted.checklist.doubts):
-        print(f"{path}: {sentence}", file=sys.stderr)
+        say(f"{path}: {sentence}", to=sys.stderr)
     return fitted.rig
-
-
-def export_closed(session: EditSession, path: Path, output: Path, engine: Engine) -> None:
-    """Export a take with lips and lids closed on a character, on the frames that edits change.
-
-    Raises:
-        FileError: the character cannot be read, or the take cannot be written.
-    """
-    import numpy as np
-
-    from faceedit_app.core.arkit import ARKIT_INDEX
-    from faceedit_app.editing.solving.closing import Closing
-    from faceedit_app.formats.opening import write_take
-
-    take: Take = session.take
-    session.live.work()
-    channels = frozenset(take.clip.channels)
-    closing = Closing(session.rig, rig_of(path), channels, _covariances(engine))
-    tracked = take.clip.arkit_weights()
-    closed = closing.where_edited(tracked, session.weights, take.clip.times)
-    columns = [ARKIT_INDEX[channel] for channel in take.clip.channels]
-    write_take(output, take, np.ascontiguousarray(closed[:, columns]))
 
 
 def _covariances(engine: Engine) -> dict[str, Doubles]:

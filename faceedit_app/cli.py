@@ -6,15 +6,21 @@ import sys
 from pathlib import Path
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.texts import say
 from faceedit_app.ui.start import display
 
 USAGE_ERROR = 2
+_CHARACTER = "--character"
 DEMO_OUTPUT = Path("out") / "demo"
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run FaceEdit; returns the exit code: 0, or 2 after one line on standard error."""
     given = sys.argv[1:] if arguments is None else arguments
+    if "--multiprocessing-fork" in sys.argv:  # the installed application, as a process of a batch
+        import multiprocessing
+
+        multiprocessing.freeze_support()
     try:
         if _is_command(given):
             from faceedit_app.commands import run_command
@@ -22,30 +28,35 @@ def main(arguments: list[str] | None = None) -> int:
             return run_command(given)
         return _open_window(given)
     except FaceEditError as error:
-        print(f"faceedit: {error}", file=sys.stderr)
+        say(f"faceedit: {error}", to=sys.stderr)
         return USAGE_ERROR
     except KeyboardInterrupt:
         return 130
 
 
 def _is_command(given: list[str]) -> bool:
-    """Whether this is anything but `faceedit`, `faceedit TAKE.csv` and `faceedit --demo`.
+    """Whether this is anything but `faceedit [TAKE.csv | --demo] [--character HEAD.glb]`.
 
     A take that exists wins over a command of the same name. Decided without the command-line
     library, which would delay the window by a tenth of a second.
     """
+    if len(given) >= 2 and given[-2] == _CHARACTER:
+        given = given[:-2]
     if not given or given == ["--demo"]:
         return False
     return not (len(given) == 1 and (Path(given[0]).suffix or Path(given[0]).exists()))
 
 
 def _open_window(given: list[str]) -> int:
+    character = None
+    if len(given) >= 2 and given[-2] == _CHARACTER:
+        character, given = Path(given[-1]), given[:-2]
     demo = given == ["--demo"]
     take = Path(given[0]) if given and not demo else None
     if display.has_display():
         from faceedit_app.ui.start.app import run
 
-        return run(take, demo)
+        return run(take, demo, character)
     if not demo:
         raise FaceEditError(
             "there is no display for a window; use faceedit apply, render or info, "
@@ -53,7 +64,7 @@ def _open_window(given: list[str]) -> int:
         )
     from faceedit_app.ui.start.headless import run_headless
 
-    print("There is no display: editing the demo take without a window. Written:")
+    say("There is no display: editing the demo take without a window. Written:")
     for path in run_headless(DEMO_OUTPUT):
-        print(f"  {path}")
+        say(f"  {path}")
     return 0

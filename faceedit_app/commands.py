@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__, character_commands
+from faceedit_app import __version__, character_commands, export_commands, word_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 USAGE_ERROR = 2
 # The laboratory's commands, named here because the installed application leaves it out.
 LABORATORY = (
-    *("bench", "train", "evaluate", "evaluate-character"),
+    *("bench", "train", "evaluate", "evaluate-character", "evaluate-words"),
     *("experiment", "synthesize", "statistics"),
 )
 
@@ -37,6 +38,9 @@ app = typer.Typer(
 )
 
 app.add_typer(character_commands.app, name="character")
+app.command("words")(word_commands.words)
+app.command()(export_commands.convert)
+app.command()(export_commands.batch)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[
@@ -46,6 +50,10 @@ CharacterOption = Annotated[
 FpsOption = Annotated[
     Optional[float],  # noqa: UP045  (typer reads the annotation at run time)
     typer.Option("--fps", help="Frames per second, if the take does not give them."),
+]
+OverwriteOption = Annotated[
+    bool,
+    typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
 ]
 ModelsOption = Annotated[
     Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
@@ -59,7 +67,7 @@ def run_command(given: list[str]) -> int:
     try:
         return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
     except typer.TyperException as error:
-        print(f"faceedit: {error.format_message()}", file=sys.stderr)
+        say(f"faceedit: {error.format_message()}", to=sys.stderr)
         return USAGE_ERROR
     except typer.Abort:
         return 130
@@ -71,7 +79,7 @@ def root(
 ) -> None:
     """Edit tracked facial animation by dragging eight plain curves."""
     if version:
-        print(f"FaceEdit {__version__}")
+        say(f"FaceEdit {__version__}")
         raise typer.Exit
 
 
@@ -86,7 +94,7 @@ def info(
     from faceedit_app.formats.summary import summarize, summary_text
 
     summary = summarize(open_take(take, fps))
-    print(json.dumps(summary, indent=2) if as_json else summary_text(summary))
+    say(json.dumps(summary, indent=2) if as_json else summary_text(summary))
 
 
 @app.command()
@@ -104,6 +112,7 @@ def apply(
     character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
+    overwrite: OverwriteOption = False,
 ) -> None:
     """Apply edits to a take and export it in its own format.
 
@@ -121,61 +130,47 @@ def apply(
     engine = load_engine(rig, models)
     session = open_session(take, rig, engine, fps)
     session.configure(Settings(Mode(mode), naturalness, reach))
+    if character:
+        session.use_character(character_commands.rig_of(character))
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
-    if character:
-        character_commands.export_closed(session, character, output, engine)
-    else:
-        session.export(output)
-    print(
+    session.export(output, overwrite)
+    say(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
     )
 
 
 @app.command()
-def convert(
-    take: TakeArgument,
-    output: Annotated[Path, typer.Argument(help="The file to write.")],
-    form: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option("--format", help="livelink, csv or audio2face; default: by the ending."),
-    ] = None,
-    fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second to write; default: the take's."),
-    ] = None,
-    take_fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--take-fps", help="Frames per second of the take, if it does not give them."),
-    ] = None,
-) -> None:
-    """Write a take in another format, or at another frame rate."""
-    from faceedit_app.formats import converting
-    from faceedit_app.formats.opening import checked_rate, open_take
-    from faceedit_app.formats.timing import RateNeeded, format_rate
-
-    chosen = converting.choose_format(output, form)
-    if fps is not None:
-        fps = checked_rate(output, fps)
-    try:
-        opened = open_take(take, take_fps)
-    except RateNeeded:
-        if fps is None or take_fps is not None:
-            raise
-        opened = open_take(take, fps)  # frame by frame
-    clip = converting.convert(output, opened, chosen, fps)
-    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
-    if opened.carried and chosen.name != opened.kind:
-        print(f"left out because they are not channels: {', '.join(opened.carried)}")
-
-
-@app.command()
 def render(
     take: TakeArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help="The picture (PNG).")],
-    time: Annotated[float, typer.Option(help="Seconds from the first frame.")] = 0.0,
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", help="A picture (.png), or a film (.mp4, .webm)."),
+    ],
+    time: Annotated[float, typer.Option(help="For a picture: seconds from the first frame.")] = 0.0,
     size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
+    view: Annotated[
+        str,
+        typer.Option(help="For a film: face, both (tracked, edited), or film (beside the face)."),
+    ] = "face",
+    film_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--film-fps", help="Pictures per second of the film; default: the take's."),
+    ] = None,
+    form: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--format", help="mp4, webm, or png (numbered pictures in a folder)."),
+    ] = None,
+    sound: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="For a film: its sound; default: what is found beside the take."),
+    ] = None,
+    film: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="The film of the take; default: what is found beside it."),
+    ] = None,
+    silent: Annotated[bool, typer.Option("--silent", help="A film without sound.")] = False,
     edits: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(help="Edits (JSON) to apply first."),
@@ -184,8 +179,9 @@ def render(
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
-    """Draw the face at a time of a take."""
+    """Draw the face at a time of a take, or film the whole take."""
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+    from faceedit_app.formats.opening import checked_rate
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
@@ -195,12 +191,20 @@ def render(
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
+    if character:
+        session.use_character(character_commands.rig_of(character))
     if edits:
         session.load_edits(edits)
+    shown = session.shown_rig
+    if form is not None or output.suffix.lower() != ".png":
+        if film_fps is not None:
+            film_fps = checked_rate(output, film_fps)
+        shot = (view, (width, height), film_fps, form, not silent)
+        export_commands.film(session, shown, output, shot, sound, film)
+        return
     frame = session.take.clip.frame_at(time)
-    shown = character_commands.rig_of(character) if character else rig
     write_png(output, snapshot(shown, session.weights[frame], width, height))
-    print(f"{output}: frame {frame} of {take}")
+    say(f"{output}: frame {frame} of {take}")
 
 
 def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
@@ -209,7 +213,7 @@ def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
 
     for number, edit in enumerate(session.edits, start=1):
         for lack in unanswerable(edit, session.take, session.rig, engine):
-            print(f"faceedit: warning: edit {number}: {lack}", file=sys.stderr)
+            say(f"faceedit: warning: edit {number}: {lack}", to=sys.stderr)
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -51,7 +51,6 @@ EXCLUDED = [
     "PySide6.QtTest",
     "PySide6.QtDBus",
     "PIL._avif",
-    "PIL._webp",
     "PIL._imagingcms",
     "PIL._imagingft",
     "PIL._imagingtk",

@@ -124,14 +124,6 @@ def test_apply_without_edits_gives_the_same_bytes(take: Path, models: str) -> No
     assert out.read_bytes() == take.read_bytes()
 
 
-def test_apply_over_the_take_itself_is_safe(take: Path, models: str) -> None:
-    edits = edits_file(take.parent, EDIT)
-    other = take.parent / "other.csv"
-    assert main(["apply", str(take), str(edits), "-o", str(other), "--models", models]) == 0
-    assert main(["apply", str(take), str(edits), "-o", str(take), "--models", models]) == 0
-    assert take.read_bytes() == other.read_bytes()
-
-
 def test_render_draws_the_frame_at_a_time(take: Path, capfd: pytest.CaptureFixture[str]) -> None:
     out = take.parent / "face.png"
     code = main(["render", str(take), "-o", str(out), "--time", "1.0", "--size", "160x120"])
@@ -333,3 +325,19 @@ def test_applied_edit_opens_the_mouth(take: Path, models: str) -> None:
     held = slice(50, 70)
     jaw = ARKIT_INDEX["jawOpen"]
     assert after[held, jaw].mean() > before[held, jaw].mean() + 0.05
+
+
+def test_apply_never_replaces_the_recording_by_mistake(
+    take: Path, tmp_path: Path, models: str, complaint: Callable[..., str]
+) -> None:
+    before, edits = take.read_bytes(), edits_file(tmp_path, EDIT)
+    other = take.parent / "other.csv"
+    assert main(["apply", str(take), str(edits), "-o", str(other), "--models", models]) == 0
+    line = complaint("apply", take, edits, "-o", take, "--models", models)
+    assert "is the recording itself" in line
+    assert "--overwrite" in line
+    assert take.read_bytes() == before
+    command = ["apply", str(take), str(edits), "-o", str(take), "--models", models, "--overwrite"]
+    assert main(command) == 0
+    assert take.read_bytes() == other.read_bytes()
+    assert take.with_name("take.csv.bak").read_bytes() == before

@@ -8,7 +8,7 @@ from pathlib import Path
 from assets.builder.assemble import build_rig
 from assets.builder.controls import write_definitions
 from assets.builder.source import REQUIREMENT, open_source
-from faceedit_app.characters.glb import write_rig
+from faceedit_app.characters.glb_writing import write_rig
 
 
 def main() -> None:

@@ -14,11 +14,12 @@ from faceedit_app.characters.character import Character, Part, Place, Surface
 from faceedit_app.characters.checklist import Checklist, make_checklist
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
-from faceedit_app.characters.names import Match, match_channels
+from faceedit_app.characters.names import Match, Share, match_channels
 from faceedit_app.characters.pictures import Unreadable, decode
 from faceedit_app.characters.points import PAIRS, POINTS, Face, Points, find_points
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.welding import Weld, weld
+from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
 from faceedit_app.core.arrays import Bools, Pixels
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
@@ -56,6 +57,7 @@ class FittedCharacter:
         places: the same points as vertices of the file.
         checklist: what it can and cannot do.
         mapping: the user's map.
+        part_of, vertex_of: (V,) the part, and the vertex in it, of each vertex of the rig.
     """
 
     character: Character
@@ -66,6 +68,20 @@ class FittedCharacter:
     places: dict[str, Place]
     checklist: Checklist
     mapping: CharacterMap
+    part_of: NDArray[np.int32]
+    vertex_of: NDArray[np.int32]
+
+    def place(self, vertex: int) -> Place:
+        """A vertex of the rig, as a vertex of the file."""
+        part = self.character.parts[int(self.part_of[vertex])]
+        return Place(part.name, int(self.vertex_of[vertex]))
+
+    @property
+    def shares(self) -> dict[str, tuple[Share, ...]]:
+        """The shapes of the file that make each channel of the rig."""
+        named = {c: mirrored_channel(c) if self.frame.swapped else c for c in ARKIT_CHANNELS}
+        found = {c: tuple(self.match.shares.get(name, ())) for c, name in named.items()}
+        return {channel: shares for channel, shares in found.items() if shares}
 
     @property
     def whole_map(self) -> CharacterMap:
@@ -118,7 +134,18 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
         name: Place(character.parts[assembly.part_of[vertex]].name, int(assembly.vertex_of[vertex]))
         for name, vertex in points.items()
     }
-    return FittedCharacter(character, rig, frame, match, points, places, checklist, mapping)
+    return FittedCharacter(
+        character=character,
+        rig=rig,
+        frame=frame,
+        match=match,
+        points=points,
+        places=places,
+        checklist=checklist,
+        mapping=mapping,
+        part_of=assembly.part_of,
+        vertex_of=assembly.vertex_of,
+    )
 
 
 def _need_shapes(character: Character) -> None:

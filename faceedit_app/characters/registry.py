@@ -84,6 +84,13 @@ FORMATS: tuple[CharacterFormat, ...] = (
 )
 
 
+def is_character(path: Path) -> bool:
+    """Whether the name of a file, or what a folder holds, is that of a character."""
+    if path.is_dir():
+        return any(path.glob("*.obj")) or any(path.glob("*.OBJ"))
+    return any(path.suffix.lower() in kind.endings for kind in FORMATS)
+
+
 def read_character(path: Path | str) -> Character:
     """Open any character; its kind is recognised by its content, then by its name.
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import filecmp
+import itertools
 import os
+import shutil
 import tempfile
 from pathlib import Path
 
 from faceedit_app.core.errors import FileError
+
+BACKUP_SUFFIX = ".bak"
 
 
 def write_atomically(path: Path | str, content: bytes) -> None:
@@ -41,6 +46,35 @@ def write_atomically(path: Path | str, content: bytes) -> None:
         raise FileError(
             path, f"cannot be written ({reason})", "choose another folder or free some space"
         ) from error
+
+
+def keep_backup(path: Path | str) -> Path:
+    """Copy a file to `NAME.bak` beside it, before it is replaced.
+
+    An earlier backup with other content stays, and the copy becomes `NAME.bak2` and so on: the
+    first one may be the only copy of a recording.
+
+    Returns:
+        The file that now has the same content.
+
+    Raises:
+        FileError: the copy cannot be written; `path` must then not be replaced.
+    """
+    path = Path(os.path.realpath(path))
+    for number in itertools.count(1):
+        backup = path.with_name(f"{path.name}{BACKUP_SUFFIX}{number if number > 1 else ''}")
+        try:
+            if not backup.exists():
+                shutil.copy2(path, backup)
+                return backup
+            if filecmp.cmp(path, backup, shallow=False):
+                return backup
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise FileError(
+                backup, f"cannot be written ({reason})", "choose another name for the new file"
+            ) from error
+    raise AssertionError("unreachable")
 
 
 def _permissions(path: Path) -> int:

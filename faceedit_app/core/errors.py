@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from faceedit_app.core.texts import LONGEST, plain_line, printable
+
+_LONGEST_PLACE = 120
+
 
 class FaceEditError(Exception):
     """A problem the user can act on. `str(error)` is one line, ready to be shown."""
 
+    def __init__(self, text: str):
+        super().__init__(plain_line(text))
+
 
 class FileError(FaceEditError):
     """A file that cannot be used; the text is `file[, line N]: problem; remedy`.
+
+    Where it would be longer than `LONGEST`, the beginning of the path and the end of the problem
+    are left out.
 
     Args:
         path: the file as the user knows it.
@@ -21,8 +31,12 @@ class FileError(FaceEditError):
 
     def __init__(self, path: Path | str, problem: str, remedy: str, line: int | None = None):
         self.path, self.problem, self.remedy, self.line = Path(path), problem, remedy, line
-        where = f"{path}, line {line}" if line is not None else f"{path}"
-        super().__init__(f"{where}: {problem}; {remedy}".replace("\n", " "))
+        place, at = printable(str(path)), "" if line is None else f", line {line}"
+        if len(place) + len(at) + len(problem) + len(remedy) + 4 > LONGEST:
+            place = place if len(place) <= _LONGEST_PLACE else f"…{place[1 - _LONGEST_PLACE :]}"
+            room = max(LONGEST - len(place) - len(at) - len(remedy) - 4, 40)
+            problem = plain_line(problem, room)
+        super().__init__(f"{place}{at}: {problem}; {remedy}")
 
 
 class Unavailable(FaceEditError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.resources import shipped
@@ -10,7 +11,12 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
-from faceedit_app.networks.engine import Engine
+from faceedit_app.formats.timecode import start_of_day, time_of_day
+from faceedit_app.media import beside, offset_by_clock
+
+if TYPE_CHECKING:  # they import PyAV and ONNX Runtime
+    from faceedit_app.media.sound import Sound
+    from faceedit_app.networks.engine import Engine
 
 
 def shipped_rig() -> Rig:
@@ -32,6 +38,8 @@ def load_engine(rig: Rig, models: Path | None = None) -> Engine:
     Raises:
         FileError: the model is missing or damaged, or made for another character.
     """
+    from faceedit_app.networks.engine import Engine  # ONNX Runtime; the take does not wait for it
+
     return Engine.load(models if models is not None else shipped("models"), rig)
 
 
@@ -56,3 +64,28 @@ def open_session(
     if not isinstance(take, Take):
         take = open_take(take, fps)
     return EditSession(take, rig if rig is not None else shipped_rig(), engine)
+
+
+def open_sound(take: Take) -> tuple[Sound, float] | None:
+    """The sound beside a take, and when its file begins, in seconds of the take.
+
+    As in the window: a sound file, else a film's own sound, placed by timecode if it has one.
+
+    Raises:
+        FileError: it cannot be read.
+    """
+    from faceedit_app.media.film import Film
+    from faceedit_app.media.sound import read_sound
+
+    path, film = beside(take.path.absolute())
+    path = path or film
+    sound = read_sound(path) if path is not None else None
+    if path is None or sound is None:
+        return None
+    codes = take.clip.timecodes
+    began, lasts = sound.began, sound.end
+    if path == film:
+        pictures = Film(path)
+        code, lasts = pictures.timecode, pictures.duration
+        began = None if code is None else time_of_day(code, round(pictures.rate))
+    return sound, offset_by_clock(start_of_day(codes) if codes else None, began, lasts)

@@ -18,16 +18,18 @@ from faceedit_app.core.fields import clean_text
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe, describe_edits
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.media import Placement, sound_moved
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
+from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.solving.answerable import Lack
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState, Steps
 from faceedit_app.formats.opening import write_take
 from faceedit_app.formats.take import Take
+from faceedit_app.words.transcript import Transcript
 
 if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.networks.engine import Engine
@@ -42,7 +44,8 @@ class EditSession:
     `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of each plot. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
     read them, but do not keep or change them. `live.patience` limits how long a change may take
-    before the rest is left to `live.work`.
+    before the rest is left to `live.work`. `shown_rig` is the user's character if one is open,
+    else `rig`.
 
     Args:
         take: the open take.
@@ -62,6 +65,7 @@ class EditSession:
 
     def __init__(self, take: Take, rig: Rig, engine: Engine | None = None) -> None:
         self.take, self.rig = take, rig
+        self.shown_rig = rig
         self._solver = Solver(take.clip, rig, engine)
         self._steps = Steps()
         self._saved = self._computed = self._steps.state
@@ -87,6 +91,11 @@ class EditSession:
         return self.state.settings
 
     @property
+    def words(self) -> Transcript | None:
+        """What is said in the take as shown, in its seconds; None if the user has not said."""
+        return self._steps.shown.words
+
+    @property
     def has_engine(self) -> bool:
         """Whether an engine answers the edits."""
         return self._solver.engine is not None
@@ -102,8 +111,8 @@ class EditSession:
         return self._solver.lacks
 
     @property
-    def is_exported(self) -> bool:
-        """Whether the edits have been exported or saved, and sound and film saved."""
+    def is_saved(self) -> bool:
+        """Whether a project holds the edits, sound and film; an export does not."""
         return self.state == self._saved
 
     # --- gestures ----------------------------------------------------------------------------
@@ -134,8 +143,12 @@ class EditSession:
         self._preview(replace(self.state, settings=settings))
 
     def preview_media(self, media: Placement) -> None:
-        """Show the take with this sound and film."""
-        self._preview(replace(self.state, media=media))
+        """Show the take with this sound and film; the words move with the sound."""
+        self._preview(self._with_media(media))
+
+    def preview_words(self, words: Transcript) -> None:
+        """Show the take with these words."""
+        self._preview(replace(self.state, words=words))
 
     def commit(self, name: str = "", merge: Hashable = None) -> None:
         """Keep the preview as one step.
@@ -200,6 +213,21 @@ class EditSession:
         if self._steps.redo():
             self._arrive()
 
+    @property
+    def history(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The names of the steps that Undo takes back and of those that Redo repeats, by time."""
+        done, undone = self._steps.done, self._steps.undone
+        return tuple(step.name for step in done), tuple(step.name for step in reversed(undone))
+
+    def travel(self, steps: int) -> None:
+        """Redo some steps, or undo as many if below 0, and drop the preview."""
+        move = self._steps.redo if steps > 0 else self._steps.undo
+        moved = 0
+        while moved < abs(steps) and move():
+            moved += 1
+        if moved:
+            self._arrive()
+
     # --- one click, one step; by default it is named after the edits that it adds ------------
 
     def add(self, *edits: Edit, name: str = "") -> None:
@@ -258,8 +286,17 @@ class EditSession:
         self._change(replace(self.state, settings=settings), name, merge)
 
     def place(self, media: Placement, name: str = "Sound and film", merge: Hashable = None) -> None:
-        """Set the sound and film of the take, and when they begin."""
-        self._change(replace(self.state, media=media), name, merge)
+        """Set sound and film of the take, and when they begin; the words move with the sound."""
+        self._change(self._with_media(media), name, merge)
+
+    def say(self, words: Transcript | None, media: Placement | None = None) -> None:
+        """Set the words of the take, or remove them.
+
+        Args:
+            media: where sound and film lie now, so that the words move with the sound from now on.
+        """
+        name = "Words" if words is not None else "Remove words"
+        self._change(replace(self.state, words=words, media=media or self.state.media), name)
 
     def restore(self, state: EditState) -> None:
         """Go to a state from a file, as one step."""
@@ -278,10 +315,25 @@ class EditSession:
         self._compute()
         self.changed.emit()
 
+    def use_character(self, theirs: Rig | None) -> None:
+        """Show the user's character from now on, and close lips and lids on it; None = ours."""
+        self.shown_rig = self.rig if theirs is None else theirs
+        self.live.forget()
+        self._solver.use_character(theirs)
+        self._computed = EditState()
+        self._compute()
+        self.changed.emit()
+
     def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
         edits = list(self.edits)
         edits[index] = edit
         return tuple(edits)
+
+    def _with_media(self, media: Placement) -> EditState:
+        words = self.state.words
+        if words is not None and self.state.media is not None:
+            words = words.shifted(sound_moved(self.state.media, media))
+        return replace(self.state, media=media, words=words)
 
     def _change(self, state: EditState, name: str, merge: Hashable = None) -> None:
         """Preview and commit at once, with one signal."""
@@ -301,16 +353,16 @@ class EditSession:
     # --- the result ------------------------------------------------------------------------
 
     def rig_weights(self, frame: int, tracked: bool = False) -> Floats:
-        """(K,) weights of one frame, for `Rig.vertices`."""
+        """(K,) weights of one frame, for `shown_rig.vertices`."""
         source = self._solver.tracked if tracked else self.weights
-        return self.rig.from_arkit(source[frame])
+        return self.shown_rig.from_arkit(source[frame])
 
     def changed_frames(self) -> int:
         """The number of frames that differ from the take as tracked."""
         return self.live.changed_frames
 
     def _compute(self) -> None:
-        """Update the arrays to the shown state, unless only the media have changed."""
+        """Update the arrays to the shown state, unless only media or words have changed."""
         before, self._computed = self._computed, self._steps.shown
         edits, settings = self._computed.edits, self._computed.settings
         if edits != before.edits or settings != before.settings:
@@ -329,24 +381,30 @@ class EditSession:
         columns = [ARKIT_INDEX[c] for c in self.take.clip.channels]
         return np.ascontiguousarray(self.weights[:, columns])
 
-    def export(self, path: Path | str) -> None:
+    def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.
 
+        Args:
+            path: the file to write.
+            overwrite: allow it to be the take itself, or the take of a project beside it; a copy
+                of that recording is then kept.
+
+        Returns:
+            The copy, if one was made.
+
         Raises:
-            FileError: it cannot be written; an existing file is then untouched.
+            FileError: it cannot be written, or is such a take; an existing file is then untouched.
         """
-        write_take(path, self.take, self.clip_weights())
-        self._mark_exported()
+        weights = self.clip_weights()
+        backup = make_way(Path(path), self.take.path, overwrite)
+        write_take(path, self.take, weights)
+        self._steps.seal()  # so that Undo can return to what is in the file
+        return backup
 
     def mark_saved(self) -> None:
         """Note that the present state is saved."""
         self._saved = self.state
         self._steps.seal()  # so that Undo can return to what is in the file
-
-    def _mark_exported(self) -> None:
-        """Note that the edits are in a file; only projects hold sound and film."""
-        self._saved = replace(self.state, media=self._saved.media)
-        self._steps.seal()
 
     def save_edits(self, path: Path | str) -> None:
         """Save the edits, for `faceedit apply` or for another take.
@@ -355,7 +413,7 @@ class EditSession:
             FileError: the file cannot be written.
         """
         write_edits(path, self.edits)
-        self._mark_exported()
+        self._steps.seal()
 
     def load_edits(self, path: Path | str) -> None:
         """Add the edits of a file as one step.

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.words.transcript import Transcript
 
 
 @dataclass(frozen=True)
@@ -22,11 +23,13 @@ class EditState:
         edits: oldest first.
         settings: how they are answered.
         media: the sound and film; None = the files found next to the take.
+        words: what was said, if the user gave it.
     """
 
     edits: tuple[Edit, ...] = ()
     settings: Settings = field(default_factory=Settings)
     media: Placement | None = None
+    words: Transcript | None = None
 
 
 @dataclass(frozen=True)

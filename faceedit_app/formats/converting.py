@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from faceedit_app.core.arrays import Bools, Times
+from faceedit_app.core.arrays import Bools, Floats, Times
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
@@ -39,19 +40,27 @@ def choose_format(path: Path, key: str | None = None) -> Format:
     raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
 
 
-def convert(path: Path, take: Take, form: Format, rate: float | None = None) -> Clip:
+def convert(
+    path: Path,
+    take: Take,
+    form: Format,
+    rate: float | None = None,
+    weights: Floats | None = None,
+) -> Clip:
     """Write a take in a format, and return its clip as written.
 
-    In its own format and at its own rate, a take is written byte for byte.
+    In its own format and at its own rate, a take is written byte for byte, except for weights
+    that differ.
 
     Args:
-        form: a format that can be written.
+        form: a format that can be written, or the take's own if `rate` is.
         rate: frames per second; None = the take's own.
+        weights: (T, K) in place of the take's own.
 
     Raises:
         FileError: the file cannot be written.
     """
-    clip = take.clip
+    clip = take.clip if weights is None else replace(take.clip, weights=weights)
     if form.name == take.kind and (rate is None or rate == clip.rate):
         write_take(path, take, clip.weights)
         return clip

@@ -23,6 +23,8 @@ _HEAD = 1 << 20  # bytes; enough for a header and a row
 _DELIMITERS = (b",", b";", b"\t")
 # What programs write in place of a missing number.
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
+_QUOTED = re.compile('"((?:[^"]|"")*)"(.*)', re.DOTALL)
+_SPACED = re.compile(r'\s+"([^"]*)"(\s*)')
 
 Cells = list[bytes]
 
@@ -252,8 +254,15 @@ def _cell(delimiter: bytes) -> re.Pattern[bytes]:
 
 
 def plain_text(cell: bytes) -> str:
-    """A cell's text without the quotes and spaces around it."""
-    return cell.decode("utf-8", "replace").strip().strip('"').strip()
+    """A cell's text as Python's csv module reads it, without the spaces around it.
+
+    One pair of quotes after a space also counts as quotes, as some tools write them.
+    """
+    text = cell.decode("utf-8", "replace")
+    quoted = _QUOTED.fullmatch(text) or _SPACED.fullmatch(text)
+    if quoted is None:
+        return text.strip()
+    return (quoted[1].replace('""', '"') + quoted[2]).strip()
 
 
 def _lost(numbers: Doubles, zero: Bools) -> Bools:

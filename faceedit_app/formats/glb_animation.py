@@ -10,7 +10,6 @@ written to the end of the file, as floats.
 
 from __future__ import annotations
 
-import json
 import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -22,15 +21,15 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.glb import MAGIC, join_glb, split_glb
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.timing import BadRow, NoTimes, Timing, counted, time_rows
 
 FORMAT = "GLB animation"
-_MAGIC = b"glTF"
-_JSON, _BIN = b"JSON", b"BIN\0"
 _FLOAT = 5126
 _TYPES: dict[int, Any] = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", _FLOAT: "<f4"}
+_INDEX_TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4"}
 _COMPRESSED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 _DAMAGE = (KeyError, IndexError, TypeError, ValueError, AttributeError, struct.error)
 # The best compression of meshoptimizer: one control byte for 256 rows.
@@ -70,7 +69,7 @@ class Glb:
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a GLB with an animation of shapes with ARKit names."""
-    if not content.startswith(_MAGIC):
+    if not content.startswith(MAGIC):
         return 0.0
     try:
         names = {name for _, _, found in _channels(_parse(content).document) for name in found}
@@ -151,23 +150,7 @@ def _goes_with(track: Track, main: Track) -> bool:
 
 
 def _parse(content: bytes) -> Glb:
-    """The chunks of a GLB."""
-    document: Any = None
-    binary = (0, 0)
-    start = 12
-    while start + 8 <= len(content):
-        length, kind = struct.unpack_from("<I4s", content, start)
-        stop = start + 8 + length
-        if stop > len(content):
-            raise ValueError("a chunk is cut off")
-        if kind == _JSON and document is None:
-            document = json.loads(content[start + 8 : stop])
-        elif kind == _BIN and binary == (0, 0):
-            binary = start + 8, stop
-        start = stop
-    if not isinstance(document, dict):
-        raise ValueError("there is no document")
-    return Glb(content, document, binary)
+    return Glb(content, *split_glb(content))
 
 
 def _channels(document: Mapping[str, Any]) -> Iterator[tuple[int, int, tuple[str, ...]]]:
@@ -208,11 +191,13 @@ def _tracks(glb: Glb) -> Iterator[Track]:
 def _accessor(glb: Glb, index: int) -> tuple[Floats, int | None]:
     """The numbers of an accessor (N,), and their place in the file if they are plain floats."""
     accessor = glb.document["accessors"][index]
-    view = glb.document["bufferViews"][accessor["bufferView"]]
     dtype = np.dtype(_TYPES[accessor["componentType"]])
     count = accessor["count"]
-    if accessor["type"] != "SCALAR" or "sparse" in accessor:
+    if accessor["type"] != "SCALAR":
         raise _Unreadable("stores its weights in an unusual way")
+    if "sparse" in accessor:
+        return _sparse(glb, accessor, dtype), None
+    view = glb.document["bufferViews"][accessor["bufferView"]]
     start = accessor.get("byteOffset", 0)
     extensions = view.get("extensions", {})
     packed = next((extensions[name] for name in _COMPRESSED if name in extensions), None)
@@ -222,12 +207,41 @@ def _accessor(glb: Glb, index: int) -> tuple[Floats, int | None]:
         rows = np.frombuffer(data, np.uint8)[start : start + count * stride].reshape(count, stride)
         numbers = rows[:, : dtype.itemsize].copy().view(dtype)[:, 0]
         return _as_parts(numbers), None
-    if view.get("byteStride", dtype.itemsize) != dtype.itemsize:
-        raise _Unreadable("stores its weights in an unusual way")
-    start += view.get("byteOffset", 0)
-    numbers = np.frombuffer(_buffer(glb, view), dtype, count, start)
+    numbers, start = _plain(glb, accessor, dtype, count)
     plain = accessor["componentType"] == _FLOAT
     return _as_parts(numbers), glb.binary[0] + start if plain else None
+
+
+def _sparse(glb: Glb, accessor: Mapping[str, Any], dtype: np.dtype[Any]) -> Floats:
+    """The numbers (N,) of an accessor that replaces some of another's, or of zeros."""
+    sparse = accessor["sparse"]
+    dense = {key: value for key, value in accessor.items() if key != "sparse"}
+    if "bufferView" in accessor:
+        numbers, _ = _plain(glb, dense, dtype, accessor["count"])
+        numbers = numbers.copy()
+    else:
+        if accessor["count"] > _MOST_EXPANSION * len(glb.content):
+            raise ValueError("it claims more than it can hold")
+        numbers = np.zeros(accessor["count"], dtype)
+    kind = np.dtype(_INDEX_TYPES[sparse["indices"]["componentType"]])
+    where, _ = _plain(glb, sparse["indices"], kind, sparse["count"])
+    numbers[where], _ = _plain(glb, sparse["values"], dtype, sparse["count"])
+    return _as_parts(numbers)
+
+
+def _plain(
+    glb: Glb, reader: Mapping[str, Any], dtype: np.dtype[Any], count: int
+) -> tuple[NDArray[Any], int]:
+    """Uncompressed numbers (N,) and their place in the binary chunk.
+
+    Args:
+        reader: what names the buffer view and the offset in it.
+    """
+    view = glb.document["bufferViews"][reader["bufferView"]]
+    if view.get("byteStride", dtype.itemsize) != dtype.itemsize:
+        raise _Unreadable("stores its weights in an unusual way")
+    start = view.get("byteOffset", 0) + reader.get("byteOffset", 0)
+    return np.frombuffer(_buffer(glb, view), dtype, count, start), start
 
 
 def _buffer(glb: Glb, view: Mapping[str, Any]) -> bytes:
@@ -327,12 +341,7 @@ def _with_new_outputs(content: bytes, moved: list[tuple[Track, Floats]]) -> byte
         sampler["output"] = len(document["accessors"]) - 1
         binary += data
     document["buffers"][0]["byteLength"] = len(binary)
-    text = json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
-    text += b" " * (-len(text) % 4)
-    binary += b"\0" * (-len(binary) % 4)
-    chunks = struct.pack("<I4s", len(text), _JSON) + text
-    chunks += struct.pack("<I4s", len(binary), _BIN) + bytes(binary)
-    return struct.pack("<4sII", _MAGIC, 2, 12 + len(chunks)) + chunks
+    return join_glb(document, bytes(binary))
 
 
 def _with_tangents(times: Times, values: Floats) -> Floats:

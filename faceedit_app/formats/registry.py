@@ -42,6 +42,8 @@ class Format:
         write: encodes any clip in this format; None if only takes that were read from it can be
             written.
         tells_times: whether its frames have times, not only a rate.
+        hints: for a format that can be written, by program, what to do there; `{rate}` stands for
+            the frame rate.
     """
 
     key: str
@@ -53,19 +55,32 @@ class Format:
     read: Callable[[Path, bytes, float | None], Take]
     write: Callable[[Clip], bytes] | None = None
     tells_times: bool = True
+    hints: tuple[tuple[str, str], ...] = ()
 
 
 # fmt: off
 FORMATS: tuple[Format, ...] = (
     Format("livelink", livelink.FORMAT, (".csv",), "text/csv",
            "Live Link Face on an iPhone; Face_Landmark_Link and others that write its layout",
-           livelink.sniff, livelink.read, livelink.write),
+           livelink.sniff, livelink.read, livelink.write, hints=(
+               ("Unreal", "switch on the plug-in Live Link Face Importer, and drag the file into "
+                "the Content Browser: it becomes a Level Sequence"),
+               ("Blender", "the add-on Faceit imports it (Mocap > Import Live Link Face)"),
+               ("Maya", "write FBX instead, or run the script in docs/formats.md on a plain CSV"),
+           )),
     Format("csv", "CSV with ARKit names", (".csv",), "text/csv",
            "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
-           csv_take.sniff, csv_take.read, csv_take.write),
+           csv_take.sniff, csv_take.read, csv_take.write, hints=(
+               ("Blender, Maya", "the scripts in docs/formats.md put it on a mesh with its shapes"),
+               ("Spreadsheets", "one row a frame: seconds, then a column for each channel"),
+           )),
     Format("audio2face", audio2face.FORMAT, (".json",), "application/json",
            "NVIDIA Audio2Face",
-           audio2face.sniff, audio2face.read, audio2face.write, tells_times=False),
+           audio2face.sniff, audio2face.read, audio2face.write, tells_times=False, hints=(
+               ("Blender", "set the scene to {rate} first; the add-on Faceit then imports the file "
+                "(Mocap > Import Audio2Face)"),
+               ("Maya, Omniverse", "Audio2Face's own importers of blendshape weights read it"),
+           )),
     Format("facecap", facecap.FORMAT, (".txt",), "",
            "Face Cap on an iPhone", facecap.sniff, facecap.read),
     Format("names", named_frames.FORMAT, (".json",), "application/json",

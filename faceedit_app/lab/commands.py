@@ -145,6 +145,30 @@ def evaluate_character(
         print("\n\n".join(one.text() for one in figures))
 
 
+def evaluate_words(
+    takes: Annotated[list[Path], typer.Argument(help="Takes with their sound beside them.")],
+    words: Annotated[
+        Path, typer.Option(help="Folder of TextGrids with published word times, named like them.")
+    ],
+    models: Annotated[
+        OptionalPath, typer.Option("--models", help="Folder of models; the shipped ones if absent.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    output: Annotated[
+        OptionalPath, typer.Option("--report", help="Write the report to this file.")
+    ] = None,
+) -> None:
+    """Measure how well words are aligned to sound, and closures found and fixed."""
+    from faceedit_app.editing.opening import load_engine, shipped_rig
+    from faceedit_app.lab.evaluation import words as evaluation
+
+    figures = evaluation.evaluate_words(takes, words, load_engine(shipped_rig(), models))
+    text = evaluation.report(figures)
+    if output is not None:
+        write_atomically(output, text.encode())
+    print(json.dumps(figures.as_json(), indent=2) if as_json else text)
+
+
 def experiment(
     name: Annotated[str, typer.Argument(help="Its name, or all; a wrong name lists them.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")] = Path(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from faceedit_app.core.errors import FileError, Unavailable
 
 if TYPE_CHECKING:
+    from av.audio.stream import AudioStream
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
@@ -40,6 +41,8 @@ def opened(path: Path) -> Iterator[InputContainer]:
 
 def open_container(path: Path) -> InputContainer:
     """Open a media file; use it inside `file_errors`, and close it."""
+    if path.exists() and not path.is_file():  # a pipe or a device may never end
+        raise FileError(path, "is not a regular file", "choose a sound or a film")
     try:
         import av
     except ImportError as error:
@@ -86,16 +89,26 @@ def find_film(container: InputContainer) -> VideoStream | None:
     return next((s for s in container.streams.video if not int(s.disposition) & _COVER), None)
 
 
+def find_sound(container: InputContainer) -> AudioStream | None:
+    """The first sound stream that can be decoded, or None.
+
+    Phones write a second, spatial one that FFmpeg does not decode.
+    """
+    usable = (s for s in container.streams.audio if s.codec_context is not None)
+    return next((s for s in usable if s.codec_context.channels), None)
+
+
 def film_stream(container: InputContainer) -> VideoStream:
     """The first video stream that is not a cover picture.
 
     Raises:
         FileError: there is none.
     """
-    stream = find_film(container)
+    stream, path = find_film(container), Path(container.name.removeprefix("file:"))
     if stream is None:
-        path = Path(container.name.removeprefix("file:"))
         raise FileError(path, "has no pictures", "choose another file")
+    if stream.codec_context is None:
+        raise FileError(path, "has pictures in a format that FFmpeg does not know", _REMEDY)
     return stream
 
 

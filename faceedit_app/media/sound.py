@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.extremes import Extremes
-from faceedit_app.media.container import check, find_film, opened, seconds
+from faceedit_app.media.container import check, find_film, find_sound, opened, seconds
 
 if TYPE_CHECKING:
     from av import AudioFrame, AudioResampler
+    from av.audio.stream import AudioStream
     from av.container import InputContainer
 
 Samples = NDArray[np.int16]
@@ -26,6 +27,10 @@ BLOCK = 128  # samples in the smallest bin of the extremes
 _QUARTER = 4  # waveform bins are at most a quarter of a pixel; coarser ones would be visible
 _LONGEST = 2.0  # hours; a longer sound would fill the memory, and no take is as long
 _HOLE = 0.02  # seconds; longer holes between packets are filled with silence
+_MOST_SILENCE = 600.0  # seconds; a small file may claim hours of it
+_FASTEST = 768_000  # samples per second; other rates are damage
+_MOST_SAMPLES = round(_LONGEST * 3600 * 96_000)  # of all channels: two hours of 48 kHz stereo
+_CUT = "cut out the part of the take"
 
 
 def extremes_of(samples: Samples) -> Extremes:
@@ -143,16 +148,20 @@ def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound |
         Abandoned: `stopped` said so.
     """
     with opened(path) as container:
-        if not container.streams.audio:
+        stream = find_sound(container)
+        if stream is None:
+            if container.streams.audio:
+                problem = "has sound in a format that FFmpeg does not know"
+                raise FileError(path, problem, "convert it to WAV and add that")
             if find_film(container) is not None:
                 return None
             raise FileError(path, "has neither sound nor film", "choose another file")
         hours = (container.duration or 0) / 3.6e9
         if hours > _LONGEST:
-            raise FileError(path, f"is {hours:.1f} hours long", "cut out the part of the take")
-        tape = _Tape(container)
+            raise FileError(path, f"is {hours:.1f} hours long", _CUT)
+        tape = _Tape(path, stream)
         origin = tape.roll(container, stopped)
-        began = _began(container)
+        began = _began(container, stream)
     if not tape.pieces:
         raise FileError(path, "has an empty sound track", "choose another file")
     samples = np.concatenate(tape.pieces)
@@ -160,9 +169,9 @@ def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound |
     return Sound(path, tape.rate, samples, start, extremes_of(samples), began)
 
 
-def _began(container: InputContainer) -> float | None:
+def _began(container: InputContainer, stream: AudioStream) -> float | None:
     """When a Broadcast WAV began, seconds since midnight; None for other files."""
-    count, rate = container.metadata.get("time_reference", ""), container.streams.audio[0].rate
+    count, rate = container.metadata.get("time_reference", ""), stream.rate
     known = count.isdecimal() and len(count) <= 20  # 64 bits; files may contain anything
     return int(count) / rate if known and rate else None
 
@@ -176,11 +185,12 @@ class _Tape:
         start: the time of the first sample by the file's own clock, seconds.
     """
 
-    def __init__(self, container: InputContainer) -> None:
-        self._stream = container.streams.audio[0]
-        self._channels = min(self._stream.codec_context.channels or 1, 2)
+    def __init__(self, path: Path, stream: AudioStream) -> None:
+        self._path, self._stream = path, stream
+        self._channels = min(stream.codec_context.channels or 1, 2)
         self._resampler: AudioResampler | None = None
         self._written = 0
+        self._silence = 0.0
         self.pieces: list[Samples] = []
         self.rate = 0
         self.start = 0.0
@@ -213,11 +223,18 @@ class _Tape:
         at = seconds(frame.pts, frame.time_base)
         if self._resampler is None:
             self.rate, self.start = frame.sample_rate, at or 0.0
+            if not 0 < self.rate <= _FASTEST:
+                problem = f"is damaged: it claims {self.rate} samples per second"
+                raise FileError(self._path, problem, "convert it to WAV and add that")
             layout = "mono" if self._channels == 1 else "stereo"
             self._resampler = AudioResampler("s16", layout, self.rate)
         if at is not None:
             hole = at - self.start - self._written / self.rate
-            if _HOLE < hole < _LONGEST * 3600:
+            if hole > _HOLE:
+                self._silence += hole
+                if self._silence > _MOST_SILENCE:
+                    problem = f"has {self._silence / 60:.0f} minutes without sound inside its sound"
+                    raise FileError(self._path, problem, _CUT)
                 self.pieces.append(np.zeros((round(hole * self.rate), self._channels), np.int16))
                 self._written += len(self.pieces[-1])
         frame.pts = None  # we fill holes ourselves
@@ -228,3 +245,6 @@ class _Tape:
             packed = np.asarray(frame.to_ndarray(), np.int16)
             self.pieces.append(packed.reshape(-1, self._channels))
             self._written += len(self.pieces[-1])
+            if self._written * self._channels > _MOST_SAMPLES:
+                minutes = self._written / self.rate / 60
+                raise FileError(self._path, f"has over {minutes:.0f} minutes of sound", _CUT)

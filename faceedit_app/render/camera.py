@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
 from faceedit_app.core.rig import Rig
 
@@ -66,6 +66,19 @@ class Camera:
         pose[:3, 2] = backward
         pose[:3, 3] = np.asarray(self.target) + self.distance * backward
         return pose
+
+    def project(self, places: Floats, width: float, height: float) -> Doubles:
+        """Where places (N, 3), metres, are in a picture of this size.
+
+        Returns:
+            (N, 3): pixels from the left and from the top, and metres in front of the camera.
+        """
+        pose = self.pose()
+        seen = (places - pose[:3, 3]) @ pose[:3, :3]
+        depth = -seen[:, 2]
+        scale = height / 2.0 / _half_height(width / height) / np.maximum(depth, NEAR)
+        across, down = width / 2.0 + scale * seen[:, 0], height / 2.0 - scale * seen[:, 1]
+        return np.stack((across, down, depth), axis=1)
 
 
 def field_of_view(aspect: float) -> float:

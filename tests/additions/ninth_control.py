@@ -16,7 +16,8 @@ from support.faces import random_engine, shipped_rig
 from support.rigs import tiny_session
 from support.windows import Bench, bench, drag_curve
 
-from faceedit_app.characters.glb import read_rig, write_rig
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, MIRRORED_CONTROL
 from faceedit_app.core.regions import EYELIDS, LOWER, UPPER

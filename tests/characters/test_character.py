@@ -126,7 +126,7 @@ def test_building_it_again_gives_the_same_bytes(
     from assets.builder.assemble import build_rig
     from assets.builder.controls import write_definitions
     from assets.builder.source import open_source
-    from faceedit_app.characters.glb import write_rig
+    from faceedit_app.characters.glb_writing import write_rig
 
     with open_source(Path(wheel)) as source:
         rebuilt = build_rig(source)

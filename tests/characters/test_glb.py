@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from support.faces import random_rig
 
-from faceedit_app.characters.glb import read_rig, write_rig
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 

@@ -12,7 +12,8 @@ from support.faces import random_rig
 from support.gltf import NO_VALIDATOR, accessor_errors, has_validator, parts, validator_errors
 from support.places import ROOT
 
-from faceedit_app.characters.glb import read_rig, write_rig
+from faceedit_app.characters.glb import read_rig
+from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.core.rig import Material, Rig
 
 SHIPPED = ROOT / "assets" / "character.glb"

@@ -12,7 +12,7 @@ from support.faces import shipped_rig
 
 from faceedit_app.characters.closure import Gaps
 from faceedit_app.characters.fitted import open_character
-from faceedit_app.characters.glb import write_rig
+from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.characters.making import Made, Template, make
 from faceedit_app.characters.registration import Landmarks
 from faceedit_app.characters.scans import Scan, read_scan

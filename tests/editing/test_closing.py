@@ -3,46 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pytest
 from support.faces import shipped_rig
+from support.leaky import JAW, leaky_rig, speech
+from support.sessions import session_by_rig
 
 from faceedit_app.characters.closure import Gaps, closure
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
-from faceedit_app.core.rig import Rig
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import LIP_OPENING
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.closing import Closing
 
-JAW, CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
-
-
-@lru_cache(maxsize=1)
-def leaky_rig() -> Rig:
-    """Our character with a mouthClose and a blink that do not close all the way."""
-    rig = shipped_rig()
-    deltas = rig.deltas.copy()
-    deltas[rig.channel_index["mouthClose"]] *= 0.8
-    deltas[rig.channel_index["jawOpen"]] *= 1.1
-    for side in ("Left", "Right"):
-        deltas[rig.channel_index[f"eyeBlink{side}"]] *= 0.85
-    return replace(rig, deltas=deltas)
-
-
-@lru_cache(maxsize=1)
-def speech() -> Floats:
-    """Four seconds at 30 fps: lips that meet by mouthClose, blinks, some smile."""
-    time = np.arange(120) / 30.0
-    weights = np.zeros((120, 52), np.float32)
-    open_ = 0.5 - 0.5 * np.cos(2 * np.pi * 1.5 * time)
-    weights[:, JAW] = 0.15 + 0.3 * open_
-    weights[:, CLOSE] = weights[:, JAW] * (1 - open_)
-    weights[:, ARKIT_INDEX["mouthSmileLeft"]] = 0.2 + 0.2 * np.sin(time)
-    blink = np.exp(-(((time % 1.3) - 0.6) ** 2) / 0.005)
-    for side in ("Left", "Right"):
-        weights[:, ARKIT_INDEX[f"eyeBlink{side}"]] = 0.9 * blink
-    return weights
+CLOSE = ARKIT_INDEX["mouthClose"]
 
 
 @pytest.fixture(scope="module")
@@ -123,16 +99,30 @@ def test_a_character_without_lids_closes_its_lips(closing: Closing) -> None:
     assert closure(closing.ours.measure(speech()), gaps).lips_open_share == 0
 
 
-def test_only_edited_frames_are_closed_and_softly_at_their_edges(closing: Closing) -> None:
-    tracked = speech().copy()
-    edited = tracked.copy()
-    edited[30:70, ARKIT_INDEX["mouthSmileLeft"]] += 0.1
+def test_frames_close_by_their_share_and_regions_left_out_not_at_all(closing: Closing) -> None:
+    tracked = speech()
+    share = np.clip((np.arange(len(tracked)) - 30) / 20.0, 0.0, 1.0)
+    after = closing(tracked, {"lower": share})
+    np.testing.assert_array_equal(after[:31], tracked[:31])
+    np.testing.assert_array_equal(after[50:, JAW], closing(tracked)[50:, JAW])
+    blink = ARKIT_INDEX["eyeBlinkLeft"]
+    np.testing.assert_array_equal(after[:, blink], tracked[:, blink])
+
+
+def test_a_session_closes_on_the_shown_character_where_edits_are() -> None:
     times = np.arange(120) / 30.0
-    after = closing.where_edited(tracked, edited, times)
-    np.testing.assert_array_equal(after[:30], tracked[:30])
-    np.testing.assert_array_equal(after[70:], tracked[70:])
-    change = np.abs(after - edited)[:, JAW]
-    assert change[35:65].max() > 0
-    assert change[30] < 0.3 * np.abs(closing(edited) - edited)[30, JAW] + 1e-3
-    nothing = closing.where_edited(tracked, tracked, times)
-    np.testing.assert_array_equal(nothing, tracked)
+    session = session_by_rig(Clip(speech(), ARKIT_CHANNELS, times, 30.0))
+    session.add(Edit((LIP_OPENING,), Op.SET, 1.5, 1.6, 0.1, value=0.0))
+    ours = session.weights.copy()
+    session.use_character(leaky_rig())
+    theirs = session.weights.copy()
+    gaps = Gaps.of(leaky_rig())
+    assert gaps.measure(ours[45:49])[:, 0].max() > 1.0
+    assert gaps.measure(theirs[45:49])[:, 0].max() < 0.5
+    np.testing.assert_array_equal(theirs[:10], session.take.clip.arkit_weights()[:10])
+    session.configure(replace(session.settings, closes=False))
+    np.testing.assert_array_equal(session.weights, ours)
+    session.undo()
+    np.testing.assert_array_equal(session.weights, theirs)
+    session.use_character(None)
+    np.testing.assert_array_equal(session.weights, ours)

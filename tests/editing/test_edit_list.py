@@ -245,4 +245,4 @@ def test_nothing_lies_before_the_state_of_a_project(session: EditSession) -> Non
     assert session.edits == (B, C)
     assert not session.can_undo
     assert not session.can_redo
-    assert not session.is_exported
+    assert not session.is_saved

@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.faces import shipped_rig, talking_clip
+from support.leaky import leaky_rig, speech
+from support.places import SHARED
 from support.sessions import demo_take, session_by_rig
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
@@ -15,6 +17,7 @@ from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
+from faceedit_app.editing.opening import open_session
 
 
 def still_clip(seconds: float = 6.0, rate: float = 60.0) -> Clip:
@@ -153,3 +156,63 @@ def test_ten_minutes_are_searched_in_no_time() -> None:
     began = time.process_time()
     find_problems(session)
     assert time.process_time() - began < 3.0  # of the processor; it takes 0.1
+
+
+def opening_and_closing(gaps: list[float], pressing: float = 0.0) -> Clip:
+    """Lips that open every second and close again, each time but for a weight of the jaw."""
+    clip = still_clip(len(gaps) + 1.0)
+    weights = clip.weights.copy()
+    jaw = np.full(len(clip), 0.3)
+    for second, gap in enumerate(gaps, start=1):
+        shape = np.exp(-(((clip.times - second) / 0.06) ** 2))
+        jaw -= (0.3 - gap) * shape
+        for side in ("Left", "Right"):
+            weights[:, ARKIT_INDEX[f"mouthPress{side}"]] += (pressing * shape).astype(np.float32)
+    weights[:, ARKIT_INDEX["jawOpen"]] = jaw
+    return replace(clip, weights=weights)
+
+
+@pytest.mark.parametrize("pressing", [0.0, 0.3])
+def test_a_closure_is_missed_if_the_takes_own_closures_close_further(pressing: float) -> None:
+    """Also in a take of a tracker that does not record how lips press."""
+    found = find(opening_and_closing([0.0, 0.0, 0.08, 0.0, 0.0], pressing))
+    (lips,) = [problem for problem in found if problem.kind is Kind.LIPS]
+    assert lips.time == pytest.approx(3.0, abs=0.02)
+
+
+def test_the_worst_frame_and_its_value_are_reported_as_the_curve_shows_them() -> None:
+    session = session_by_rig(demo_take())
+    lips = next(p for p in find_problems(session) if p.kind is Kind.LIPS)
+    frame = session.take.clip.frame_at(lips.time)
+    value = float(session.achieved[frame, CONTROL_INDEX["mouth_opening"]])
+    near = (session.take.clip.times >= lips.start) & (session.take.clip.times <= lips.end)
+    assert value == session.achieved[near, CONTROL_INDEX["mouth_opening"]].min()
+    assert f"{value:.1f} mm" == lips.amount
+    assert lips.message.endswith(lips.amount)
+    assert 0 < lips.severity < 1
+
+
+LIVELINK = sorted((SHARED / "data" / "livelink").glob("*.csv"))
+
+
+@pytest.mark.skipif(not LIVELINK, reason="no real takes here; FACEEDIT_SHARED names their folder")
+def test_real_takes_show_lips_that_nearly_meet() -> None:
+    found = [find_problems(open_session(path, shipped_rig())) for path in LIVELINK]
+    with_lips = [any(p.kind is Kind.LIPS for p in problems) for problems in found]
+    assert sum(with_lips) >= len(LIVELINK) / 2
+    seconds = sum(open_session(path, shipped_rig()).take.clip.duration for path in LIVELINK)
+    count = sum(p.kind is Kind.LIPS for problems in found for p in problems)
+    assert count < seconds / 10, "speech closes the lips once a second: few of them are missed"
+
+
+def test_gaps_on_the_shown_character_are_found_and_the_proposals_close_them() -> None:
+    session = session_by_rig(Clip(speech(), ARKIT_CHANNELS, np.arange(120) / 30.0, 30.0))
+    assert Kind.CHARACTER not in {problem.kind for problem in find_problems(session)}
+    session.use_character(leaky_rig())
+    found = [problem for problem in find_problems(session) if problem.kind is Kind.CHARACTER]
+    assert {problem.controls[0] for problem in found} >= {"mouth_opening"}
+    ours = session.achieved.copy()
+    session.add(*(edit for problem in found for edit in problem.fix))
+    after = [problem for problem in find_problems(session) if problem.kind is Kind.CHARACTER]
+    assert len(after) < len(found) / 4
+    assert np.median(np.abs(session.achieved - ours)) < 0.1

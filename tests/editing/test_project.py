@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.edits import edits
 from support.sessions import session_by_rig
+from support.speech import said
 from support.takes import make_livelink_csv, make_plain_csv
 
 from faceedit_app.core.errors import FileError
@@ -297,3 +298,17 @@ def test_unreadable_take_is_told(take: Path, tmp_path: Path) -> None:
         project, path = saved(take, tmp_path)
         take.chmod(0)
         assert locate_take(project, path).where is Whereabouts.MISSING
+
+
+def test_words_are_part_of_a_project(take: Path, tmp_path: Path) -> None:
+    words = said(("map", "M AE P"))
+    project = project_of(take)
+    project = replace(project, state=replace(project.state, words=words))
+    path = tmp_path / "scene.faceedit"
+    write_project(path, project)
+    assert read_project(path).state.words == words
+    document = json.loads(path.read_text())
+    document["words"]["version"] = 2
+    path.write_text(json.dumps(document))
+    with pytest.raises(FileError, match="newer FaceEdit"):
+        read_project(path)

@@ -56,7 +56,7 @@ def test_session_without_edits_is_the_take() -> None:
     np.testing.assert_array_equal(session.achieved, session.tracked)
     np.testing.assert_array_equal(session.asked, session.tracked)
     assert session.changed_frames() == 0
-    assert session.is_exported
+    assert session.is_saved
 
 
 @pytest.mark.parametrize("rate", [12.0, 25.0, 60.0, 120.0])
@@ -359,9 +359,9 @@ def test_export_opened_again_is_what_was_on_screen(tmp_path: Path) -> None:
     source = make_livelink_csv(tmp_path / "a.csv", seconds=3, dropped=[40, 41, 42])
     session = session_by_networks(source)
     session.add(offset("mouth_opening", 1.5, 1.8, 6.0))
-    assert not session.is_exported
+    assert not session.is_saved
     session.export(tmp_path / "b.csv")
-    assert session.is_exported
+    assert not session.is_saved
     again = session_by_networks(tmp_path / "b.csv")
     np.testing.assert_allclose(again.weights, session.weights, atol=1e-9)
     np.testing.assert_allclose(again.tracked, session.achieved, atol=1e-4)

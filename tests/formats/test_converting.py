@@ -146,7 +146,7 @@ def test_a_take_without_times_is_converted_frame_by_frame(tmp_path: Path) -> Non
     ("options", "says"),
     [
         (["out.xyz"], "no format with this ending can be written"),
-        (["out.csv", "--format", "fbx"], "must be one of livelink, csv, audio2face"),
+        (["out.csv", "--format", "bvh"], "must be one of livelink, csv, audio2face, glb, fbx, usd"),
         (["out.csv", "--fps", "0"], "frames per second"),
     ],
 )

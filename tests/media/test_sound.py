@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from fractions import Fraction
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from av.audio import AudioStream
 from support.films import make_film, make_wav
+from support.places import SHARED
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.media import beside, is_media
@@ -144,3 +146,52 @@ def test_what_lies_beside_a_take_under_its_name(tmp_path: Path) -> None:
     assert beside(tmp_path / "slate_1_iPhone_edited.csv") == (sound, film)
     assert is_media(sound)
     assert not is_media(take)
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="needs the samples in shared/cases/hostile")
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [
+        ("film_with_apac_sound.mov", "has sound in a format that FFmpeg does not know"),
+        ("sound_hole_96k.mkv", "has 118 minutes without sound inside its sound"),
+        ("fuzz_media1_d8f3b8d3.avi", "it claims 1342193280 samples per second"),
+        ("fuzz_media1_99c77a1e.wav", "has sound in a format that FFmpeg does not know"),
+    ],
+)
+def test_a_small_file_cannot_ask_for_much_memory(name: str, problem: str) -> None:
+    with pytest.raises(FileError, match=problem):
+        read_sound(SHARED / "cases" / "hostile" / name)
+
+
+def test_a_long_hole_in_a_sound_is_refused_before_it_is_filled(tmp_path: Path) -> None:
+    with av.open(str(tmp_path / "a.mkv"), "w") as out:
+        stream = out.add_stream("pcm_s16le", rate=8000, layout="mono")
+        assert isinstance(stream, AudioStream)
+        for pts in (0, 3600 * 8000):
+            frame = av.AudioFrame.from_ndarray(np.zeros((1, 800), np.int16), "s16", "mono")
+            frame.sample_rate, frame.pts, frame.time_base = 8000, pts, Fraction(1, 8000)
+            out.mux(stream.encode(frame))
+        out.mux(stream.encode(None))
+    with pytest.raises(FileError, match="has 60 minutes without sound inside its sound; cut out"):
+        read_sound(tmp_path / "a.mkv")
+
+
+def test_a_pipe_is_refused_as_sound(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.wav")
+    with pytest.raises(FileError, match="is not a regular file"):
+        read_sound(tmp_path / "a.wav")
+
+
+@pytest.mark.parametrize(
+    ("take", "film"),
+    [
+        ("slate_1_iPhone_cal_edited.csv", "slate_1_iPhone.mov"),
+        ("slate_1_iPhone_cal_edited_edited.csv", "slate_1_iPhone.mov"),
+        ("talk_blendshape_data.csv", "talk.mp4"),
+        ("talk_blendshape_data_edited.csv", "talk.mp4"),
+        ("_edited.csv", "_edited.mov"),
+    ],
+)
+def test_what_tools_add_to_the_name_of_a_take(take: str, film: str, tmp_path: Path) -> None:
+    (tmp_path / film).touch()
+    assert beside(tmp_path / take) == (None, tmp_path / film)

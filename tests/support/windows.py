@@ -76,19 +76,25 @@ class Bench:
 
     Attributes:
         errors: what `show_error` said.
+        exported: the file and the lines of each `show_exported`.
         answers: what the user answers to each `dialogs.ask_…`; none is asked unexpectedly.
     """
 
     def __init__(self, qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
         self.qtbot, self.folder = qtbot, folder
         self.errors: list[str] = []
+        self.exported: list[Any] = []
         self.answers: dict[str, Any] = {}
         self.renderers: list[FakeRenderer] = []
         self.take = make_livelink_csv(folder / "take.csv", seconds=3.0)
         monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
+        monkeypatch.setattr(dialogs, "show_exported", lambda _w, *said: self.exported.append(said))
         self.preferences().set_hints_seen()
         monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
-        for name in ("open", "export", "save_edits", "load_edits", "save_project", "unsaved"):
+        for name in (
+            *("open", "export", "save_edits", "load_edits", "save_project", "unsaved"),
+            *("overwrite", "export_as", "film", "stop_film"),
+        ):
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
         monkeypatch.setattr(loading, "load_character", shipped_rig)
         monkeypatch.setattr(loading, "prepare_renderer", lambda: None)
@@ -96,7 +102,7 @@ class Bench:
         monkeypatch.setattr(render, "open_renderer", self._renderer)
 
     def _answer(self, name: str) -> Callable[[QWidget, object], Any]:
-        def answer(_parent: QWidget, _suggestion: object) -> Any:
+        def answer(_parent: QWidget, *_: object) -> Any:
             assert name in self.answers, f"asked for {name} unexpectedly"
             return self.answers.pop(name)
 

@@ -202,6 +202,32 @@ def test_the_axis_fits_again_after_each_gesture(panel: CurvesPanel) -> None:
     assert len(set(done)) == 1
 
 
+@pytest.mark.parametrize("ends", ["undo", "Esc"])
+def test_twenty_drags_taken_back_leave_the_axis_as_it_was(panel: CurvesPanel, ends: str) -> None:
+    session, values = session_of(panel), [plot.values for plot in panel.plots]
+    for number in range(20):
+        plot = panel.plots[number % 3]
+        start = place(plot, 1.5)
+        drag(plot, start, start + QPoint(0, -175), release=ends == "undo")
+        if ends == "Esc":
+            QTest.keyClick(plot, Qt.Key.Key_Escape)
+            let_go(plot, start + QPoint(0, -175))
+        else:
+            session.undo()
+    assert [plot.values for plot in panel.plots] == values
+
+
+def test_no_axis_goes_beyond_what_a_face_can_do(panel: CurvesPanel) -> None:
+    """However much an edit asks for, as one of a file may."""
+    session = session_of(panel)
+    low, high = session.limits[0]
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 1.0, 2.0, 0.1, 5_000.0))
+    first, last = panel.plots[0].values
+    assert last - first < 2 * (high - low)
+    assert first < float(session.tracked[:, 0].min())
+    assert last > float(session.tracked[:, 0].max())
+
+
 @pytest.mark.parametrize("way", [-5_000, 5_000])
 @pytest.mark.parametrize("index", [0, 6])
 def test_a_hand_asks_for_no_more_than_a_face_can_do(

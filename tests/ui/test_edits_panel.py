@@ -7,8 +7,16 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit, QStyle, QStyleOptionViewItem
+from PySide6.QtWidgets import (
+    QApplication,
+    QLineEdit,
+    QSpinBox,
+    QStyle,
+    QStyleOptionViewItem,
+    QWidget,
+)
 from support.curves import drag, turn
+from support.waiting import run_events
 from support.windows import Bench, drag_curve, session_of
 
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -54,7 +62,8 @@ def test_without_edits_it_says_what_belongs_here(bench: Bench) -> None:
     assert not window.actions_["delete_edit"].isEnabled()
     drag_curve(window, 0, 1.0, 20)
     assert panel_of(window).list.isVisible()
-    assert panel_of(window).title.text() == "Edits  1"
+    assert window.editor is not None
+    assert window.editor.lists.tabText(0) == "Edits  1"
 
 
 def test_choosing_an_edit_shows_its_range(window: MainWindow) -> None:
@@ -115,6 +124,48 @@ def test_rename(bench: Bench, window: MainWindow) -> None:
     bench.qtbot.waitUntil(lambda: names(window) == ["first", "open wide", "third"])
 
 
+def double_click(panel: EditsPanel, row: int, from_right: int) -> QWidget:
+    """On a part of a row; returns the field that opens."""
+    rect = panel.list.visualRect(panel.model.index(row))
+    place = QPoint(rect.right() - from_right, rect.center().y())
+    QTest.mouseClick(panel.list.viewport(), LEFT, pos=place)
+    QTest.mouseDClick(panel.list.viewport(), LEFT, pos=place)
+    field = QApplication.focusWidget()
+    assert field is not None
+    return field
+
+
+def enter(field: QWidget) -> None:
+    """Qt commits what was typed once the field has handled the key."""
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    run_events()
+
+
+def test_strength_and_range_are_typed_in_the_list(window: MainWindow) -> None:
+    panel, session = panel_of(window), session_of(window)
+    field = double_click(panel, 1, 20)
+    assert isinstance(field, QSpinBox)
+    field.setValue(60)
+    enter(field)
+    assert session.edits[1].strength == 0.6
+    assert session.undo_name == "Edit strength"
+    for typed, expected in (("0.75 - 2", (0.75, 2.0)), ("nothing", (0.75, 2.0)), ("1", (1, 1))):
+        line = double_click(panel, 1, 100)
+        assert isinstance(line, QLineEdit)
+        line.setText(typed)
+        enter(line)
+        assert (session.edits[1].start, session.edits[1].end) == expected
+    window.actions_["unit_frames"].trigger()
+    line = double_click(panel, 1, 100)
+    assert isinstance(line, QLineEdit)
+    assert line.text() == "61 – 61"
+    line.setText("61 – 91")
+    enter(line)
+    times = session.take.clip.times
+    assert (session.edits[1].start, session.edits[1].end) == (times[60], times[90])
+    assert session.edits[1].strength == 0.6
+
+
 def test_after_renaming_the_list_has_the_keyboard_again(bench: Bench, window: MainWindow) -> None:
     """It went on to the speed of playback, where arrows then changed something else."""
     panel = panel_of(window)
@@ -140,11 +191,12 @@ def test_the_falloff_of_a_chosen_edit_is_not_that_of_the_next_drag(window: MainW
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert panel.current is None
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)
-    # An edit of the whole take shows no band, and takes nothing over.
+    # So it is with an edit of the whole take, which has handles at its ends.
     session.add(Edit(("mouth_width",), Op.OFFSET, 0.0, line.duration, 0.0, 1.0, name="all"))
     click(panel, 3)
     assert panel.current == 3
-    assert (line.falloff, line.falloff_out) == (0.35, 0.4)
+    assert line.selection == (0.0, line.duration)
+    assert line.own_falloffs == (0.35, 0.4)
     click(panel, 0)
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)

@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QMenu, QToolButton, QTreeWidgetItem
 from support.waiting import run_events
 from support.windows import Bench, session_of
 
@@ -19,7 +19,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
+from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.page.problems_bar import ProblemsHead
 from faceedit_app.ui.start.window import MainWindow
@@ -66,7 +66,7 @@ def test_a_blink_at_the_playhead_closes_the_eyes(window: MainWindow) -> None:
     assert session.edits[0].controls == ("left_eyelid", "right_eyelid")
     near = np.abs(session.take.clip.times - 3.0) < 0.2
     assert session.asked[near, LEFT_EYE].min() < 0.5
-    assert window.timeline.selection is None
+    assert window.timeline.own_selection is None
 
 
 def test_smile_acts_on_the_selection_or_on_the_whole_take(window: MainWindow) -> None:
@@ -94,7 +94,7 @@ def test_a_chosen_edit_does_not_catch_fixes_made_elsewhere(window: MainWindow) -
 def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     session = session_of(window)
     trigger(window, "expression")
-    dialog = window.findChild(ExpressionDialog)
+    dialog = window.findChild(SliderDialog)
     assert dialog is not None
     dialog.slider.setValue(50)
     dialog._preview()
@@ -107,7 +107,7 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     assert {round(made.strength, 2) for made in kept} == {0.8}
     assert session.asked[100, column] != session.tracked[100, column]
     trigger(window, "undo", "expression")
-    dialog = next(d for d in window.findChildren(ExpressionDialog) if d.isVisible())
+    dialog = next(d for d in window.findChildren(SliderDialog) if d.isVisible())
     dialog.slider.setValue(90)
     dialog._preview()
     dialog.reject()
@@ -155,10 +155,120 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
     trigger(window, "fix_problem")
     assert places() == before
     bar = editor.proposal
-    assert bar.geometry().bottom() <= editor.tool_bar.geometry().bottom()
-    assert editor.childAt(editor.tool_bar.geometry().center()) in (bar, bar.text)
+    assert bar.geometry() == editor.curves.legend.geometry()
     trigger(window, "discard_fix")
     assert not bar.isVisible()
+
+
+@pytest.mark.parametrize("button", ["Accept", "Discard"])
+def test_a_double_click_on_a_proposal_is_one_click(window: MainWindow, button: str) -> None:
+    """Nothing else lies where the second click falls, whether the bar is gone by then or not."""
+    editor, session = editor_of(window), session_of(window)
+    trigger(window, "next_problem", "fix_all")
+    run_events()
+    (on,) = [b for b in editor.proposal.findChildren(QToolButton) if b.text() == button]
+    place = on.mapTo(window, on.rect().center())
+    wanted = (
+        session.edits
+        if button == "Discard"
+        else tuple(edit for problem in editor.problem_list.chosen for edit in problem.fix)
+    )
+    for click in (QTest.mouseClick, QTest.mouseDClick):
+        run_events()
+        under = window.childAt(place)
+        assert under is not None
+        click(under, Qt.MouseButton.LeftButton, pos=under.mapFrom(window, place))
+    assert session.edits == wanted
+    assert window.childAt(place) is editor.curves.legend
+
+
+def test_accept_goes_on_to_the_next_problem(window: MainWindow) -> None:
+    editor, session = editor_of(window), session_of(window)
+    first, second = editor.problems.problems
+    trigger(window, "next_problem", "fix_problem", "accept_fix")
+    assert session.edits == first.fix
+    assert editor.problems.current_problem == second
+    assert window.timeline.time == pytest.approx(second.time, abs=1e-3)
+    trigger(window, "fix_problem", "accept_fix")
+    assert session.edits == (*first.fix, *second.fix)
+    assert "no more problems" in window.status.currentMessage()
+
+
+def test_a_problem_is_shown_where_it_is_worst_and_large_enough_to_judge(
+    window: MainWindow,
+) -> None:
+    editor, session, line = editor_of(window), session_of(window), window.timeline
+    problem = editor.problems.problems[-1]
+    assert line.view[1] - line.view[0] > 9
+    window.commands.fix.go_to(len(editor.problems.problems) - 1)
+    frame = session.take.clip.frame_at(problem.time)
+    assert line.frame == frame
+    first, last = line.view
+    assert first < problem.start < problem.end < last
+    assert (last - first) < 6 * (problem.end - problem.start) or last - first < 2.1
+    assert editor.curves.headers[OPENING].value == problem.amount
+    assert problem.message.endswith(problem.amount)
+    view = line.view
+    window.commands.fix.go_to(len(editor.problems.problems) - 1)
+    assert line.view == view
+
+
+# --- the list of problems ------------------------------------------------------------------------
+
+
+def rows_of(window: MainWindow) -> list[QTreeWidgetItem]:
+    tree = editor_of(window).problem_list.rows
+    return [tree.topLevelItem(i) for i in range(tree.topLevelItemCount())]  # type: ignore[misc]
+
+
+def test_the_list_says_what_when_and_how_bad(window: MainWindow) -> None:
+    editor, session = editor_of(window), session_of(window)
+    trigger(window, "list_problems")
+    assert editor.problem_list.isVisible()
+    assert editor.lists.tabText(1) == "Problems  2"
+    shown = [[row.text(column) for column in range(3)] for row in rows_of(window)]
+    assert [row[0] for row in shown] == ["Half blink", "Lips stay open"]
+    problems = editor.problems.problems
+    assert [row[2] for row in shown] == [problem.amount for problem in problems]
+    assert shown[0][1] == f"{problems[0].time:.3f} s"
+    trigger(window, "unit_frames")
+    assert rows_of(window)[0].text(1) == str(session.take.clip.frame_at(problems[0].time) + 1)
+    tree = editor.problem_list.rows
+    place = tree.visualItemRect(rows_of(window)[1]).center()
+    QTest.mouseClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    assert window.timeline.time == pytest.approx(problems[1].time, abs=1e-3)
+    assert [row.isSelected() for row in rows_of(window)] == [False, True]
+
+
+def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
+    editor = editor_of(window)
+    found, tree = editor.problem_list, editor.problem_list.rows
+    lips = editor.problems.problems[1]
+    tree.sortByColumn(2, Qt.SortOrder.DescendingOrder)
+    severities = [problem.severity for problem in editor.problems.problems]
+    assert severities[1] > severities[0]
+    assert rows_of(window)[0].text(0) == "Lips stay open"
+    found.kinds.setCurrentIndex(1)
+    assert [row.text(0) for row in rows_of(window)] == ["Lips stay open"]
+    trigger(window, "fix_all", "accept_fix")
+    assert session_of(window).edits == lips.fix
+    assert [problem.kind for problem in editor.problems.problems] == ["blink"]
+
+
+def test_what_is_unticked_is_left_alone(window: MainWindow) -> None:
+    editor, session = editor_of(window), session_of(window)
+    blink, lips = editor.problems.problems
+    trigger(window, "fix_all")
+    assert editor.problem_list.isVisible()
+    assert "2 problems" in editor.proposal.text.text()
+    rows_of(window)[0].setCheckState(0, Qt.CheckState.Unchecked)
+    assert "1 problem " in editor.proposal.text.text()
+    frame = session.take.clip.frame_at(blink.time)
+    assert session.asked[frame, LEFT_EYE] == session.tracked[frame, LEFT_EYE]
+    trigger(window, "accept_fix")
+    assert session.edits == lips.fix
+    assert rows_of(window)[0].checkState(0) is Qt.CheckState.Unchecked, "it stays unticked"
+    assert not window.actions_["fix_all"].isEnabled()
 
 
 def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench: Bench) -> None:

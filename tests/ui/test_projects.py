@@ -152,8 +152,8 @@ def no_engine(_rig):
     raise FileError("x", "is missing", "train")
 loading.load_engine = no_engine
 start = MainWindow.start
-def started(window, take, demo):
-    start(window, take, demo)
+def started(window, take, demo, character):
+    start(window, take, demo, character)
     look.timeout.connect(lambda: begin(window))
     look.start(20)
 def begin(window):

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QSlider, QStyle, QStyleOptionSlider,
 from support.films import make_wav
 from support.windows import Bench, add_edit, drag_curve, session_of, trigger
 
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.page.editor import Editor
@@ -329,6 +330,34 @@ def test_undo_and_redo_name_the_step(window: MainWindow) -> None:
     assert not undo.isEnabled()
 
 
+def test_the_history_goes_to_any_step(window: MainWindow) -> None:
+    session, menu = session_of(window), window.actions_.submenu("history")
+    session.travel(-100)
+    for value in (1.0, 2.0, 3.0):
+        edit = Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, value, name=f"Step & {value:.0f}")
+        session.add(edit)
+    computed: list[int] = []
+    session.changed.connect(lambda: computed.append(1))
+
+    def choose(name: str) -> None:
+        menu.aboutToShow.emit()
+        entry = next(a for a in menu.actions() if a.text().replace("&&", "&") == name)
+        entry.trigger()
+
+    menu.aboutToShow.emit()
+    names = [action.text().replace("&&", "&") for action in menu.actions()]
+    assert names == ["Step & 3", "Step & 2", "Step & 1", "As opened"]
+    choose("Step & 1")
+    assert [edit.value for edit in session.edits] == [1.0]
+    assert len(computed) == 1
+    menu.aboutToShow.emit()
+    assert [action.isChecked() for action in menu.actions()] == [False, False, True, False]
+    choose("As opened")
+    assert session.edits == ()
+    choose("Step & 3")
+    assert [edit.value for edit in session.edits] == [1.0, 2.0, 3.0]
+
+
 def test_a_name_of_the_users_cannot_break_the_menu(window: MainWindow) -> None:
     session_of(window).add(name="R&D\ttab\nline " + "x" * 90)
     assert window.actions_["undo"].text() == "&Undo Mouth opening +6.0 mm", "nothing was added"
@@ -355,11 +384,11 @@ def test_whoever_changes_the_session_is_seen_everywhere(bench: Bench) -> None:
     add_edit(window)
     assert window.isWindowModified()
     assert len(editor.edits.model.edits) == 1
-    assert editor.edits.title.text() == "Edits  1"
+    assert editor.lists.tabText(0) == "Edits  1"
     assert editor.settings_bar.edits.text().startswith("1 edit")
     session.undo()
     assert not window.isWindowModified()
-    assert editor.edits.title.text() == "Edits"
+    assert editor.lists.tabText(0) == "Edits"
 
 
 def test_the_session_of_the_last_take_is_heard_no_more(bench: Bench) -> None:

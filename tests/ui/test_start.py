@@ -65,12 +65,12 @@ from faceedit_app.ui.start import app
 from faceedit_app.ui.start.window import MainWindow
 from PySide6.QtCore import QTimer
 start = MainWindow.start
-def start_and_close(window, take, demo):
+def start_and_close(window, take, demo, character):
     window.settled.connect(lambda: QTimer.singleShot(300, finish))
     def finish():
         print(window.windowTitle(), window.document.session is not None)
         window.close()
-    start(window, take, demo)
+    start(window, take, demo, character)
 MainWindow.start = start_and_close
 sys.exit(app.run(None, demo=True))
 """
@@ -109,7 +109,7 @@ def test_networks_answer_once_they_are_loaded(
     window = bench.editing()
     assert window.document.session is not None
     assert window.document.session.has_engine
-    assert window.status.networks.text() == "Ready"
+    assert window.status.networks.text() == "", "nothing to say"
     assert not window.banner.isVisible()
 
 

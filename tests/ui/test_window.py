@@ -12,6 +12,7 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.formats.opening import open_take
+from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Unsaved
 from faceedit_app.ui.start.window import MainWindow
 
@@ -34,7 +35,6 @@ def test_a_drag_with_the_mouse_changes_the_exported_file(bench: Bench) -> None:
     after = (bench.folder / "out.csv").read_bytes()
     assert after != before
     assert len(after.splitlines()) == len(before.splitlines())
-    assert not window.isWindowModified()
     assert "Exported" in window.status.currentMessage()
 
 
@@ -155,7 +155,7 @@ def test_edits_are_saved_and_loaded(bench: Bench) -> None:
     bench.answers["save_edits"] = file
     trigger(window, "save_edits")
     assert read_edits(file) == session.edits
-    assert not window.isWindowModified()
+    assert window.isWindowModified()
     trigger(window, "undo")
     drop(window, file)
     assert session.edits == read_edits(file)
@@ -185,6 +185,46 @@ def test_closing_asks_about_edits(bench: Bench) -> None:
     bench.answers |= {"unsaved": Unsaved.SAVE, "save_project": bench.folder / "p.faceedit"}
     assert window.close()
     assert (bench.folder / "p.faceedit").exists()
+
+
+def test_an_export_is_not_a_saved_project(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    bench.answers["export"] = bench.folder / "out.csv"
+    window.actions_["export"].trigger()
+    assert window.isWindowModified()
+    bench.answers["unsaved"] = Unsaved.CANCEL
+    assert not window.close()
+    # Exporting while closing asks again: the edits themselves are still in no file.
+    answers = [Unsaved.EXPORT, Unsaved.CANCEL]
+    asked: list[str] = []
+
+    def ask(_parent: object, _name: str, exported: str) -> Unsaved:
+        asked.append(exported)
+        bench.answers["export"] = bench.folder / "again.csv"
+        return answers[len(asked) - 1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dialogs, "ask_unsaved", ask)
+        assert not window.close()
+    assert asked == ["out.csv", "again.csv"]
+
+
+def test_the_recording_is_overwritten_only_after_a_second_step(bench: Bench) -> None:
+    recording = bench.take.read_bytes()
+    window = bench.editing()
+    add_edit(window)
+    answers = [bench.take, bench.folder / "other.csv"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dialogs, "ask_export", lambda *_: answers.pop(0))
+        bench.answers["overwrite"] = False
+        window.actions_["export"].trigger()
+    assert bench.take.read_bytes() == recording
+    assert (bench.folder / "other.csv").read_bytes() != recording
+    bench.answers |= {"export": bench.take, "overwrite": True}
+    window.actions_["export"].trigger()
+    assert bench.take.read_bytes() == (bench.folder / "other.csv").read_bytes()
+    assert (bench.folder / "take.csv.bak").read_bytes() == recording
 
 
 def test_opening_another_take_asks_about_edits(bench: Bench) -> None:

@@ -48,6 +48,14 @@ def describe_change(before: Placement, after: Placement) -> str:
     return "Sound and film"
 
 
+def sound_moved(before: Placement, after: Placement) -> float:
+    """Seconds by which the same sound begins later; 0 if it is another one."""
+    old, new = before.sound, after.sound
+    if old is None or new is None or old.path != new.path:
+        return 0.0
+    return new.offset - old.offset
+
+
 def to_json(placement: Placement | None) -> dict[str, Any] | None:
     """A placement as JSON values; None stands for the files found next to the take."""
 

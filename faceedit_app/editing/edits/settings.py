@@ -22,11 +22,14 @@ class Settings:
         naturalness: 0 = the regressor alone, which follows most exactly; 1 = regressor and
             autoencoder, which is most believable.
         reach: 0 = what the networks answer, 1 = all the way to what was asked for.
+        closes: where an edit closes lips or lids on FaceEdit's own character, close them on the
+            user's character as well, if one is open.
     """
 
     mode: Mode = Mode.PRESERVE
     naturalness: float = 1.0
     reach: float = 1.0
+    closes: bool = True
 
     def __post_init__(self) -> None:
         if not 0 <= self.naturalness <= 1:
@@ -36,4 +39,6 @@ class Settings:
         """The name of a step from these settings to others, such as "Naturalness"."""
         if to.mode != self.mode:
             return to.mode.value.capitalize()
+        if to.closes != self.closes:
+            return "Close on the character" if to.closes else "Do not close on the character"
         return "Naturalness" if to.naturalness != self.naturalness else "Reach"

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from faceedit_app.core.atomic import BACKUP_SUFFIX
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import Fields
 from faceedit_app.formats.take import Take
@@ -70,10 +71,10 @@ def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> 
     Returns:
         The file, or None if it is not found in time.
     """
-    suffix = Path(name).suffix.lower()
+    ending = _ending(Path(name))
     alike = []
     for path in _files_below(folders):
-        if path.suffix.lower() == suffix and _size(path) == wanted.size:
+        if _ending(path) == ending and _size(path) == wanted.size:
             if path.name == name and _is(path, wanted):
                 return path
             alike.append(path)
@@ -115,6 +116,13 @@ def _is_folder(entry: os.DirEntry[str]) -> bool:
         return entry.is_dir() and not entry.name.startswith(".")
     except OSError:
         return False
+
+
+def _ending(path: Path) -> str:
+    """The ending in lower case; that of a backup is its original's."""
+    if path.suffix.rstrip("0123456789") == BACKUP_SUFFIX:
+        path = path.with_suffix("")
+    return path.suffix.lower()
 
 
 def _size(path: Path) -> int:

@@ -30,6 +30,8 @@ from faceedit_app.editing.files.filelock import lock, try_lock
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint, fingerprint_from
 from faceedit_app.editing.files.project import settings_from
 from faceedit_app.editing.steps import EditState
+from faceedit_app.words.transcript import to_json as words_to_json
+from faceedit_app.words.transcript import transcript_from
 
 VERSION = 1
 _SUFFIX = ".jsonl"
@@ -120,6 +122,8 @@ class Journal:
             entry["settings"] = asdict(state.settings)
         if (last.media if last is not None else None) != state.media:
             entry["media"] = placement_to_json(state.media)
+        if (last.words if last is not None else None) is not state.words:
+            entry["words"] = words_to_json(state.words)
         if self._append(entry):
             self._last, self._step = state, self._step + 1
             self._wake.set()
@@ -301,7 +305,8 @@ def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
     """
     if entry.has("edits"):
         media = placement_from(entry.fields_or_none("media"))
-        return EditState(edits_from(entry), settings_from(entry.fields("settings")), media)
+        words = transcript_from(entry.fields_or_none("words"))
+        return EditState(edits_from(entry), settings_from(entry.fields("settings")), media, words)
     if state is None or entry.whole("step") != step + 1:
         raise ValueError("a line is missing")
     edits = list(state.edits)
@@ -309,9 +314,11 @@ def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
     if at + drop > len(edits):
         raise ValueError("it does not fit the edits before it")
     edits[at : at + drop] = edits_from(entry, "add")
-    settings, media = state.settings, state.media
+    settings, media, words = state.settings, state.media, state.words
     if entry.has("settings"):
         settings = settings_from(entry.fields("settings"))
     if entry.has("media"):
         media = placement_from(entry.fields_or_none("media"))
-    return EditState(tuple(edits), settings, media)
+    if entry.has("words"):
+        words = transcript_from(entry.fields_or_none("words"))
+    return EditState(tuple(edits), settings, media, words)

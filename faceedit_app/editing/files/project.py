@@ -26,6 +26,8 @@ from faceedit_app.editing.files.fingerprint import (
     fingerprint_from,
 )
 from faceedit_app.editing.steps import EditState
+from faceedit_app.words.transcript import to_json as words_to_json
+from faceedit_app.words.transcript import transcript_from
 
 VERSION = 1
 
@@ -50,16 +52,28 @@ class ViewState:
 
 
 @dataclass(frozen=True)
+class CharacterFile:
+    """The user's character: its absolute path, and the fingerprint by which it is found again.
+
+    A folder has no fingerprint.
+    """
+
+    path: Path
+    fingerprint: Fingerprint | None = None
+
+
+@dataclass(frozen=True)
 class Project:
     """The content of a project file; paths are absolute here and relative in the file.
 
     Attributes:
         take: the file of the take.
         fingerprint: the fingerprint of that file.
-        state: the edits, settings and media.
+        state: the edits, settings, media and words.
         view: what the window showed.
         audio, film: the sound and film of the take, if any.
         fps: the take's frame rate, if the user had to give it.
+        character: the user's character, if one is shown.
     """
 
     take: Path
@@ -69,6 +83,7 @@ class Project:
     audio: MediaFile | None = None
     film: MediaFile | None = None
     fps: float | None = None
+    character: CharacterFile | None = None
 
 
 def write_project(path: Path | str, project: Project) -> None:
@@ -89,13 +104,24 @@ def write_project(path: Path | str, project: Project) -> None:
             "mode": settings.mode.value,
             "naturalness": settings.naturalness,
             "reach": settings.reach,
+            "closes": settings.closes,
         },
     }
     view = asdict(project.view) | {"ui": dict(project.view.ui)}
-    tail = {"view": {k: list(v) if isinstance(v, tuple) else v for k, v in view.items()}}
+    tail: dict[str, Any] = {
+        "view": {k: list(v) if isinstance(v, tuple) else v for k, v in view.items()}
+    }
     for name, media in (("audio", project.audio), ("film", project.film)):
         if media is not None:
             tail[name] = {"path": _relative(media.path, path), "offset": media.offset}
+    if project.character is not None:
+        mark = project.character.fingerprint
+        tail["character"] = {
+            "path": _relative(project.character.path, path),
+            **(asdict(mark) if mark is not None else {}),
+        }
+    if project.state.words is not None:
+        tail["words"] = words_to_json(project.state.words)
     # One edit a line, so that people can read the file and compare versions.
     edits = ",".join(f"\n    {to_text(to_json(e))}" for e in project.state.edits)
     begin, end = (to_text(part, indent=2) for part in (head, tail))
@@ -122,11 +148,16 @@ def _from_document(fields: Fields, path: Path) -> Project:
     project = Project(
         take=_absolute(take, path),
         fingerprint=fingerprint_from(take),
-        state=EditState(edits_from(fields), settings_from(fields.fields("settings", {}))),
+        state=EditState(
+            edits_from(fields),
+            settings_from(fields.fields("settings", {})),
+            words=transcript_from(fields.fields_or_none("words")),
+        ),
         view=_view(fields.fields("view", {})),
         audio=_media(fields, "audio", path),
         film=_media(fields, "film", path),
         fps=take.number_or_none("fps", 1.0, 1000.0),
+        character=_character(fields, path),
     )
     take.finish()
     fields.finish()
@@ -143,6 +174,7 @@ def settings_from(fields: Fields) -> Settings:
         mode=fields.choice("mode", Mode, Mode.PRESERVE),
         naturalness=fields.number("naturalness", 1.0, 0.0, 1.0),
         reach=fields.number("reach", 1.0, 0.0, 1.0),
+        closes=fields.flag("closes", True),
     )
     fields.finish()
     return settings
@@ -169,6 +201,16 @@ def _media(fields: Fields, name: str, project: Path) -> MediaFile | None:
     return media
 
 
+def _character(fields: Fields, project: Path) -> CharacterFile | None:
+    entry = fields.fields_or_none("character")
+    if entry is None:
+        return None
+    mark = fingerprint_from(entry) if entry.has("sha256") else None
+    character = CharacterFile(_absolute(entry, project), mark)
+    entry.finish()
+    return character
+
+
 def _relative(file: Path, project: Path) -> str:
     """A path as written in the project: relative to its folder, with slashes."""
     try:
@@ -179,6 +221,15 @@ def _relative(file: Path, project: Path) -> str:
 
 def _absolute(fields: Fields, project: Path) -> Path:
     return Path(os.path.normpath(project.parent / fields.path("path")))
+
+
+def locate_character(character: CharacterFile, path: Path | str) -> Path | None:
+    """Look for a project's character: in its place, then near it and near the project at `path`."""
+    if character.path.exists() or character.fingerprint is None:
+        return character.path if character.path.exists() else None
+    home = Path(path).absolute().parent
+    folders = [character.path.parent, home, home.parent]
+    return find_by_content(character.fingerprint, character.path.name, folders)
 
 
 # --- locating the take ---------------------------------------------------------------------------

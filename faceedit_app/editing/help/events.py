@@ -26,7 +26,10 @@ SHUT = 0.2  # of the eye opening; an eye that is less open looks closed
 CLOSURE_DEPTH = 1.5  # mm by which lips approach each other for a closure
 CLOSURE_WIDTH = 0.4  # seconds at half its depth
 PRESSED = 0.05  # weight by which pressed and rolled lips exceed their usual level
-APART = 1.5  # mm more than the take's closed lips, at which lips are visibly apart
+# mm more than the take's closed lips: visibly apart, and apart for a movement as if to close.
+APART, HARDLY_APART = 1.5, 1.0
+MOST_OF_THE_WAY = 0.3  # a closure leaves at most this share of the way that the lips have come
+RAISED = 0.02  # weight by which an upper lip is raised, as for /f/
 NEARLY = (0.4, 5.0)  # lips nearly met if no farther apart than this share of wide open, and mm
 _LONGEST = 1.5  # seconds around a dip that are examined
 _BEFORE, _AFTER = 0.2, 0.4  # seconds; the longest flanks
@@ -108,10 +111,12 @@ def closed_lips(controls: Doubles) -> float:
 
 
 def missed_closures(times: Times, controls: Doubles, weights: Doubles, rate: float) -> list[Dip]:
-    """Closures, as for /p b m/, in which the lips stayed apart.
+    """Closures, as for /p b m/, in which the lips stayed apart, compared with the take's own.
 
     The opening alone cannot distinguish an open /m/ from an /f/, in which the lower lip meets the
-    teeth. Lips that close press and roll in, the upper lip too, and it is not raised.
+    teeth. Lips that close press and roll in, the upper lip too, and it is not raised. Many
+    trackers do not record pressing, though: if the take's own closures show none, a movement that
+    came most of the way counts, unless the upper lip is raised.
 
     Args:
         times: (T,) seconds.
@@ -121,15 +126,24 @@ def missed_closures(times: Times, controls: Doubles, weights: Doubles, rate: flo
     """
     opening, closed = controls[:, OPENING], closed_lips(controls)
     wide = float(np.percentile(opening, 95))
-    nearly = closed + min(NEARLY[0] * (wide - closed), NEARLY[1])
+    nearly = min(NEARLY[0] * (wide - closed), NEARLY[1])
     pressed = _pressed(weights)
-    usual = float(np.median(pressed))
-    return [
-        dip
+    pressed -= np.median(pressed)
+    found = [
+        (dip, float(pressed[_around(dip.frame, rate)].max()))
         for dip in dips(times, opening, rate, CLOSURE_DEPTH, CLOSURE_WIDTH)
-        if closed + APART < dip.level < nearly
-        and float(pressed[_around(dip.frame, rate)].max()) > usual + PRESSED
     ]
+    own = [press for dip, press in found if dip.level <= closed + HARDLY_APART]
+    shows = bool(own) and float(np.median(own)) > PRESSED
+
+    def is_missed(dip: Dip, press: float) -> bool:
+        gap = dip.level - closed
+        if not HARDLY_APART < gap < nearly:
+            return False
+        came = gap <= MOST_OF_THE_WAY * dip.depth
+        return (press > PRESSED and gap > APART) or (not shows and came and press > -RAISED)
+
+    return [dip for dip, press in found if is_missed(dip, press)]
 
 
 def _pressed(weights: Doubles) -> Doubles:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -10,6 +11,7 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
+from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import (
@@ -19,8 +21,11 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
+from faceedit_app.editing.help.on_character import Gap, gaps_on_character
+from faceedit_app.editing.help.spoken import NEAR, Closure, close_at, closures_of
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.filters import moving_mean
+from faceedit_app.formats.timing import counted
 
 SHAKES = 0.15  # mm of ripple between frames
 # Ripple relative to the movement from frame to frame: 0.37 for noise, 0.18 for a wave at a quarter
@@ -31,6 +36,10 @@ STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
 JUMP = 1.5  # mm across a gap that are noticeable
 TOGETHER = 0.3  # seconds; faults closer than this are reported as one
+# What counts as entirely wrong, for `Problem.severity`.
+WIDE_APART = 5.0  # mm between lips that should meet
+VIOLENT = 1.5  # mm of shaking
+MANY = 12  # lost frames
 
 
 class Kind(StrEnum):
@@ -39,6 +48,7 @@ class Kind(StrEnum):
     LIPS = "lips"  # the lips nearly meet, but do not
     BLINK = "blink"  # a blink does not close the eyes
     JITTER = "jitter"  # a curve shakes from frame to frame
+    CHARACTER = "character"  # lips or lids are open on the user's character only
     DROPPED = "dropped"  # the recording lost frames
 
 
@@ -49,40 +59,84 @@ class Problem:
     Attributes:
         kind: see `Kind`.
         start, end: seconds.
+        time: seconds of the frame where it is worst.
         controls: the curves that show it; none for a gap without a jump.
         message: one line for the user.
+        amount: how bad it is, with its unit, such as "4.6 mm".
+        severity: how bad it is, 0..1, comparable between kinds.
         fix: the proposed edits; none if edits cannot help.
     """
 
     kind: Kind
     start: float
     end: float
+    time: float
     controls: tuple[str, ...]
     message: str
+    amount: str
+    severity: float
     fix: tuple[Edit, ...]
 
 
 def find_problems(session: EditSession) -> list[Problem]:
     """The problems of the take with its edits, in order of time."""
-    return problems_of(session.take.clip, session.weights, session.achieved)
+    clip, rigs = session.take.clip, (session.rig, session.shown_rig)
+    return problems_of(clip, session.weights, session.achieved, rigs, closures_of(session))
 
 
-def problems_of(clip: Clip, weights: Floats, controls: Floats) -> list[Problem]:
+def problems_of(
+    clip: Clip,
+    weights: Floats,
+    controls: Floats,
+    rigs: tuple[Rig, Rig] | None = None,
+    spoken: Sequence[Closure] = (),
+) -> list[Problem]:
     """The problems of a clip, in order of time.
 
     Args:
         clip: its times, rate and gaps are used, not its weights.
         weights: (T, 52) in ARKit order.
         controls: (T, C) mm, measured with these weights.
+        rigs: FaceEdit's own character, and the one shown.
+        spoken: each m, b and p, if the words are known.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
-        *_lips(clip, values, measured),
+        *_spoken(spoken),
+        *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
         *_jitter(clip, measured),
         *_dropped(clip, measured),
     ]
-    return sorted(found, key=lambda problem: (problem.start, problem.kind))
+    if rigs is not None and rigs[0] is not rigs[1]:
+        found += map(_on_character, gaps_on_character(clip, weights, *rigs))
+    return sorted(found, key=lambda problem: (problem.time, problem.kind))
+
+
+def _spoken(closures: Sequence[Closure]) -> list[Problem]:
+    return [
+        Problem(
+            Kind.LIPS,
+            round(min(closure.phoneme.start, closure.time), 4),
+            round(max(closure.phoneme.end, closure.time), 4),
+            closure.time,
+            (LIP_OPENING,),
+            closure.message,
+            f"{closure.gap:.1f} mm",
+            _share(closure.gap, WIDE_APART),
+            (close_at(closure),),
+        )
+        for closure in closures
+        if closure.is_open
+    ]
+
+
+def _unspoken(lips: list[Problem], spoken: Sequence[Closure]) -> list[Problem]:
+    """Lips that nearly meet where no words are known: words say better where they should."""
+    if not spoken:
+        return lips
+    first, last = spoken[0].phoneme.start - NEAR, spoken[-1].phoneme.end + NEAR
+    return [problem for problem in lips if problem.end < first or problem.start > last]
 
 
 def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
@@ -92,8 +146,11 @@ def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
             Kind.LIPS,
             dip.start,
             dip.end,
+            dip.time,
             (LIP_OPENING,),
-            f"The lips nearly meet: they stay {dip.level - closed:.1f} mm apart",
+            f"The lips nearly meet: the mouth stays open by {dip.level:.1f} mm",
+            f"{dip.level:.1f} mm",
+            _share(dip.level - closed, WIDE_APART),
             (close_lips(dip, closed),),
         )
         for dip in missed_closures(clip.times, controls, weights, clip.rate)
@@ -107,12 +164,30 @@ def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
             Kind.BLINK,
             dip.start,
             dip.end,
+            dip.time,
             lids,
             f"The blink stops half-way: the eyes close by {100 * (1 - dip.level / usual):.0f} %",
+            f"{100 * (1 - dip.level / usual):.0f} %",
+            _share(dip.level, usual),
             (complete_blink(dip, lids),),
         )
         for dip, lids in half_blinks(clip.times, controls, clip.rate)
     ]
+
+
+def _on_character(gap: Gap) -> Problem:
+    what = "lips" if gap.are_lips else "lids"
+    return Problem(
+        Kind.CHARACTER,
+        gap.start,
+        gap.end,
+        gap.time,
+        gap.controls,
+        f"On your character the {what} stay {gap.width:.1f} mm apart",
+        f"{gap.width:.1f} mm",
+        _share(gap.width, WIDE_APART),
+        (gap.fix,),
+    )
 
 
 def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
@@ -131,10 +206,13 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
         start, end = (round(float(clip.times[frame]), 4) for frame in (first, last))
         which = np.flatnonzero(shaking[first : last + 1].any(axis=0))
         ids = tuple(CONTROL_IDS[i] for i in which)
-        amount = float(np.abs(ripple[first : last + 1, which]).max())
+        shakes = np.abs(ripple[first : last + 1, which]).max(axis=1)
+        amount = float(shakes.max())
+        worst = float(clip.times[first + int(shakes.argmax())])
         edit = Edit(ids, Op.SMOOTH, start, end, 0.15, STEADIED, name="Steady the curve")
         message = f"Shaking by up to {amount:.1f} mm: {describe_controls(ids)}"
-        found.append(Problem(Kind.JITTER, start, end, ids, message, (edit,)))
+        size = f"{amount:.1f} mm", _share(amount, VIOLENT)
+        found.append(Problem(Kind.JITTER, start, end, worst, ids, message, *size, (edit,)))
     return found
 
 
@@ -169,19 +247,26 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
         end = round(float(clip.times[min(last + 1, len(clip) - 1)]), 4)
         start = round(float(clip.times[first]), 4)
         before, after = controls[first : last + 1], controls[first + 1 : last + 2]
-        jumps = np.abs(after - before[: len(after)]).max(axis=0, initial=0.0)
+        steps = np.abs(after - before[: len(after)])
+        jumps = steps.max(axis=0, initial=0.0)
+        worst = float(clip.times[first + int(steps.max(axis=1).argmax())]) if len(steps) else start
         moved = tuple(name for name, jump in zip(CONTROL_IDS, jumps, strict=True) if jump > JUMP)
         fix = (
             (Edit(moved, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump"),)
             if moved
             else ()
         )
+        size = counted(missing, "frame"), _share(missing, MANY)
         frames = "1 frame is" if missing == 1 else f"{missing} frames are"
         message = f"{frames} missing" + (
             f"; a jump in: {describe_controls(moved)}" if moved else ""
         )
-        found.append(Problem(Kind.DROPPED, start, end, moved, message, fix))
+        found.append(Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix))
     return found
+
+
+def _share(amount: float, most: float) -> float:
+    return min(max(amount / most, 0.0), 1.0) if most > 0 else 1.0
 
 
 def _joined(frames: list[int], clip: Clip) -> list[tuple[int, int]]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Gaps
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
-from faceedit_app.core.arrays import Doubles, Floats, Times
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, control_named
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Distances, Rig
@@ -31,7 +31,6 @@ _OF_OURS = np.where(ARE_LIPS, 0.15, 0.0)  # plus this share of the gap on ours
 _IN_FRONT, _DEPTH = 0.1, 0.3
 # In units of what counts as closed: if ours is this open, there is no goal for theirs.
 _LET_GO = 2.5
-_FADE = 0.15  # seconds from the edge of the edited frames over which closing fades in
 _NEEDED = 0.05  # mm; smaller gaps are left
 _VARIANCE = 0.04  # of a channel without a model
 # Added to a model's: it knows how channels vary together on our character, not on theirs.
@@ -63,41 +62,30 @@ class Closing:
         )
         self._parts = [part for part in parts if part.rows.size and part.columns.size]
 
-    def __call__(self, weights: Floats, share: Doubles | None = None) -> Floats:
+    def __call__(
+        self, weights: Floats, share: Doubles | Mapping[str, Doubles] | None = None
+    ) -> Floats:
         """(T, 52) weights with lips and lids closed; other frames are unchanged.
 
         Args:
-            share: (T,) in 0..1, how far to close each frame; None = all the way.
+            share: (T,) in 0..1, how far to close each frame, for all regions or by region, of
+                which those left out stay as they are; None = all the way.
         """
         ours = self.ours.measure(weights)
         closed = weights.copy()
         for part in self._parts:
-            part.close(closed, ours[:, part.rows], 1.0 if share is None else share[:, None])
+            mine = share.get(part.region) if isinstance(share, Mapping) else share
+            if mine is None and share is not None:
+                continue
+            part.close(closed, ours[:, part.rows], 1.0 if mine is None else mine[:, None])
         return closed
-
-    def where_edited(self, tracked: Floats, weights: Floats, times: Times) -> Floats:
-        """(T, 52) weights, closed on frames that edits have changed, and only there.
-
-        Args:
-            tracked: (T, 52) before the edits.
-            times: (T,) seconds.
-        """
-        edited = (weights != tracked).any(axis=1)
-        rest = np.flatnonzero(~edited)
-        if not len(rest):
-            return self(weights)
-        # Seconds from the nearest unedited frame.
-        after = np.minimum(np.searchsorted(rest, np.arange(len(times))), len(rest) - 1)
-        before = np.maximum(after - 1, 0)
-        apart = np.minimum(np.abs(times - times[rest[after]]), np.abs(times - times[rest[before]]))
-        t = np.clip(apart / _FADE, 0.0, 1.0)
-        return self(weights, t * t * (3.0 - 2.0 * t))
 
 
 class _Part:
     """One region: its own controls on our character, and the closures on theirs.
 
     Attributes:
+        region: its id.
         rows: (R,) the entries of `CLOSING` that its channels close.
         columns: (K,) its channels that may change, among the 52.
     """
@@ -110,6 +98,7 @@ class _Part:
         may: frozenset[str],
         covariance: Doubles | None,
     ) -> None:
+        self.region = region.id
         mine = [control_named(name).region == region.id for name in CLOSING]
         self.rows = np.flatnonzero(theirs.has & mine)
         have = [i for i, channel in enumerate(region.channels) if channel in may]

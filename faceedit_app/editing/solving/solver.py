@@ -30,6 +30,7 @@ from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
+from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.filters import smoothed
@@ -73,6 +74,8 @@ class Solver:
     def __init__(self, clip: Clip, rig: Rig, engine: Engine | None) -> None:
         self.clip = clip
         self.tracked = clip.arkit_weights()
+        self._rig = rig
+        self._theirs: Rig | None = None
         self.distances = rig.arkit_distances
         self._missing = frozenset(rig.missing_controls)
         self.controls = self.distances.measure(self.tracked)
@@ -116,6 +119,23 @@ class Solver:
         self._layers: dict[tuple[str, float], LastLayer] = {}
         self.limits = self._limits()
         self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
+        self.use_character(self._theirs)
+
+    def use_character(self, theirs: Rig | None) -> None:
+        """Close lips and lids on the user's character from now on; the chunks change."""
+        self._theirs = theirs
+        self._closing = (
+            Closing(
+                self._rig,
+                theirs,
+                frozenset(self.clip.channels),
+                {name: model.description.covariance for name, model in self.engine.models.items()}
+                if self.engine
+                else None,
+            )
+            if theirs is not None
+            else None
+        )
 
     def _measure(self) -> Sample:
         """The part of the take that its statistics are measured on."""
@@ -222,6 +242,9 @@ class Solver:
                 for each in self._across:
                     each.join(weights, self.tracked[rows], mine.hold)
         result = weights.astype(np.float32)
+        if self._closing is not None and settings.closes:
+            share = {name: influence.max(axis=1) for name, influence in influences.items()}
+            result = self._closing(result, share)
         controls = self.distances.measure(result)
         # The last bits of a matrix product depend on the number of frames.
         same = (result == self.tracked[rows]).all(axis=1)

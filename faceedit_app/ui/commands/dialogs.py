@@ -12,23 +12,39 @@ from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import ENDINGS
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
+    from faceedit_app.editing.exporting import Options, OutFormat
     from faceedit_app.editing.files.journal import Pending
+    from faceedit_app.editing.filming import Shot
+    from faceedit_app.formats.take import Take
+    from faceedit_app.media.film_writer import FilmFormat
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
+WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
+WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
 EDITS = "Edits (*.json);;All files (*)"
+CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
 
 class Unsaved(Enum):
-    """What to do with edits that are neither saved nor exported."""
+    """What to do with edits that no project holds."""
 
     EXPORT = auto()
     SAVE = auto()
     DISCARD = auto()
+    CANCEL = auto()
+
+
+class OpenAs(Enum):
+    """What to open of a file that is both a take and a character."""
+
+    TAKE = auto()
+    CHARACTER = auto()
     CANCEL = auto()
 
 
@@ -67,9 +83,81 @@ def ask_open(parent: QWidget, folder: Path) -> Path | None:
 
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
-    """Where to write the edited take."""
-    kinds = f"Takes (*{suggestion.suffix});;All files (*)"
-    return _save_name(parent, "Export the edited take", suggestion, kinds)
+    """Where to write the take; a suggestion without an ending is a new folder."""
+    kinds = f"*{suggestion.suffix} (*{suggestion.suffix});;All files (*)"
+    return _save_name(parent, "Export", suggestion, kinds)
+
+
+def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
+    """How to export a take.
+
+    Args:
+        folder: where to look for a character first.
+    """
+    from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
+
+    def choose(dialog: QWidget) -> Path | None:
+        answer = QFileDialog.getOpenFileName(dialog, "Your character", str(folder), CHARACTERS)
+        return _chosen(answer)
+
+    dialog = ExportDialog(parent, take, choose)
+    return (dialog.chosen, dialog.options) if dialog.exec() else None
+
+
+def ask_film(
+    parent: QWidget, rate: float, has_sound: bool, has_film: bool
+) -> tuple[FilmFormat, Shot] | None:
+    """How to film a take.
+
+    Args:
+        rate: of the take.
+        has_sound, has_film: whether the take has them.
+    """
+    from faceedit_app.ui.page.film_dialog import FilmDialog  # brings PyAV's wrappers
+
+    dialog = FilmDialog(parent, rate, has_sound, has_film)
+    return (dialog.chosen, dialog.shot) if dialog.exec() else None
+
+
+def ask_stop_film(parent: QWidget) -> bool:
+    """Whether to give up a film that is being written."""
+    box = _question(parent, "A film is still being written.", "If you stop it, there is no film.")
+    stop = box.addButton("Stop it", QMessageBox.ButtonRole.DestructiveRole)
+    go_on = box.addButton("Go on filming", QMessageBox.ButtonRole.RejectRole)
+    box.setDefaultButton(go_on)
+    box.setEscapeButton(go_on)
+    box.exec()
+    return box.clickedButton() is stop
+
+
+def show_exported(parent: QWidget, path: Path, lines: Sequence[str]) -> None:
+    """Show what to do with an exported file; the window need not wait for the answer."""
+    box = QMessageBox(QMessageBox.Icon.Information, "Exported", "", parent=parent)
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setText(f"Exported {path.name}")
+    box.setInformativeText("\n".join(lines))
+    box.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    box.open()
+
+
+def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
+    """Whether to replace a recording.
+
+    Args:
+        reason: why it should be kept, as a phrase that follows its name.
+    """
+    box = _question(
+        parent,
+        f"{path.name} {reason}.",
+        f"If you overwrite it, the recording is kept as {path.name}.bak.",
+    )
+    other = box.addButton("Choose another name…", QMessageBox.ButtonRole.AcceptRole)
+    overwrite = box.addButton("Overwrite recording", QMessageBox.ButtonRole.DestructiveRole)
+    box.setDefaultButton(other)
+    box.setEscapeButton(other)
+    box.exec()
+    return box.clickedButton() is overwrite
 
 
 def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:
@@ -83,9 +171,12 @@ def ask_take_of_project(
     """Which take a project's edits apply to, if its own has changed or is gone."""
     box = _question(parent, message, "Which take should the edits be applied to?")
     role = QMessageBox.ButtonRole
-    paths = {box.addButton(f"Use {path.name}", role.AcceptRole): path for path in choices[:3]}
+    paths = {
+        box.addButton(plain_entry(f"Use {path.name}"), role.AcceptRole): path
+        for path in choices[:3]
+    }
     for button, path in paths.items():
-        button.setToolTip(str(path))
+        button.setToolTip(plain_tip(str(path)))
     look = box.addButton("Look for it…", role.ActionRole)
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()
@@ -135,6 +226,51 @@ def ask_media(parent: QWidget, folder: Path) -> Path | None:
     return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
 
 
+def ask_words(parent: QWidget, folder: Path) -> Path | None:
+    """Which file says what is said."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Open words", str(folder), WORDS))
+
+
+def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the words; the ending says as what."""
+    return _save_name(parent, "Export words", suggestion, WRITTEN_WORDS)
+
+
+def ask_character(parent: QWidget, folder: Path) -> Path | None:
+    """Which character to open."""
+    from faceedit_app.characters.registry import FORMATS  # not needed before the window is up
+
+    endings = [ending for kind in FORMATS for ending in kind.endings]
+    kinds = f"Characters ({' '.join(f'*{e} *{e.upper()}' for e in endings)});;All files (*)"
+    return _chosen(QFileDialog.getOpenFileName(parent, "Open a character", str(folder), kinds))
+
+
+def ask_scan(parent: QWidget, folder: Path) -> Path | None:
+    """Which scan to make a character from."""
+    kinds = "Scans (*.obj *.OBJ *.ply *.PLY *.stl *.STL *.glb *.GLB *.gltf);;All files (*)"
+    title = "A head without blendshapes"
+    return _chosen(QFileDialog.getOpenFileName(parent, title, str(folder), kinds))
+
+
+def ask_save_character(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to save a character."""
+    return _save_name(parent, "Save the character", suggestion, "Characters (*.glb);;All files (*)")
+
+
+def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
+    """How to open a file that has both a face and an animation."""
+    box = _question(parent, f"{name} has a face and an animation.", "What should be opened?")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("The animation, as a take", role.AcceptRole): OpenAs.TAKE,
+        box.addButton("The face, as your character", role.AcceptRole): OpenAs.CHARACTER,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
+
+
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the picture of the face."""
     return _save_name(parent, "Save picture", suggestion, PICTURES)
@@ -146,16 +282,29 @@ def ask_preset_name(parent: QWidget) -> str | None:
     return name.strip() if ok and name.strip() else None
 
 
-def ask_unsaved(parent: QWidget, name: str) -> Unsaved:
-    """What to do with edits before their take is closed."""
-    message = f"Your edits to {name} are neither saved nor exported."
-    box = _question(parent, message, "If you discard them, they are lost.")
+def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
+    """What to do with edits before their take is closed.
+
+    Args:
+        name: of the take.
+        exported: the name of the file that it was exported to, if it was.
+    """
+    message = f"Your edits to {name} are not saved in a project."
+    more = "If you discard them, they are lost."
+    if exported:
+        more = (
+            f"{exported} holds the edited take, but the edits themselves can only be changed later "
+            "if you save them in a project."
+        )
+    box = _question(parent, message, more)
     role = QMessageBox.ButtonRole
+    save = box.addButton("Save project…", role.AcceptRole)
     choices = {
+        save: Unsaved.SAVE,
         box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,
-        box.addButton("Save project…", role.AcceptRole): Unsaved.SAVE,
         box.addButton("Discard", role.DestructiveRole): Unsaved.DISCARD,
     }
+    box.setDefaultButton(save)
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()
     clicked = box.clickedButton()

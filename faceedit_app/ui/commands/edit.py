@@ -6,16 +6,20 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from PySide6.QtWidgets import QMenu
+
 from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.look.texts import plain_entry
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver, and before the page
     from faceedit_app.editing.help.clipboard import Clipboard, Copied
     from faceedit_app.ui.edits.panel import EditsPanel
 
+MOST_STEPS = 25  # of the history, before and after the present
 AROUND = 0.5  # seconds before and after the playhead that are selected
 
 
@@ -64,6 +68,29 @@ class EditCommands:
         if not self._workspace.cancel_gesture():
             self._workspace.commit_gestures()
             self._document.redo()
+
+    def fill_history(self, menu: QMenu) -> None:
+        """List the steps, the newest on top; one that is chosen is the last that is kept."""
+        menu.clear()
+        session = self._document.session
+        if session is None:
+            return
+        done, undone = session.history
+        now = len(done)
+        names = ("As opened", *done, *undone)
+        for step, name in reversed(list(enumerate(names))):
+            if not now - MOST_STEPS <= step <= now + MOST_STEPS:
+                continue
+            action = menu.addAction(plain_entry(name))
+            action.setCheckable(True)
+            action.setChecked(step == now)
+            action.triggered.connect(lambda _checked=False, by=step - now: self.travel(by))
+
+    def travel(self, steps: int) -> None:
+        """Redo some steps, or undo as many if below 0."""
+        self._workspace.cancel_gesture()
+        self._workspace.commit_gestures()
+        self._document.act(lambda session: session.travel(steps))
 
     @property
     def has_edits(self) -> bool:
@@ -133,7 +160,7 @@ class EditCommands:
             self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste mirrored")
 
     def mirror(self) -> None:
-        """Let left and right change places in the selection."""
+        """Swap left and right in the selection."""
         from faceedit_app.editing.help.clipboard import Copied, copy_range
 
         session, selection = self._document.session, self._selection("mirror")
@@ -196,9 +223,11 @@ class EditCommands:
     def deselect(self) -> None:
         """Cancel the gesture in progress, or clear the selection if there is none."""
         if not self._workspace.cancel_gesture():
+            page = self._workspace.page
+            if page is not None:
+                page.edits.leave()
+                page.curves.setFocus()
             self._timeline.select(None)
-            if self._workspace.page is not None:
-                self._workspace.page.curves.setFocus()
 
     @property
     def mode(self) -> Mode:
@@ -221,6 +250,8 @@ MENU: Menu[EditCommands] = Menu("Edit", (
     Command("redo", "&Redo", EditCommands.redo, ("Ctrl+Shift+Z", "Ctrl+Y"),
             "Redo the step that was undone last", "redo", detail=lambda do: do.redo_name,
             enabled=lambda do: do.can_redo),
+    Command("history", "&History", fills=EditCommands.fill_history,
+            tip="Go back to any step, or forward again"),
     Command("reset_range", "Reset r&ange", EditCommands.reset_range, ("Ctrl+R",),
             "Go back to the take as tracked, in the selection or around the playhead", "reset",
             enabled=lambda do: do.has_edits, starts_group=True),
@@ -262,7 +293,7 @@ MENU: Menu[EditCommands] = Menu("Edit", (
     Command("select_around", "Select aro&und the playhead", EditCommands.select_around,
             tip="Select a second around the playhead; its edges can be dragged"),
     Command("deselect", "&Deselect", EditCommands.deselect, ("Esc",),
-            "Cancel the drag in progress, or clear the selection"),
+            "Cancel the drag in progress, or leave the chosen edit and clear the selection"),
     Command("preserve", "&Preserve the take", lambda do: do.set_mode(Mode.PRESERVE),
             tip="Change only the frames and curves that your edits affect",
             checked=lambda do: do.mode is Mode.PRESERVE, starts_group=True),

@@ -1,4 +1,4 @@
-"""The File menu: ask the user, then let document, opener and projects do it.
+"""The File menu: ask the user, then hand over to the document, the opener or projects.
 
 What comes with the solver is imported once it is needed: the window is there before it.
 """
@@ -14,8 +14,13 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.character import CharacterCommands
+from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
+
+CHARACTER = "C&haracter"  # submenu
 
 
 class FileCommands:
@@ -24,6 +29,8 @@ class FileCommands:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._window = workspace, workspace.window
         self._document, self._preferences = workspace.document, workspace.preferences
+        self.character = CharacterCommands(workspace)
+        self._exports = Exports(workspace, self._show_error)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
 
@@ -35,7 +42,7 @@ class FileCommands:
     def ask_open(self) -> None:
         """Open a take or a project that the user chooses."""
         if self.may_close():
-            path = dialogs.ask_open(self._window, self._preferences.folder("take"))
+            path = dialogs.ask_open(self._window, self._workspace.beside("take"))
             if path is not None:
                 self.open(path)
 
@@ -54,7 +61,7 @@ class FileCommands:
             self.open(path)
 
     def open(self, path: Path) -> None:
-        """Read a take or a project in the background; on an error the present one stays open."""
+        """Read a take or a project in the background; on an error the current one stays open."""
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return
@@ -75,8 +82,8 @@ class FileCommands:
         """List the takes and projects that were opened recently and still exist."""
         menu.clear()
         for path in self._preferences.recent():
-            action = menu.addAction(path.name)
-            action.setToolTip(str(path))
+            action = menu.addAction(plain_entry(path.name))
+            action.setToolTip(plain_tip(str(path)))
             action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
         if menu.isEmpty():
             menu.addAction("No recent takes").setEnabled(False)
@@ -111,13 +118,25 @@ class FileCommands:
         return self._write(save, path, "project", "Saved")
 
     def export(self) -> bool:
-        """Export the take; False if the user cancels or it fails."""
-        self._workspace.end_gestures()
-        take = self._document.path
-        ending = take.suffix if take is not None else ""
-        suggestion = self._workspace.suggest("export", "_edited", ending or ".csv")
-        path = dialogs.ask_export(self._window, suggestion)
-        return path is not None and self._write(self._document.export, path, "export", "Exported")
+        """Export the take as it came; False if the user cancels or it fails."""
+        return self._exports.export()
+
+    @property
+    def is_filming(self) -> bool:
+        """Whether a film is being written."""
+        return self._exports.is_filming
+
+    def stop(self) -> None:
+        """Give up what is being written, as the window closes."""
+        self._exports.stop()
+
+    def export_as(self) -> None:
+        """Export the take for another program."""
+        self._exports.export_as()
+
+    def export_film(self) -> None:
+        """Film the take."""
+        self._exports.export_film()
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""
@@ -128,7 +147,7 @@ class FileCommands:
 
     def ask_load_edits(self) -> None:
         """Add the edits in a file that the user chooses."""
-        path = dialogs.ask_load_edits(self._window, self._preferences.folder("edits"))
+        path = dialogs.ask_load_edits(self._window, self._workspace.beside("edits"))
         if path is not None:
             self.load_edits(path)
 
@@ -149,18 +168,27 @@ class FileCommands:
     # --- close -------------------------------------------------------------------------------
 
     def may_close(self) -> bool:
-        """Ask about edits that would be lost; False if the user cancels."""
-        if self._document.is_clean or self._document.path is None:
+        """Ask about edits that no project holds; False if the user cancels."""
+        document = self._document
+        if document.path is None:
             return True
-        match dialogs.ask_unsaved(self._window, self._document.path.name):
-            case dialogs.Unsaved.EXPORT:
-                return self.export()
-            case dialogs.Unsaved.SAVE:
-                return self.save()
-            case dialogs.Unsaved.DISCARD:
-                return True
-            case _:
-                return False
+        while not document.is_clean:
+            exported = document.exported.name if document.exported is not None else ""
+            match dialogs.ask_unsaved(self._window, document.path.name, exported):
+                case dialogs.Unsaved.EXPORT:
+                    if not self.export():
+                        return False
+                case dialogs.Unsaved.SAVE:
+                    return self.save()
+                case dialogs.Unsaved.DISCARD:
+                    return True
+                case _:
+                    return False
+        return True
+
+    def may_stop(self) -> bool:
+        """Ask about a film that is still being written; False if the user goes on with it."""
+        return not self.is_filming or dialogs.ask_stop_film(self._window)
 
     def quit(self) -> None:
         """Close the window, which asks about unsaved edits."""
@@ -181,10 +209,39 @@ MENU: Menu[FileCommands] = Menu("File", (
             "Save the project under another name"),
     Command("export", "&Export…", FileCommands.export, ("Ctrl+E",),
             "Write the edited take in the format it was opened from", "export", starts_group=True),
+    Command("export_as", "Export &as…", FileCommands.export_as, ("Ctrl+Shift+E",),
+            "Write the edited take in another format, or as a character that plays it"),
+    Command("export_film", "Export fil&m…", FileCommands.export_film, (),
+            "Film the face, both faces, or the face beside the take’s film, with its sound",
+            enabled=lambda file: not file.is_filming),
     Command("save_edits", "Save list of edi&ts…", FileCommands.save_edits, (),
             "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),
             "Add the edits in a file to this take"),
+    Command("open_character", "&Open…", lambda do: do.character.ask_open(), (),
+            "Show your own character: GLB, glTF, VRM, FBX or OBJ with blendshapes",
+            needs_take=False, submenu=CHARACTER),
+    Command("recent_characters", "Open &recent", submenu=CHARACTER, needs_take=False,
+            fills=lambda do, menu: do.character.fill_recent(menu)),
+    Command("own_character", "&FaceEdit's own", lambda do: do.character.show_own(), (),
+            "Show the character that ships with FaceEdit", needs_take=False,
+            enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("character_checklist", "Chec&klist…", lambda do: do.character.show_checklist(), (),
+            "Show which shapes and points were found in your character, and correct them",
+            needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+    Command("make_character", "Make from a &scan…", lambda do: do.character.ask_make(), (),
+            "Give a head without blendshapes all 52, from an OBJ, PLY, STL or GLB",
+            submenu=CHARACTER),
+    Command("close_on_character", "&Close on my character",
+            lambda do: do.character.switch_closing(), (),
+            "Where edits close lips or lids, also close them on your character",
+            enabled=lambda do: do.character.is_shown, checked=lambda do: do.character.closes,
+            submenu=CHARACTER),
+    Command("close_range", "Close in the se&lection or everywhere",
+            lambda do: do.character.close_range(), (),
+            "Add an edit that closes lips and lids on your character where they are closed on ours",
+            enabled=lambda do: do.character.is_shown and do.character.closes,
+            submenu=CHARACTER),
     Command("quit", "&Quit", FileCommands.quit, ("Ctrl+Q",), needs_take=False,
             starts_group=True),
 ))

@@ -19,13 +19,18 @@ from faceedit_app.editing.help.presets import (
 )
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.edits.expression_dialog import ExpressionDialog
+from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
+from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.help.problems import Problem
+
+
+WHOLE = 0.98  # of the take: an edit with such a range is one of the whole take
 
 
 class FixCommands:
@@ -34,6 +39,7 @@ class FixCommands:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
         self._document, self._timeline = workspace.document, workspace.timeline
+        self.words = WordCommands(workspace)
 
     # --- fixes and presets -------------------------------------------------------------------
 
@@ -44,7 +50,7 @@ class FixCommands:
             self._workspace.add_edits(edits, preset.name)
 
     def _edits_of(self, preset: Preset) -> tuple[Edit, ...]:
-        """What a preset would do now."""
+        """The edits that a preset would make now."""
         from faceedit_app.editing.help.fixes import apply_preset
 
         session, line = self._document.session, self._timeline
@@ -56,9 +62,12 @@ class FixCommands:
     def _range_meant(self) -> tuple[float, float] | None:
         """The selection; if it is the selected edit's, only while the playhead is in it."""
         selection, page = self._timeline.selection, self._workspace.page
-        if selection is None or page is None or not page.edits.is_tied:
+        line = self._timeline
+        if selection is None or page is None or line.own_selection is not None:
             return selection
-        return selection if selection[0] <= self._timeline.time <= selection[1] else None
+        is_whole = selection[1] - selection[0] > WHOLE * line.duration
+        is_here = selection[0] <= line.time <= selection[1]
+        return selection if is_here and not is_whole else None
 
     def expression(self) -> None:
         """Show the slider from sad to smiling."""
@@ -66,12 +75,14 @@ class FixCommands:
             return
         presets = {preset.id: preset for preset in shipped_presets()}
         span = self._range_meant()
-        where = "in the whole take" if span is None else f"from {span[0]:.2f} to {span[1]:.2f} s"
-        ExpressionDialog(
+        where = f"from {self._workspace.shown_range(*span)}" if span else "in the whole take"
+        SliderDialog(
             self._workspace.window,
             self._document,
-            lambda name: self._edits_of(presets[name]),
-            where,
+            "Smile or sad",
+            f"How happy the mouth looks {where}:",
+            End("sad", "sad", self._edits_of(presets["sad_mouth"])),
+            End("smile", "smile", self._edits_of(presets["smile"])),
             lambda edits: self._workspace.add_edits(edits, edits[0].name),
         ).show()
 
@@ -81,18 +92,18 @@ class FixCommands:
         presets, notes = load_presets()
         own = [preset for preset in presets if preset.own]
         for preset in own:
-            action = menu.addAction(preset.name)
-            action.setToolTip(preset.hint)
+            action = menu.addAction(plain_entry(preset.name))
+            action.setToolTip(plain_tip(preset.hint))
             action.triggered.connect(lambda _checked=False, p=preset: self.apply(p))
         if not own:
             menu.addAction("No presets of your own").setEnabled(False)
         for note in notes:
-            menu.addAction(note).setEnabled(False)
+            menu.addAction(plain_entry(note)).setEnabled(False)
         if own:
             menu.addSeparator()
             delete = menu.addMenu("Delete")
             for preset in own:
-                action = delete.addAction(preset.name)
+                action = delete.addAction(plain_entry(preset.name))
                 action.triggered.connect(lambda _checked=False, p=preset: self._delete(p))
 
     def save_preset(self) -> None:
@@ -153,20 +164,35 @@ class FixCommands:
         page, problem = self._workspace.page, self.problem
         if page is not None and problem is not None and problem.fix:
             self._workspace.end_gestures()
-            message = f"{problem.message}. The proposed fix is shown."
-            page.proposal.offer(message, problem.fix, "Fix problem")
+            message = f"Fix shown. {problem.message}."
+            page.proposal.offer(message, problem.fix, "Fix problem", problem)
 
     def fix_all(self) -> None:
-        """Preview fixes for all problems."""
+        """Preview fixes for all problems that are ticked in the list, and show the list."""
         page = self._workspace.page
         if page is None:
             return
         self._workspace.end_gestures()
-        fixable = [problem for problem in self.problems if problem.fix]
-        edits = tuple(edit for problem in fixable for edit in problem.fix)
+        page.list_problems()
+        chosen = page.problem_list.chosen
+        edits = tuple(edit for problem in chosen for edit in problem.fix)
         if edits:
-            count = counted(len(fixable), "problem")
-            page.proposal.offer(f"Proposed fixes for {count} are shown.", edits, f"Fix {count}")
+            count = counted(len(chosen), "problem")
+            text = f"Fixes for {count} are shown; untick those that you do not want."
+            page.proposal.offer(text, edits, f"Fix {count}")
+
+    @property
+    def can_fix_all(self) -> bool:
+        """Whether a problem that can be fixed is ticked."""
+        page = self._workspace.page
+        return page is not None and bool(page.problem_list.chosen)
+
+    def list_problems(self) -> None:
+        """Show the list of problems."""
+        page = self._workspace.page
+        if page is not None:
+            page.list_problems()
+            page.problem_list.rows.setFocus()
 
     @property
     def has_proposal(self) -> bool:
@@ -175,12 +201,25 @@ class FixCommands:
         return page is not None and page.proposal.is_open
 
     def accept(self) -> None:
-        """Accept the proposal."""
+        """Accept the proposal; after the fix of one problem, go on to the next."""
         page = self._workspace.page
-        if page is not None:
-            page.proposal.accept()
-            page.edits.select_new()
-            page.problems.search()
+        if page is None or not page.proposal.is_open:
+            return
+        count, fixed = len(self._edits), page.proposal.problem
+        page.proposal.accept()
+        page.edits.select_new(len(self._edits) - count)
+        page.problems.search()
+        if fixed is not None:
+            following = page.problems.next_fixable(fixed.time)
+            if following is None:
+                self._workspace.message.emit("There are no more problems that can be fixed")
+            else:
+                self.go_to(following)
+
+    @property
+    def _edits(self) -> tuple[Edit, ...]:
+        session = self._document.session
+        return session.edits if session is not None else ()
 
     def discard(self) -> None:
         """Discard the proposal."""
@@ -211,6 +250,15 @@ MENU: Menu[FixCommands] = Menu("Fix", (
     Command("expression", "S&mile or sad…", FixCommands.expression, ("Ctrl+0",),
             "Set how happy the mouth looks, in the selection or the whole take",
             starts_group=True),
+    Command("close_on_words", "Close lips on &m, b, p", lambda do: do.words.close_lips(), (),
+            "Close the lips at each m, b and p that stays open, in the selection or the whole take",
+            "lips", enabled=lambda do: do.words.has_words),
+    Command("shape_on_words", "Shape lips on f, &w, sh", lambda do: do.words.shape_lips(), (),
+            "Shape the lips at f, w, oo, sh and ch, in the selection or the whole take",
+            enabled=lambda do: do.words.has_words),
+    Command("say_clearly", "Say it clearl&y…", lambda do: do.words.say_clearly(), (),
+            "Set how clearly the words are said, with lips that still meet",
+            enabled=lambda do: do.words.has_words),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),
@@ -224,8 +272,10 @@ MENU: Menu[FixCommands] = Menu("Fix", (
             "Preview a fix for the problem at the playhead, to accept or discard",
             enabled=lambda do: do.problem is not None and bool(do.problem.fix)),
     Command("fix_all", "Fix all problems", FixCommands.fix_all, ("Ctrl+Shift+P",),
-            "Preview fixes for all problems, to accept or discard",
-            enabled=lambda do: any(problem.fix for problem in do.problems)),
+            "Preview fixes for all problems that are ticked in the list, to accept or discard",
+            enabled=lambda do: do.can_fix_all),
+    Command("list_problems", "&List of problems", FixCommands.list_problems, ("Ctrl+P",),
+            "Show the problems as a list: what, when and how bad"),
     Command("accept_fix", "Accept the proposal", FixCommands.accept, ("Return", "Enter"),
             "Make the proposed edits", "tick", enabled=lambda do: do.has_proposal),
     Command("discard_fix", "Discard the proposal", FixCommands.discard, (),

@@ -7,7 +7,7 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Curves", "Drag a curve up or down", "Edit it, with falloff on either side"),
     ("Curves", "Shift while dragging", "Move ten times finer"),
     ("Curves", "Ctrl while dragging", "Snap to the tracked curve, to 0 (touching) or to frames"),
-    ("Curves", "Alt while dragging", "Edit this side of the face only"),
+    ("Curves", "Alt, or Ctrl and Shift, while dragging", "Edit this side of the face only"),
     ("Curves", "Wheel while dragging", "Change the falloff; with Alt, on this side only"),
     ("Curves", "Drag an edge of the selection", "Change the selection or its falloffs"),
     ("Curves", "Ctrl and click a name", "Choose several curves to edit together"),
@@ -35,5 +35,7 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Face", "Hold B", "Show the tracked face"),
     ("Sound", "Drag", "Scrub with sound"),
     ("Sound", "Alt and drag", "Move the sound in time; with Shift, ten times finer"),
+    ("Words", "Drag an edge", "Move it in time; with Shift, ten times finer"),
+    ("Words", "Double click a word", "Select its time"),
     ("Window", "Drop a file", "Open a take, load edits, or add sound or film"),
 )

@@ -15,6 +15,7 @@ from faceedit_app.editing.files.project import (
     Project,
     ViewState,
     Whereabouts,
+    locate_character,
     locate_take,
     read_project,
 )
@@ -37,11 +38,11 @@ def view_of(workspace: Workspace) -> ViewState:
     """The current view of the take."""
     line = workspace.timeline
     window = {
-        "falloff_out": line.falloff_out,
+        "falloff_out": line.own_falloffs[1],
         "unit": line.clock.unit.value,
         "mirror_film": workspace.media.mirrored,
     }
-    return ViewState(line.time, line.view, line.selection, line.falloff, window)
+    return ViewState(line.time, line.view, line.own_selection, line.own_falloffs[0], window)
 
 
 def restore_view(workspace: Workspace, view: ViewState) -> None:
@@ -68,7 +69,7 @@ def open_project(
     ask: Callable[[str, Sequence[Path]], Path | None],
     failed: Callable[[FaceEditError], None],
 ) -> None:
-    """Read a project in the background, look for its take, and open it.
+    """Read a project in the background, find its take, and open it.
 
     Args:
         ask: which file is the take, where that is in doubt; given why it is, and likely ones.
@@ -84,7 +85,8 @@ def open_project(
         take = located.path
         match located.where:
             case Whereabouts.CHANGED | Whereabouts.MISSING:
-                likely = [*([take] if take is not None else []), *located.others]
+                # The unchanged take first: the other one may contain the edits already.
+                likely = [*located.others, *([take] if take is not None else [])]
                 take = ask(located.message, likely)
             case Whereabouts.MOVED:
                 workspace.warning.emit(located.message)
@@ -107,7 +109,7 @@ def open_project(
 def _open_take(
     workspace: Workspace, project: Project, path: Path, take: Path, is_as_it_was: bool
 ) -> None:
-    """Open the take of a project.
+    """Open the take of a project that has been read.
 
     Args:
         path: the project's file.
@@ -124,8 +126,27 @@ def _open_take(
 
     def opened() -> None:
         restore_view(workspace, project.view)
+        _open_character(workspace, project, path)
 
     workspace.opener.open(take, prepare, opened, path, project.fps)
+
+
+def _open_character(workspace: Workspace, project: Project, path: Path) -> None:
+    """Show the character that the project was saved with; if it is gone, say so and show ours."""
+    wanted = project.character
+    if wanted is None:
+        if workspace.document.character is not None:
+            workspace.document.use_character(None)
+        return
+    found = locate_character(wanted, path)
+    if found is None:
+        workspace.document.use_character(None)
+        workspace.warning.emit(
+            f"{wanted.path} is missing, so FaceEdit's own character is shown; open yours with "
+            "File > Character > Open"
+        )
+        return
+    workspace.open_character(found, workspace.warning.emit)
 
 
 def recover(workspace: Workspace, pending: Pending) -> None:

@@ -13,6 +13,7 @@ from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
 from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
@@ -25,6 +26,7 @@ class TakeCommands:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._media = workspace, workspace.media
+        self.words = WordCommands(workspace)
         self._dropped: list[Path] = []  # to be added once the take dropped with them is open
         workspace.opener.rate_needed.connect(self._ask_needed_rate)
 
@@ -67,7 +69,7 @@ class TakeCommands:
     def ask_add(self) -> None:
         """Add a sound or a film that the user chooses."""
         preferences = self._workspace.preferences
-        path = dialogs.ask_media(self._workspace.window, preferences.folder("media"))
+        path = dialogs.ask_media(self._workspace.window, self._workspace.beside("media"))
         if path is not None:
             preferences.set_folder("media", path.resolve().parent)
             self._media.add(path)
@@ -145,5 +147,13 @@ MENU: Menu[TakeCommands] = Menu("Take", (
             starts_group=True),
     Command("remove_film", "Remove &film", TakeCommands.remove_film,
             tip="Remove the film from the take", enabled=lambda do: do.has_film),
+    Command("words", "&Words…", lambda do: do.words.ask(),
+            tip="Say which words are spoken; they appear under the waveform",
+            starts_group=True),
+    Command("find_word", "Find a wo&rd", lambda do: do.words.find(), ("Ctrl+F",),
+            "Search a word and select its time", enabled=lambda do: do.words.has_words),
+    Command("remove_words", "Remove w&ords", lambda do: do.words.remove(),
+            tip="Remove the words from the take; edits stay",
+            enabled=lambda do: do.words.has_words),
 ))
 # fmt: on

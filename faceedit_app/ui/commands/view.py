@@ -83,7 +83,10 @@ class ViewCommands:
     # --- the time ----------------------------------------------------------------------------
 
     def fit(self) -> None:
-        """Show the selection; if there is none or it is shown already, the whole take."""
+        """Show the selection; if there is none or it is shown already, the whole take.
+
+        The value axes fit what is then in view.
+        """
         line = self._timeline
         chosen = line.selection
         if chosen is not None and chosen[1] > chosen[0]:
@@ -91,8 +94,10 @@ class ViewCommands:
             before = line.view
             line.show_range(chosen[0] - margin, chosen[1] + margin)
             if line.view != before:
+                self.fit_values()
                 return
         line.show_range(0.0, line.duration)
+        self.fit_values()
 
     def view_all(self) -> None:
         """Show the whole take and all its values."""
@@ -275,7 +280,7 @@ MENU: Menu[ViewCommands] = Menu("View", (
             tip="Copy the picture of the face to the clipboard, as shown",
             enabled=lambda do: do.has_picture, starts_group=True),
     Command("save_picture", "&Save picture…", ViewCommands.save_picture,
-            tip="Save the picture of the face as PNG, as it is shown",
+            tip="Save the picture of the face as a PNG file, as shown",
             enabled=lambda do: do.has_picture),
 ))
 # fmt: on

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
+from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import is_demo_take
 from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.undo import MediaSteps
+from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.background import Background
+from faceedit_app.ui.state.clock import shown_range
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.preferences import Preferences
@@ -20,7 +24,8 @@ from faceedit_app.ui.state.take_opener import TakeOpener
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
-if TYPE_CHECKING:  # the window is there before the solver, and before pyqtgraph with the page
+if TYPE_CHECKING:  # the solver, and the page with pyqtgraph; the window appears first
+    from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.session import EditSession
@@ -74,6 +79,17 @@ class Workspace(QObject):
         """The character, once it is loaded."""
         return self.opener.rig
 
+    def beside(self, kind: str) -> Path:
+        """The take's folder; for the demo take and without one, where the dialog was last used.
+
+        Args:
+            kind: of the dialog, see `Preferences.folder`.
+        """
+        take = self.document.path
+        if take is None or is_demo_take(take) or not take.parent.is_dir():
+            return self.preferences.folder(kind)
+        return take.parent
+
     def suggest(self, kind: str, tail: str, ending: str) -> Path:
         """A file name beside the take; for the demo take, in another folder.
 
@@ -98,8 +114,41 @@ class Workspace(QObject):
             self.page.edits.select_new(len(edits))
         start, end = min(e.start for e in edits), max(e.end for e in edits)
         self.message.emit(
-            f"{name}: {start:.2f} to {end:.2f} s; set its strength beside the list of edits"
+            f"{name}: {self.shown_range(start, end)}; set its strength beside the list of edits"
         )
+
+    def shown_range(self, start: float, end: float) -> str:
+        """A time range in the unit in which times are shown."""
+        clip, unit = self.timeline.clip, self.timeline.clock.unit
+        return shown_range(clip, start, end, unit) if clip is not None else ""
+
+    def open_character(
+        self,
+        path: Path,
+        failed: Callable[[str], None],
+        done: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Read a character of the user's in the background and show it; on an error the old stays.
+
+        Args:
+            failed: is given one line about the error.
+            done: called once it is shown.
+        """
+
+        def show(character: FittedCharacter) -> None:
+            self.opener.reading.emit("")
+            self.document.use_character(character)
+            self.message.emit(f"Opened the character {path.name}")
+            done()
+
+        def report(error: Exception) -> None:
+            self.opener.reading.emit("")
+            if not isinstance(error, FaceEditError):
+                raise error
+            failed(str(error))
+
+        self.opener.reading.emit(f"Opening {path.name}…")
+        self.background.run(lambda: loading.load_own_character(path), show, report)
 
     # --- gestures in progress ----------------------------------------------------------------
 

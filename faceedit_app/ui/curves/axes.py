@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pyqtgraph as pg
@@ -20,6 +21,7 @@ from faceedit_app.ui.curves.ticks import (
     time_steps,
 )
 from faceedit_app.ui.curves.view_item import ViewItem
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.clock import Clock, Unit, label
 
 Levels = list[tuple[float, list[float]]]  # spacing and values of each level of ticks
@@ -59,9 +61,11 @@ class ValueAxis(pg.AxisItem):
         specs = super().generateDrawSpecs(painter)
         return None if specs is None else (specs[0], [], specs[2])
 
-    def tickSpacing(self, low: float, high: float, size: float) -> list[tuple[float, float]]:
-        """Round steps, wide enough for the numbers."""
-        return [(nice_step((high - low) * style.VALUE_SPACING / size), 0.0)]
+    def tickValues(self, low: float, high: float, size: float) -> Levels:
+        """Round numbers, wide enough apart; a single level, without pyqtgraph's search for more."""
+        step = nice_step((high - low) * style.VALUE_SPACING / size)
+        first, last = math.ceil(low / step), math.floor(high / step)
+        return [(step, [step * n for n in range(first, last + 1)])]
 
 
 class GridLines(ViewItem):
@@ -81,6 +85,7 @@ class GridLines(ViewItem):
         self._lines = None
         super().forget()
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:

@@ -96,6 +96,11 @@ def _place_of(edge: Edge, span: Span) -> float:
 def _dragged(edge: Edge, span: Span, limits: Interval, to: float, was: float) -> Span:
     first, last = limits
     fade_out = span.fade_out
+    # The handle of a falloff of 0 lies on the hold's: pulled inwards, it takes the hold along.
+    if edge is Edge.FADE_IN and span.falloff == 0 and to > span.start:
+        edge = Edge.START
+    elif edge is Edge.FADE_OUT and fade_out == 0 and to < span.end:
+        edge = Edge.END
     match edge:
         case Edge.START:
             return replace(span, start=clamped(to, (first, span.end)), falloff_out=fade_out)

@@ -31,7 +31,7 @@ class Pointer:
     Attributes:
         fine: Shift: move ten times finer.
         snap: Ctrl: snap to frames, to the tracked curve, to touching.
-        one_side: Alt: only this side of the face, or only this falloff.
+        one_side: Alt, or Ctrl and Shift: only this side of the face, or only this falloff.
     """
 
     x: float

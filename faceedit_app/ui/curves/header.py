@@ -17,6 +17,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from faceedit_app.core.controls import Control
 from faceedit_app.ui.curves import style
+from faceedit_app.ui.look.guard import guarded
 
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
@@ -26,6 +27,7 @@ _APART = 3.0  # pixels between name and value
 # Pixels that three lines may move closer: rows differ by a pixel but should look the same.
 _SQUEEZE = 6.0
 _LEFT = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
+_RIGHT_TOP = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop)
 _RIGHT = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
 _MIDDLE = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap)
 
@@ -96,7 +98,7 @@ class Header(QWidget):
         super().__init__(parent)
         self.control = control
         self.value = ""
-        self.note = ""
+        self.note = self.share = ""
         self._active = self._chosen = False
         self._measured: tuple[tuple[int, int, str], Layout] | None = None
         self.setFixedWidth(style.HEADER_WIDTH - style.AXIS_WIDTH)
@@ -114,10 +116,16 @@ class Header(QWidget):
             "Ctrl+click: choose several curves to edit together."
         )
 
-    def show_value(self, value: str, note: str = "") -> None:
-        """Show the value at the playhead, and a note on it."""
-        if (value, note) != (self.value, self.note):
-            self.value, self.note = value, note
+    def show_value(self, value: str, note: str = "", share: str = "") -> None:
+        """Show the value at the playhead, and a note on it.
+
+        Args:
+            value: in millimetres.
+            note: such as what was asked for.
+            share: the value as a share of what this face does, such as "62 %".
+        """
+        if (value, note, share) != (self.value, self.note, self.share):
+            self.value, self.note, self.share = value, note, share
             self.setAccessibleDescription(f"{value} at the playhead. {self.control.hint}")
             self.update()
 
@@ -157,6 +165,7 @@ class Header(QWidget):
         self.menu_asked.emit(event.globalPos())
         event.accept()
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint bar, name and value."""
         layout = self._layout()
@@ -177,6 +186,11 @@ class Header(QWidget):
                 painter.drawText(layout.value, _RIGHT, self.value.removesuffix(UNIT))
             else:
                 painter.drawText(layout.value, _LEFT, self.value)
+                wide = QFontMetricsF(layout.value_font).horizontalAdvance(WIDEST + UNIT)
+                painter.setFont(layout.name_font)
+                painter.setPen(style.color(style.MUTED))
+                place = layout.value.adjusted(wide + _APART, 1.0, -_APART, 0.0)
+                painter.drawText(place, _RIGHT_TOP, self.share)
             if layout.note is not None:
                 painter.setFont(layout.name_font)
                 painter.setPen(style.color(style.MUTED))

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from time import monotonic
 
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.describe import describe
+from faceedit_app.editing.edits.edit import Company, Edit, Op
 from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.curves.edges import GRASP, Edge
 from faceedit_app.ui.curves.gestures import (
     Pointer,
     Span,
@@ -26,6 +29,8 @@ from faceedit_app.ui.state.tools import Tool, Tools
 
 # Seconds between two previews: a mouse may report 1000 moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016
+_LEAST_WIDTH = 8 * GRASP  # pixels of an edit whose edges are grabbed on the plots
+_LEAST_STRENGTH = 0.25  # of an edit that a drag can change: with less, the hand would do nothing
 _NOTHING = 1e-9  # mm: nudges up and down that cancel out
 CURSORS = {
     Tool.MOVE: Qt.CursorShape.SizeVerCursor,
@@ -40,11 +45,18 @@ CURSORS = {
 class Interaction(QObject):
     """Handles the left button on the plots.
 
+    Attributes:
+        chosen_edit: gives row and edit of the chosen edit, which a drag at its place changes.
+
     Signals:
         changed(): the pointer or the drag moved; the session did not change.
+        began(): a drag began that makes a new edit.
+        made(): it made one.
     """
 
     changed = Signal()
+    began = Signal()
+    made = Signal()
 
     def __init__(
         self,
@@ -60,6 +72,9 @@ class Interaction(QObject):
         self.plot: CurvePlot | None = None  # under the pointer, or being dragged
         self.focused: str | None = None
         self.chosen: frozenset[str] = frozenset()  # ids of curves to edit together
+        self.chosen_edit: Callable[[], tuple[int, Edit] | None] = lambda: None
+        self._changes: tuple[int, Edit] | None = None  # the chosen edit, if the drag changes it
+        self._clicks = False  # a click is moving the playhead
         self._x = 0.0  # pixels of the pointer, in its plot
         self._came_from = 0  # playhead's frame before the drag
         self._shown = 0.0  # seconds to which the drag moved the playhead
@@ -90,11 +105,41 @@ class Interaction(QObject):
         if self.drag is not None:
             return self.drag.span(line.falloff, line.falloff_out)
         time = self.hover_time
-        return self._span_at(time) if time is not None else None
+        return self._span_at(time, self._grasp) if time is not None else None
 
-    def _span_at(self, seconds: float) -> Span:
+    @property
+    def _grasp(self) -> float:
+        """Seconds by which the pointer may miss."""
+        return GRASP * self.plot.current_scale.seconds_per_pixel if self.plot is not None else 0.0
+
+    def _span_at(self, seconds: float, slack: float) -> Span:
         line = self._timeline
+        if line.own_selection is None and not self._is_in_chosen(seconds, slack):
+            return Span(seconds, seconds, *line.own_falloffs)
         return span_at(seconds, line.selection, line.falloff, line.falloff_out)
+
+    def _is_in_chosen(self, seconds: float, slack: float) -> bool:
+        """Whether a time is in the hold of the chosen edit, if that is a part of the take.
+
+        Args:
+            seconds: the time.
+            slack: seconds that it may lie outside.
+        """
+        line = self._timeline
+        if not line.shows_edit or line.selection is None:
+            return False
+        start, end = line.selection
+        is_part = end - start < line.duration - 2 * slack
+        return is_part and start - slack <= seconds <= end + slack
+
+    def _edge_under(self, plot: CurvePlot, x: float) -> Edge | None:
+        """The edge that a press would grab; those of a short edit are on the bar only."""
+        line, scale = self._timeline, plot.current_scale
+        if line.own_selection is None and line.selection is not None:
+            width = (line.selection[1] - line.selection[0]) / scale.seconds_per_pixel
+            if width < _LEAST_WIDTH:
+                return None
+        return self._edges.edge_under(scale, x)
 
     def edited_from(self, control: str, one_side: bool = False) -> tuple[str, ...]:
         """The curves that a gesture on one of them edits."""
@@ -113,7 +158,10 @@ class Interaction(QObject):
         if self.session is None or self.is_held:
             return
         self._enter(plot, pointer)
-        if not self._edges.press(plot.current_scale, pointer.x):
+        edge = self._edge_under(plot, pointer.x)
+        if edge is not None:
+            self._edges.grab(edge, plot.current_scale.time_at(pointer.x))
+        else:
             self._begin(plot, pointer)
 
     def drag_to(self, plot: CurvePlot, pointer: Pointer) -> None:
@@ -144,7 +192,7 @@ class Interaction(QObject):
         if self.session is None:
             return
         self._enter(plot, pointer)
-        edge = self._edges.edge_under(plot.current_scale, pointer.x)
+        edge = self._edge_under(plot, pointer.x)
         plot.view.setCursor(
             Qt.CursorShape.SizeHorCursor if edge is not None else CURSORS[self._tools.tool]
         )
@@ -171,6 +219,11 @@ class Interaction(QObject):
             fade_out = line.falloff_out if left else fade_out
         line.set_falloffs(fade_in, fade_out)
 
+    def forget_pointer(self) -> None:
+        """Keys or playback moved the playhead: show no hover until the pointer moves again."""
+        if not (self.is_held or self._clicks):
+            self.plot = None
+
     def leave(self, plot: CurvePlot) -> None:
         """The pointer left the plot."""
         if not self.is_held and self.plot is plot:
@@ -179,7 +232,7 @@ class Interaction(QObject):
 
     def cancel(self) -> None:
         """Cancel the drag in progress, and restore curves, edges and playhead."""
-        drag, self.drag = self.drag, None
+        drag, self.drag, self._changes = self.drag, None, None
         self._timer.stop()
         self._edges.cancel()
         if drag is not None and drag.moving and self.session is not None:
@@ -195,15 +248,22 @@ class Interaction(QObject):
 
     def _begin(self, plot: CurvePlot, pointer: Pointer) -> None:
         time = self._timeline.snap(plot.current_scale.time_at(pointer.x))
-        press = self._press(plot, time, (pointer.x, pointer.y), pointer.one_side)
+        at = pointer.x, pointer.y
+        press = self._press(plot, time, at, self._grasp, pointer.one_side)
         self.drag = begin(self._tools.tool, press, self._tools.smooth)
+        self._changes = self._changed_by(press)
         if self.drag.moving:
-            self._show_edited_frame()
+            self._begins()
             self._preview_soon()
         self.changed.emit()
 
     def _press(
-        self, plot: CurvePlot, time: float, at: tuple[float, float], one_side: bool = False
+        self,
+        plot: CurvePlot,
+        time: float,
+        at: tuple[float, float],
+        slack: float,
+        one_side: bool = False,
     ) -> Press:
         """What a gesture needs to know about the curve at a time."""
         session, control = self.session, plot.control.id
@@ -215,7 +275,7 @@ class Interaction(QObject):
             at,
             time,
             plot.current_scale,
-            self._span_at(time),
+            self._span_at(time, slack),
             float(session.asked[frame, column]),
             float(session.tracked[frame, column]),
             session.limits[column],
@@ -229,13 +289,16 @@ class Interaction(QObject):
         if session is None or self.is_held:
             return
         self.plot, self._x = plot, plot.current_scale.x_of(line.time)
-        press = self._press(plot, line.time, (0.0, 0.0))
+        press = self._press(plot, line.time, (0.0, 0.0), slack=0.0)
         millimetres = clamped(millimetres, move(press).limits)
         edit = press.span.edit(press.controls, Op.OFFSET, millimetres)
         edits, key = session.edits, ("nudge", replace(edit, value=0.0))
         if session.extends(key):
             edits, edit = edits[:-1], replace(edit, value=edits[-1].value + millimetres)
-        session.put(edits if abs(edit.value) < _NOTHING else (*edits, edit), merge=key)
+        is_nothing = abs(edit.value) < _NOTHING
+        session.put(edits if is_nothing else (*edits, edit), merge=key)
+        if not is_nothing:
+            self.made.emit()
 
     def _drag_to(self, pointer: Pointer) -> None:
         assert self.drag is not None
@@ -243,7 +306,45 @@ class Interaction(QObject):
         self._x = pointer.x
         self.drag = self.drag.moved(pointer.x, pointer.y, pointer.fine, pointer.snap)
         if self.drag.moving and not was_moving:
-            self._show_edited_frame()
+            self._begins()
+
+    def _begins(self) -> None:
+        """The press has become an edit."""
+        if self._changes is None:
+            self.began.emit()
+        self._show_edited_frame()
+
+    def _changed_by(self, press: Press) -> tuple[int, Edit] | None:
+        """The chosen edit, if it is a move of the same curves at the same place."""
+        chosen = self.chosen_edit()
+        if chosen is None or self._tools.tool is not Tool.MOVE:
+            return None
+        edit, hold = chosen[1], (press.span.start, press.span.end)
+        line = self._timeline
+        is_same = (
+            edit.op is Op.OFFSET
+            and edit.companions is Company.YIELD
+            and edit.enabled
+            and edit.strength >= _LEAST_STRENGTH
+            and set(edit.controls) == set(press.controls)
+            and (hold == line.selection or hold == (edit.start, edit.end))
+        )
+        return chosen if is_same else None
+
+    def _preview_edit(self, edit: Edit | None) -> None:
+        """Show a new edit, or the chosen one with what the drag adds to it."""
+        session = self.session
+        assert session is not None
+        if self._changes is None:
+            session.preview(edit)
+            return
+        row, old = self._changes
+        line = self._timeline
+        added = edit.value / old.strength if edit is not None else 0.0
+        new = replace(old, value=old.value + added)
+        if (old.falloff, old.fade_out) != (line.falloff, line.falloff_out):
+            new = replace(new, falloff=line.falloff, falloff_out=line.falloff_out)
+        session.preview_replace(row, new)
 
     def _show_edited_frame(self) -> None:
         """Make the viewport show the frame being changed."""
@@ -264,14 +365,27 @@ class Interaction(QObject):
         edit = self._edit()
         if edit is not None:
             self.drag = None
-            session.preview(edit)
-            session.commit()
+            self._preview_edit(edit)
+            self._commit()
         elif drag.moving:
             self.cancel()
         else:
             self.drag = None
             if drag.is_click:
+                self._clicks = True
                 self._timeline.go_to_time(drag.time)
+                self._clicks = False
+
+    def _commit(self) -> None:
+        """Keep what the drag did, as one step."""
+        session, changed = self.session, self._changes
+        assert session is not None
+        self._changes = None
+        if changed is None:
+            session.commit()
+            self.made.emit()
+        else:
+            session.commit(f"Change {describe(changed[1])}")
 
     def _falloff_changed(self, _seconds: float) -> None:
         if self.is_dragging:
@@ -288,5 +402,5 @@ class Interaction(QObject):
             if self.drag.time != self._shown:  # a pen or brush has moved on
                 self._shown = self.drag.time
                 self._timeline.go_to_time(self._shown)
-            self.session.preview(self._edit())
+            self._preview_edit(self._edit())
             self._last_preview = monotonic()

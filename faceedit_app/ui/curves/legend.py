@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.ui.curves import style
+from faceedit_app.ui.look.guard import guarded
 
 _SAMPLE = 22.0  # pixels of line
 _SPACE = 16.0
@@ -34,6 +35,7 @@ class Legend(QWidget):
             self.hint = hint
             self.update()
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint samples with labels, then the hint in the remaining room."""
         painter = QPainter(self)

@@ -13,6 +13,7 @@ from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.view_item import ViewItem
 from faceedit_app.ui.curves.visible_curves import EMPTY, Lines, Polyline
+from faceedit_app.ui.look.guard import guarded
 
 _EDGE = 5.0  # greatest pixels from the centre of a line to its edge
 
@@ -52,13 +53,14 @@ class CurveLines(ViewItem):
     def _update_between(self, first: float, last: float) -> None:
         if self._room is None:
             rect = self.boundingRect()
-            edge = _EDGE * self.getViewBox().viewPixelSize()[0]
+            edge = _EDGE * self.getViewBox().pixel
             self._room = edge, rect.left(), rect.right(), rect.top(), rect.height()
         edge, left, right, top, height = self._room
         left, right = max(first - edge, left), min(last + edge, right)
         if left < right:
             self.update(left, top, right - left, height)
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -98,6 +100,7 @@ class Stroke:
                 changed = changed[0], max(changed[1], float(line.x[-1]))  # all dashes move
         return changed
 
+    @guarded
     def paint(self, painter: QPainter, ratio: float) -> None:
         """Draw the line, in full width unless it fills its pixel columns anyway.
 

@@ -31,6 +31,7 @@ from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.paint import draw_tag, tag_box
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.view_item import ViewItem
+from faceedit_app.ui.look.guard import guarded
 
 LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is in view
 _NONE = QPen(Qt.PenStyle.NoPen)
@@ -40,8 +41,8 @@ _FAINTEST = 0.12  # factor on a span's opacity at the ends of its falloffs
 class SpanRegion(pg.LinearRegionItem):
     """A span of time with four edges: its hold, and the falloffs on either side.
 
-    Its fill fades as the edit does. pyqtgraph's own two lines stay hidden: as separate items, four
-    edges would take as long to paint as the curves.
+    Its fill fades as the edit does. pyqtgraph's own two lines stay out of the plot: as separate
+    items, four edges would take as long to paint as the curves.
 
     Args:
         color: of the fill.
@@ -57,7 +58,7 @@ class SpanRegion(pg.LinearRegionItem):
         self._fills: list[tuple[QRectF, QBrush]] = []
         self._edges: list[tuple[QPen, list[QLineF]]] = []
         for line in self.lines:
-            line.hide()
+            line.setParentItem(None)
         self.hide()
 
     def show_span(self, span: Span | None, alpha: int) -> None:
@@ -69,20 +70,19 @@ class SpanRegion(pg.LinearRegionItem):
         if span is None:
             return
         self.span = span
-        self.viewRangeChanged()
+        self._forget()
         self.setRegion((span.start, span.end))
         self.setBrush(style.color(self._color, alpha))
         self.update()
 
-    def viewRangeChanged(self) -> None:
+    def viewTransformChanged(self) -> None:
         """Fit the height of the view, and stay at least one pixel wide."""
+        super().viewTransformChanged()
+        self._forget()
+
+    def _forget(self) -> None:
         self._rect = None
         self.prepareGeometryChange()
-
-    def viewTransformChanged(self) -> None:
-        """The pixels are others too."""
-        super().viewTransformChanged()
-        self.viewRangeChanged()
 
     def boundingRect(self) -> QRectF:
         """The whole span, hold and falloffs."""
@@ -90,7 +90,7 @@ class SpanRegion(pg.LinearRegionItem):
             view = self.getViewBox()
             if view is None:
                 return QRectF()
-            self._rect = self._measure(view.viewRect(), view.viewPixelSize()[0])
+            self._rect = self._measure(view.viewRect(), view.pixel)
         return self._rect
 
     def _measure(self, view: QRectF, pixel: float) -> QRectF:
@@ -118,6 +118,7 @@ class SpanRegion(pg.LinearRegionItem):
             fade.setColorAt(place, style.color(self._color, round(seen)))
         return QBrush(fade)
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -164,6 +165,7 @@ class Gaps(ViewItem):
         self.setVisible(bool(gaps))
         self.update()
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -190,8 +192,9 @@ class Playhead(pg.InfiniteLine):
         super().__init__(0.0, 90, pen=style.hairline(style.PLAYHEAD, 215))
         self._rect: QRectF | None = None
 
-    def viewRangeChanged(self) -> None:
+    def viewTransformChanged(self) -> None:
         """Update the length to the height of the view."""
+        super().viewTransformChanged()
         self._rect = None
         self.prepareGeometryChange()
 
@@ -200,10 +203,11 @@ class Playhead(pg.InfiniteLine):
         if self._rect is None:
             view = self.getViewBox()
             low, high = view.viewRange()[1]
-            edge = 2.0 * view.viewPixelSize()[0]
+            edge = 2.0 * view.pixel
             self._rect = QRectF(low, -edge, high - low, 2.0 * edge)
         return self._rect
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -227,6 +231,7 @@ class Marker(QGraphicsPathItem):
         self.setPen(_NONE if edge is None else QPen(style.color(edge), 1.5))
         self.setFlag(self.GraphicsItemFlag.ItemIgnoresTransformations)
 
+    @guarded
     def paint(
         self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -280,6 +285,7 @@ class Numbers(QGraphicsItem):
         """Their box, relative to the point."""
         return self._box.adjusted(-1.0, -1.0, 1.0, 1.0)
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:

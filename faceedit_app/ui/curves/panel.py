@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import CurveDrag, span_at
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
+from faceedit_app.ui.curves.one_painting import OnePainting
 from faceedit_app.ui.curves.plot import CurvePlot, Handle, Marks
 from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.range_fields import RangeFields
@@ -23,11 +27,13 @@ from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
 from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
+from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool, Tools
 
 _APART = 0.05  # least mm between two lines for a note in the header
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
+_CHOSEN_HINT = "Drag the handles of the chosen edit, or its curve; Esc: done"
 _IDLE_HINTS = {
     Tool.MOVE: "Drag a curve up or down to change the face",
     Tool.DRAW: "Draw a curve freehand",
@@ -47,6 +53,8 @@ class CurvesPanel(QWidget):
     Signals:
         reshaped(): an edge of the selection is being dragged.
         reshape_ended(): it was released.
+        edit_began(): a drag began that makes a new edit.
+        edit_made(): it, or a key, made one.
         curve_menu_asked(place): a right click on a curve, which now has the focus.
         name_menu_asked(place): on its name.
         time_menu_asked(place): on the ruler, or on the bar under it.
@@ -54,6 +62,8 @@ class CurvesPanel(QWidget):
 
     reshaped = Signal()
     reshape_ended = Signal()
+    edit_began = Signal()
+    edit_made = Signal()
     curve_menu_asked = Signal(QPoint)
     name_menu_asked = Signal(QPoint)
     time_menu_asked = Signal(QPoint)
@@ -80,6 +90,7 @@ class CurvesPanel(QWidget):
         self._rows = Rows(self.headers, self.plots)
         self._axes = ValueAxes(self.plots)
         self._pages = QStackedWidget()
+        OnePainting(self, [part.scene() for part in (self.ruler, self.range_bar, *self.plots)])
         self._build()
         self._connect()
         self.set_session(None)
@@ -125,6 +136,7 @@ class CurvesPanel(QWidget):
             strip.menu_asked.connect(self.time_menu_asked)
         self.plots[0].view.sigResized.connect(self._show_columns)
         self.timeline.view_changed.connect(self._show_view)
+        self.timeline.playhead_moved.connect(self._mouse.forget_pointer)
         self.timeline.playhead_moved.connect(self._show_state)
         self.timeline.selection_changed.connect(self._show_state)
         self.timeline.falloff_changed.connect(self._show_state)
@@ -132,6 +144,8 @@ class CurvesPanel(QWidget):
         self._edges.moved.connect(self.reshaped)
         self._edges.ended.connect(self.reshape_ended)
         self._mouse.changed.connect(self._show_state)
+        self._mouse.began.connect(self.edit_began)
+        self._mouse.made.connect(self.edit_made)
 
     # --- for the page ----------------------------------------------------------------------
 
@@ -217,6 +231,15 @@ class CurvesPanel(QWidget):
     def is_reshaping(self) -> bool:
         """Whether an edge of the selection is being moved."""
         return self._edges.is_changing
+
+    def follow_chosen(self, chosen_edit: Callable[[], tuple[int, Edit] | None]) -> None:
+        """Let drags change the chosen edit: row and edit, or None."""
+        self._mouse.chosen_edit = chosen_edit
+
+    def cover_legend(self, bar: QWidget) -> None:
+        """Put a bar over the legend, where a second click does nothing once the bar is gone."""
+        bar.setFixedHeight(style.LEGEND_HEIGHT)
+        self._grid.addWidget(bar, 0, 0, 1, 3)
 
     def add_row(self, head: QWidget, strip: QWidget) -> None:
         """Add a strip on the time axis, under the curves."""
@@ -377,6 +400,7 @@ class CurvesPanel(QWidget):
         frame = min(timeline.frame, len(session.tracked) - 1)
         arrays = session.tracked, session.asked, session.achieved
         values = zip(*(array[frame].tolist() for array in arrays), strict=True)
+        limits = session.limits
         dragging, span, selection = mouse.is_dragging, mouse.span, self._edges.span
         plain = Marks(selection, span if dragging else None, style.WEAK)
         lit = Marks(selection, span, style.STRONG if dragging else style.HOVER)
@@ -387,10 +411,12 @@ class CurvesPanel(QWidget):
             marks = lit if (plot.control.id in edited if dragging else here) else plain
             handle = self._handle(session, i) if here else None
             plot.show_marks(marks, timeline.time, handle, face)
-            header.show_value(f"{face:.1f} mm", _note(tracked, asked, face))
+            low, high = limits[i]
+            share = f"{100 * (face - low) / (high - low):.0f} %" if high > low else ""
+            header.show_value(f"{face:.1f} mm", _note(tracked, asked, face), share)
             header.show_active(here or plot.shows_focus)
-        fades = timeline.falloff, timeline.falloff_out
-        span = span or span_at(timeline.time, timeline.selection, *fades)
+        fades = timeline.own_falloffs
+        span = span or span_at(timeline.time, timeline.own_selection, *fades)
         self.ruler.show_marks(Marks(selection, span, style.STRONG), timeline.time)
         self.legend.show_hint(self._hint())
 
@@ -407,14 +433,21 @@ class CurvesPanel(QWidget):
         words = drag.words, f"asked {asked:.1f} · face {face:.1f}"
         return Handle(time, asked, True, words)
 
+    def _in_unit(self, seconds: float) -> str:
+        """A length of time in the unit in which times are shown."""
+        clip = self.timeline.clip
+        if clip is None or self.timeline.clock.unit is not Unit.FRAMES:
+            return f"{seconds:.2f} s"
+        return f"{seconds * clip.rate:.1f} frames"
+
     def _hint(self) -> str:
         mouse = self._mouse
         if mouse.is_dragging:
-            seconds = self.timeline.falloff
-            return f"Falloff {seconds:.2f} s (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
+            falloff = self._in_unit(self.timeline.falloff)
+            return f"Falloff {falloff} (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
-        return _IDLE_HINTS[self.tools.tool]
+        return _CHOSEN_HINT if self.timeline.shows_edit else _IDLE_HINTS[self.tools.tool]
 
 
 def _note(tracked: float, asked: float, face: float) -> str:

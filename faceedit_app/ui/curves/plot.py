@@ -8,7 +8,7 @@ from typing import Protocol
 
 import pyqtgraph as pg
 from PySide6.QtCore import QPoint, QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent
+from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QSizePolicy
 
 from faceedit_app.core.controls import Control
@@ -229,6 +229,11 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self.values_chosen = True
 
     # --- events ----------------------------------------------------------------------------
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Continue the gesture on the curve, else let pyqtgraph handle it."""
+        if not self.view.drag_on(event):
+            super().mouseMoveEvent(event)
 
     @property
     def takes_wheel(self) -> bool:

@@ -14,6 +14,7 @@ from faceedit_app.ui.curves.marks import SpanRegion
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 17
@@ -46,6 +47,7 @@ class SelectionHandles(SpanRegion):
         room = _HANDLE * self.getViewBox().viewPixelSize()[0]
         return rect.adjusted(-room, 0.0, room, 0.0)
 
+    @guarded
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
@@ -202,9 +204,12 @@ class RangeBar(pg.GraphicsView, Mouse):
 
     def turned(self, _pointer: Pointer, notches: float) -> None:
         """Change both falloffs."""
-        line = self._timeline
-        fades = (stepped_falloff(f, notches) for f in (line.falloff, line.falloff_out))
-        line.set_falloffs(*fades)
+        line, span = self._timeline, self._edges.span
+        fade_in, fade_out = (stepped_falloff(f, notches) for f in (line.falloff, line.falloff_out))
+        if span is not None:
+            self._edges.place(Span(span.start, span.end, fade_in, fade_out))
+        else:
+            line.set_falloffs(fade_in, fade_out)
 
     def cancel(self) -> None:
         """Cancel the drag in progress."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QPoint, Qt, Signal
-from PySide6.QtGui import QPainter
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
+from PySide6.QtGui import QMouseEvent, QPainter
 from PySide6.QtWidgets import (
     QGraphicsSceneHoverEvent,
     QGraphicsSceneMouseEvent,
@@ -18,6 +19,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.ui.curves.gestures import PAN_STEP, ZOOM_STEP, Pointer, WheelAction, wheel_action
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.curves.value_range import LARGEST, SMALLEST
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.timeline import Timeline
 
 LEFT, MIDDLE, RIGHT = (
@@ -101,10 +103,25 @@ class TimeView(pg.ViewBox):
         (first, last), (low, high) = self.viewRange()
         return Scale(self.width(), self.height(), (first, last), (low, high))
 
+    @property
+    def pixel(self) -> float:
+        """Seconds per pixel.
+
+        The same as pyqtgraph's `viewPixelSize`, which inverts a matrix after each change.
+        """
+        first, last = self.viewRange()[0]
+        return (last - first) / max(self.width(), 1.0)
+
+    @guarded
     def paint(
         self, _painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
         """Paint nothing: the border is a separate item."""
+
+    def setRange(self, *args: Any, **named: Any) -> None:
+        """Show another range; pyqtgraph would move the items only while it paints."""
+        super().setRange(*args, **named)
+        self.updateMatrix()
 
     def _follow(self) -> None:
         self.setXRange(*self._timeline.view, padding=0)
@@ -123,7 +140,7 @@ class TimeView(pg.ViewBox):
         """Handle the left button; events not accepted become pyqtgraph's drag or click."""
         if event.button() == LEFT:
             self._is_held = True
-            self._mouse.pressed(_pointer(event))
+            self._mouse.pressed(_pointer_of(event))
         elif not self._is_held:
             event.ignore()
         elif event.button() == RIGHT:
@@ -133,19 +150,29 @@ class TimeView(pg.ViewBox):
         """Handle a double click."""
         if event.button() == LEFT:
             self._is_held = True
-            self._mouse.double_clicked(_pointer(event))
+            self._mouse.double_clicked(_pointer_of(event))
         else:
             self.mousePressEvent(event)
 
+    def drag_on(self, event: QMouseEvent) -> bool:
+        """Continue a gesture of the left button; False if there is none.
+
+        The scene would also look for items under the mouse at each move.
+        """
+        if not self._is_held or not event.buttons() & LEFT:
+            return False
+        self._mouse.dragged(_pointer(self.mapFromScene(event.position()), event.modifiers()))
+        return True
+
     def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
         """Continue the gesture."""
-        self._mouse.dragged(_pointer(event))
+        self._mouse.dragged(_pointer_of(event))
 
     def mouseReleaseEvent(self, event: QGraphicsSceneMouseEvent) -> None:
         """End the gesture."""
         if event.button() == LEFT:
             self._is_held = False
-            self._mouse.released(_pointer(event))
+            self._mouse.released(_pointer_of(event))
 
     def ungrabMouseEvent(self, event: QEvent) -> None:
         """Qt noticed that the button is up, although no release arrived."""
@@ -156,7 +183,7 @@ class TimeView(pg.ViewBox):
 
     def hoverMoveEvent(self, event: QGraphicsSceneHoverEvent) -> None:
         """Show what a press would do."""
-        self._mouse.hovered(_pointer(event))
+        self._mouse.hovered(_pointer_of(event))
 
     def hoverLeaveEvent(self, _event: QGraphicsSceneHoverEvent) -> None:
         """The pointer left."""
@@ -170,7 +197,7 @@ class TimeView(pg.ViewBox):
         self.updateMatrix()
         notches = event.delta() / _NOTCH
         sideways = event.orientation() == Qt.Orientation.Horizontal
-        pointer = _pointer(event)
+        pointer = _pointer_of(event)
         means = wheel_action(self._mouse.takes_wheel, pointer.fine or sideways, pointer.snap)
         if means is WheelAction.FALLOFF:
             self._mouse.turned(pointer, notches)
@@ -204,15 +231,22 @@ class TimeView(pg.ViewBox):
             self.menu_asked.emit(event.pos().x(), event.pos().y(), place)
 
 
-def _pointer(
+def _pointer_of(
     event: QGraphicsSceneMouseEvent | QGraphicsSceneHoverEvent | QGraphicsSceneWheelEvent,
 ) -> Pointer:
     """The event's position and keys."""
-    keys, key = event.modifiers(), Qt.KeyboardModifier
+    return _pointer(event.pos(), event.modifiers())
+
+
+def _pointer(at: QPointF, keys: Qt.KeyboardModifier) -> Pointer:
+    key = Qt.KeyboardModifier
+    shift, ctrl = bool(keys & key.ShiftModifier), bool(keys & key.ControlModifier)
+    # Many window managers take Alt with the mouse; Shift and Ctrl together do the same.
+    both = shift and ctrl
     return Pointer(
-        event.pos().x(),
-        event.pos().y(),
-        fine=bool(keys & key.ShiftModifier),
-        snap=bool(keys & key.ControlModifier),
-        one_side=bool(keys & key.AltModifier),
+        at.x(),
+        at.y(),
+        fine=shift and not both,
+        snap=ctrl and not both,
+        one_side=both or bool(keys & key.AltModifier),
     )

@@ -48,11 +48,14 @@ class ValueAxes:
             values: asked for and the face's, of each curve at the frame being changed.
             held: the plot being dragged, which must not lose its curve.
         """
+        if self.curves is None:
+            return
         self._resting = self._resting or tuple(plot.values for plot in self._plots)
-        for plot, shown, (asked, face) in zip(self._plots, self._resting, values, strict=True):
+        rows = zip(self._plots, self._resting, values, strict=True)
+        for index, (plot, shown, (asked, face)) in enumerate(rows):
             if plot.values_chosen:
                 continue
-            shown = stretched(shown, asked)
+            shown = stretched(shown, self.curves.bounded(index, asked))
             plot.show_values(shown if plot is held else stretched(shown, face))
 
     def release(self, plots: Iterable[CurvePlot]) -> None:

@@ -16,12 +16,8 @@ class ViewItem(pg.GraphicsObject):
         super().__init__()
         self._rect: QRectF | None = None
 
-    def viewRangeChanged(self) -> None:
-        """Other seconds or millimetres are in view."""
-        self.forget()
-
     def viewTransformChanged(self) -> None:
-        """The pixels are others too."""
+        """Other seconds or millimetres are in view, or the view has another size."""
         super().viewTransformChanged()
         self.forget()
 

@@ -19,6 +19,7 @@ BASE = 16  # frames in the smallest bin
 DENSE = 3
 # Millimetres by which lines must differ to be drawn separately: less is not visible.
 SAME = 0.005
+_SLACK = 0.1  # of what a face can do, beyond either end
 _LINES, _FACE = 3, 1  # tracked, face, asked
 
 
@@ -77,7 +78,7 @@ class VisibleCurves:
     """
 
     def __init__(self, session: EditSession) -> None:
-        self._live, self._seen = session.live, 0
+        self._session, self._live, self._seen = session, session.live, 0
         self._times = session.take.clip.times
         self._curves = session.tracked.shape[1]
         self.low, self.high = session.tracked.min(axis=0), session.tracked.max(axis=0)
@@ -147,9 +148,15 @@ class VisibleCurves:
         return known
 
     def extent(self, curve: int) -> Interval:
-        """Lowest and highest value in view, of all three lines."""
+        """Lowest and highest value in view of all three lines, as far as a face can go."""
         y = self._y[:, curve]
-        return float(y.min()), float(y.max())
+        return self.bounded(curve, float(y.min())), self.bounded(curve, float(y.max()))
+
+    def bounded(self, curve: int, value: float) -> float:
+        """A value kept near what a face, or this take, can do: no axis goes further."""
+        low, high = self._session.limits[curve]
+        slack = _SLACK * (high - low)
+        return min(max(value, low - slack), high + slack)
 
     def _read(self, rows: slice) -> Values:
         """(N, 5 C): the three lines, and the differences of face and asked for from tracked."""

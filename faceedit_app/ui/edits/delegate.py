@@ -2,31 +2,44 @@
 
 from __future__ import annotations
 
+from enum import Enum
+
 from PySide6.QtCore import (
     QAbstractItemModel,
     QEvent,
     QModelIndex,
     QPersistentModelIndex,
     QPointF,
+    QRect,
     QRectF,
     QSize,
     Qt,
 )
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPainterPath, QPen
-from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
+from PySide6.QtWidgets import (
+    QLineEdit,
+    QSpinBox,
+    QStyle,
+    QStyledItemDelegate,
+    QStyleOptionViewItem,
+    QWidget,
+)
 
-from faceedit_app.ui.edits.model import columns
+from faceedit_app.ui.edits.model import COLUMNS, RANGE, STRENGTH, EditsModel
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import (
     ACCENT,
     ACCENT_DEEP,
     BACKGROUND,
     BORDER,
-    FAINT,
-    HOVER,
+    DISABLED,
+    LABEL,
     MUTED,
+    RAISED,
     TEXT,
 )
 
+STRONGEST = 150  # per cent
 ROW = 25
 _BOX = 14.0
 _LEFT = 32.0  # pixels left of the name
@@ -38,13 +51,28 @@ _NARROW = 400  # pixels below which the curves' names are left out
 Index = QModelIndex | QPersistentModelIndex
 
 
+class Part(Enum):
+    """What can be typed in a row."""
+
+    NAME = "name"
+    RANGE = "range"
+    STRENGTH = "strength"
+
+
 class EditsDelegate(QStyledItemDelegate):
-    """Paints rows, and handles clicks on their switches."""
+    """Paints rows, and handles clicks on their switches.
+
+    Attributes:
+        edits: the part of a row that is edited next.
+    """
+
+    edits = Part.NAME
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
         """One line."""
         return QSize(200, ROW)
 
+    @guarded
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         """Paint switch, name, curves, range and strength."""
         edit = index.data(Qt.ItemDataRole.UserRole)
@@ -53,7 +81,7 @@ class EditsDelegate(QStyledItemDelegate):
         if state & QStyle.StateFlag.State_Selected:
             painter.fillRect(rect, QColor(ACCENT_DEEP))
         elif state & QStyle.StateFlag.State_MouseOver:
-            painter.fillRect(rect, QColor(HOVER))
+            painter.fillRect(rect, QColor(RAISED))
         # Rows that end between two pixels of the screen would leave a line behind.
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if state & QStyle.StateFlag.State_HasFocus:
@@ -61,10 +89,14 @@ class EditsDelegate(QStyledItemDelegate):
             painter.drawRect(rect.adjusted(0.5, 0.5, -0.5, -0.5))
         self._paint_switch(painter, switch_rect(rect), edit.enabled)
         selected = bool(state & QStyle.StateFlag.State_Selected)
-        quiet = QColor(FAINT) if not edit.enabled else QColor(TEXT if selected else MUTED)
+        hovered = bool(state & QStyle.StateFlag.State_MouseOver)
+        off = MUTED if hovered else DISABLED
+        if selected:
+            off = LABEL
+        quiet = QColor(off) if not edit.enabled else QColor(TEXT if selected else MUTED)
         name = str(index.data(Qt.ItemDataRole.DisplayRole))
-        (text, room), *others = cells(rect, name, *columns(edit))
-        painter.setPen(QColor(TEXT if edit.enabled else FAINT))
+        (text, room), *others = cells(rect, name, *index.data(COLUMNS))
+        painter.setPen(QColor(TEXT if edit.enabled else off))
         self._write(painter, room, text, Qt.AlignmentFlag.AlignLeft)
         painter.setPen(quiet)
         for text, room in others:
@@ -99,7 +131,9 @@ class EditsDelegate(QStyledItemDelegate):
         option: QStyleOptionViewItem,
         index: Index,
     ) -> bool:
-        """A click on the switch toggles it."""
+        """A click on the switch toggles it; a double click edits what it is on."""
+        if isinstance(event, QMouseEvent) and event.type() == QEvent.Type.MouseButtonDblClick:
+            self.edits = self._part_at(QRectF(option.rect), event.position().x())
         if (
             isinstance(event, QMouseEvent)
             and event.type() == QEvent.Type.MouseButtonRelease
@@ -113,10 +147,59 @@ class EditsDelegate(QStyledItemDelegate):
             )
         return False
 
+    @staticmethod
+    def _part_at(row: QRectF, x: float) -> Part:
+        from_right = row.right() - x
+        if from_right <= _STRENGTH + _RIGHT:
+            return Part.STRENGTH
+        return Part.RANGE if from_right <= _STRENGTH + _RANGE + _RIGHT + 8 else Part.NAME
+
+    def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
+        """A number field for the strength, a text field for name and range."""
+        if self.edits is Part.STRENGTH:
+            box = QSpinBox(parent, maximum=STRONGEST, suffix=" %")
+            box.setButtonSymbols(QSpinBox.ButtonSymbols.NoButtons)
+            box.setAccessibleName("Strength")
+            return box
+        field = QLineEdit(parent)
+        field.setAccessibleName("Range" if self.edits is Part.RANGE else "Name")
+        return field
+
+    def setEditorData(self, editor: QWidget, index: Index) -> None:
+        """Fill the field."""
+        model, edit = index.model(), index.data(Qt.ItemDataRole.UserRole)
+        if isinstance(editor, QSpinBox):
+            editor.setValue(round(100 * edit.strength))
+        elif isinstance(editor, QLineEdit) and isinstance(model, EditsModel):
+            is_range = self.edits is Part.RANGE
+            editor.setText(model.ends(edit) if is_range else index.data(Qt.ItemDataRole.EditRole))
+            editor.selectAll()
+
+    def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
+        """Take what was typed; a range that cannot be read changes nothing."""
+        place = model.index(index.row(), 0)
+        if isinstance(editor, QSpinBox):
+            model.setData(place, editor.value() / 100, STRENGTH)
+        elif isinstance(editor, QLineEdit) and self.edits is Part.NAME:
+            model.setData(place, editor.text())
+        elif isinstance(editor, QLineEdit) and isinstance(model, EditsModel):
+            edit = index.data(Qt.ItemDataRole.UserRole)
+            typed = model.typed_range(editor.text())
+            if typed is not None and editor.text() != model.ends(edit):
+                model.setData(place, typed, RANGE)
+
     def updateEditorGeometry(
         self, editor: QWidget, option: QStyleOptionViewItem, index: Index
     ) -> None:
-        """Put the text field over the name."""
+        """Put the field over what it edits."""
+        rect, right = QRect(option.rect), round(_STRENGTH + _RIGHT)
+        if self.edits is Part.STRENGTH:
+            editor.setGeometry(rect.adjusted(rect.width() - right - 6, 0, 0, 0))
+            return
+        if self.edits is Part.RANGE:
+            left = rect.width() - right - round(_RANGE) - 14
+            editor.setGeometry(rect.adjusted(left, 0, -right, 0))
+            return
         editor.setGeometry(option.rect.adjusted(int(_LEFT) - 5, 0, -int(_STRENGTH), 0))
 
 

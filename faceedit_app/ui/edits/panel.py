@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.ui.edits.delegate import EditsDelegate
+from faceedit_app.ui.edits.delegate import STRONGEST, EditsDelegate, Part
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.look.theme import GAP, MARGIN
@@ -28,7 +28,6 @@ from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
-STRONGEST = 150  # per cent
 _EMPTY = (
     "No edits yet. Drag a curve, or click one of the fixes above.\n"
     "Every edit is listed here; you can change its strength, switch it off or delete it."
@@ -48,17 +47,18 @@ class EditsPanel(QWidget):
     def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
         self._actions, self._document, self._timeline = actions, document, timeline
-        self.model = EditsModel(document)
+        self.model = EditsModel(document, timeline)
         self.list = QListView()
+        self._delegate = EditsDelegate(self.list)
         self.strength = self._slider()
-        self.percent, self.title = QLabel(), QLabel()
+        self.percent = QLabel()
+        self.done = icon_button(actions["deselect"], "small_button", "Done")
         self._pages = QStackedWidget()
         self._showing = False  # the panel is changing the range, not the user
         self._is_dragged = False  # the strength; the preview is the slider's
         self._is_reshaped = False  # the selected edit; the preview is its new range
         self._moved_to: int | None = None  # row to which the selected edit is being moved
-        self.is_tied = False  # the range on the curves is the selected edit's
-        self._own_falloffs: tuple[float, float] | None = None  # the user's, while it is tied
+        self._is_new = False  # the selected edits have just been made
         self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
         self._build()
         selection = self.list.selectionModel()
@@ -66,6 +66,7 @@ class EditsPanel(QWidget):
         selection.selectionChanged.connect(self._sync)
         timeline.selection_changed.connect(self._other_range)
         timeline.falloff_changed.connect(self._other_falloff)
+        timeline.clock.changed.connect(self.list.viewport().update)
         self.model.moving.connect(self._edit_moves)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
@@ -77,7 +78,7 @@ class EditsPanel(QWidget):
         view = self.list
         view.setObjectName("edits_list")
         view.setModel(self.model)
-        view.setItemDelegate(EditsDelegate(view))
+        view.setItemDelegate(self._delegate)
         view.setAccessibleName("Edits")
         view.setMouseTracking(True)
         view.setUniformItemSizes(True)
@@ -95,13 +96,12 @@ class EditsPanel(QWidget):
         self._pages.addWidget(view)
         self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("150 %"))
-        self.title.setObjectName("heading")
         bar = QHBoxLayout()
         bar.setContentsMargins(MARGIN, 3, MARGIN - 4, 3)
         bar.setSpacing(GAP // 2)
-        bar.addWidget(self.title)
+        bar.addWidget(self.done)
         bar.addStretch()
-        bar.addWidget(caption("Edit strength", self.strength))
+        bar.addWidget(caption("Strength", self.strength))
         bar.addWidget(self.strength)
         bar.addWidget(self.percent)
         bar.addSpacing(GAP)
@@ -114,7 +114,7 @@ class EditsPanel(QWidget):
 
     def _slider(self) -> GestureSlider:
         slider = GestureSlider(0, STRONGEST, 130)
-        slider.setToolTip("Edit strength: how much of the edit is applied.\n100 %: as you made it.")
+        slider.setToolTip("Strength: how much of the edit is applied.\n100 %: as you made it.")
         slider.dragged.connect(self._drag_strength)
         slider.sliderReleased.connect(self._released)
         slider.stepped.connect(self._step_strength)
@@ -144,14 +144,17 @@ class EditsPanel(QWidget):
             self.list.setCurrentIndex(self.model.index(row))
 
     def select_new(self, count: int = 1) -> None:
-        """Select the newest edits; the range on the curves stays the user's."""
+        """Select the newest edits, so that their range and strength can be changed at once."""
         self._select_quietly(range(max(len(self.model.edits) - count, 0), len(self.model.edits)))
+        self._is_new = True
+        if self.bound == self.rows:  # edits in several places have no handles in common
+            self._show_handles()
 
     def _select_quietly(self, rows: Sequence[int]) -> None:
         """Select edits without changing range or view."""
         with QSignalBlocker(self.list.selectionModel()):
             self._select_rows(list(rows))
-        self._untie()
+        self._leave()
         if rows:  # without its signals the view does not scroll
             self.list.scrollTo(self.model.index(rows[-1]))
             self.list.scrollTo(self.model.index(rows[0]))
@@ -187,68 +190,89 @@ class EditsPanel(QWidget):
         if typed:  # the text field is gone, and Qt would focus the next widget
             self.list.setFocus()
         if self.current is None:
-            self._untie()
-        count = len(self.model.edits)
-        self.title.setText(f"Edits  {count}" if count else "Edits")
-        self._pages.setCurrentIndex(1 if count else 0)
+            self._leave()
+        self._pages.setCurrentIndex(1 if self.model.edits else 0)
         self._sync()
-        if self.current is not None and self.is_tied:  # undo may have changed its range
-            self.show_range(self.model.edits[self.current])
+        if self.is_tied:  # undo may have changed its range
+            self._show_handles()
 
     def _chosen(self) -> None:
         self.settle()
+        self._is_new = False
         self._sync()
         if self.current is not None:
-            self.show_range(self.model.edits[self.current])
+            self._show_handles()
+            self._bring_into_view(self.model.edits[self.current])
         else:
-            self._untie()
+            self._leave()
 
-    def show_range(self, edit: Edit) -> None:
-        """Show on the curves where an edit acts; its falloffs do not apply to the next drag."""
-        line = self._timeline
+    @property
+    def is_tied(self) -> bool:
+        """Whether the range on the curves is that of the selected edit."""
+        return self._timeline.shows_edit and self.current is not None
+
+    @property
+    def bound(self) -> list[int]:
+        """The selected rows that Range and Falloff act on: those with the current one's range."""
+        row, edits = self.current, self.model.edits
+        if row is None:
+            return []
+        return [other for other in self.rows if _range(edits[other]) == _range(edits[row])]
+
+    @property
+    def chosen_edit(self) -> tuple[int, Edit] | None:
+        """Row of the only selected edit, and the edit, while the curves show its range."""
+        row = self.current
+        if row is None or not self.is_tied or self.rows != [row]:
+            return None
+        return row, self.model.edits[row]
+
+    def leave(self) -> None:
+        """Choose no edit; a selection that the user made stays."""
+        self._leave()
+        self.select(None)
+
+    def _show_handles(self) -> None:
+        """Show on the curves where the current edit acts."""
+        if self.current is None:
+            return
+        edit, line = self.model.edits[self.current], self._timeline
         start = min(max(edit.start, 0.0), line.duration)
         end = min(max(edit.end, start), line.duration)
         self._showing = True
-        if start <= 0 and end >= line.duration - 0.05:
-            # A selection over the whole take would only hide the curves: select nothing.
-            self._untie()
-            line.select(None)
-        else:
-            if not self.is_tied:
-                self._own_falloffs = line.falloff, line.falloff_out
-            self.is_tied = True
-            line.set_falloffs(edit.falloff, edit.fade_out)
-            line.select((start, end))
-        first, last = line.view
-        if end < first or start > last:
-            width = last - first
-            middle = 0.5 * (start + end)
-            line.show_range(middle - width / 2, middle + width / 2)
+        line.show_edit((start, end), edit.falloff, edit.fade_out)
         self._showing = False
+
+    def _bring_into_view(self, edit: Edit) -> None:
+        line = self._timeline
+        first, last = line.view
+        if edit.end < first or edit.start > last:
+            width, middle = last - first, 0.5 * (edit.start + edit.end)
+            line.show_range(middle - width / 2, middle + width / 2)
 
     def _other_range(self) -> None:
         """A new selection by the user no longer belongs to the edit."""
-        if not (self._showing or self.reshaping()):
-            self._untie()
-            if self.current is not None:
-                self.select(None)
+        if not (self._showing or self.reshaping()) and self.is_tied:
+            self._timeline.shows_edit = False
+            self._leave()
+            self.select(None)
 
     def _other_falloff(self) -> None:
         """A turn of the wheel in a drag sets the falloff of later drags."""
         if not (self._showing or self.reshaping()):
-            self._own_falloffs = None
+            self._timeline.keep_falloffs()
 
-    def _untie(self) -> None:
+    def _leave(self) -> None:
         """Give range and falloffs back to the user."""
-        own, self._own_falloffs = self._own_falloffs, None
-        self.is_tied = False
-        if own is not None:
-            self._timeline.set_falloffs(*own)
+        self._showing = True
+        self._timeline.leave_edit()
+        self._showing = False
 
     def _sync(self) -> None:
         row = self.current
         self.selected.emit()
         self.strength.setEnabled(row is not None)
+        self.done.setVisible(row is not None)
         if self.strength.isSliderDown():
             return
         percent = 100 if row is None else round(100 * self.model.edits[row].strength)
@@ -297,26 +321,30 @@ class EditsPanel(QWidget):
 
     def reshape(self, start: float, end: float, fade_in: float, fade_out: float) -> None:
         """Preview the selected edit with dragged edges."""
-        row = self.current
-        if row is None or not self.is_tied:
+        if not self.is_tied:
             return
-        edit = self.model.edits[row].stretched(start, end)
-        shaped = replace(edit, falloff=fade_in, falloff_out=fade_out)
+        edits, rows = list(self.model.edits), self.bound
+        for row in rows:
+            shaped = edits[row].stretched(start, end)
+            edits[row] = replace(shaped, falloff=fade_in, falloff_out=fade_out)
+        if self._is_new:
+            self._timeline.keep_falloffs()
         self._is_reshaped = True
-        self._document.act(lambda session: session.preview_replace(row, shaped))
+        self._document.act(lambda session: session.preview_list(edits))
 
     def end_reshape(self) -> None:
         """Commit the edges: they were released, dragged back, or set by a number."""
         if self._is_reshaped:
             self._is_reshaped = False
             by_number = self.reshaping()
-            self._document.commit("Range", ("range", self.current) if by_number else None)
+            merge = ("range", tuple(self.bound)) if by_number else None
+            self._document.commit("Range", merge)
 
     def delete(self) -> None:
         """Delete the selected edits."""
         rows = self.rows
         if rows:
-            self._untie()
+            self._leave()
             self._document.act(lambda session: session.remove(*rows))
             left = len(self.model.edits)
             if left:  # select the next one, wherever in the take it is
@@ -338,6 +366,7 @@ class EditsPanel(QWidget):
         """Let the user type another name."""
         if self.current is not None:
             self.list.setFocus()
+            self._delegate.edits = Part.NAME
             self.list.edit(self.list.currentIndex())
 
     def move_edit(self, by: int) -> None:
@@ -354,3 +383,7 @@ class EditsPanel(QWidget):
         if self.current is not None:
             menu = context_menu(self, [self._actions[name] for name in MENU])
             menu.popup(event.globalPos())
+
+
+def _range(edit: Edit) -> tuple[float, float, float, float]:
+    return edit.start, edit.end, edit.falloff, edit.fade_out

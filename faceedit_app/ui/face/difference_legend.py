@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import FULL, ramp
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL, TEXT
 
 _STOPS = 9  # colours of the bar; Qt blends between them
@@ -41,6 +42,7 @@ class DifferenceLegend(QWidget):
         """Size of the bar and its numbers."""
         return QSize(_LENGTH + 2 * _PAD, _PAD + _BAR + self.fontMetrics().height() + _PAD // 2)
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint the bar with its millimetres."""
         painter = QPainter(self)

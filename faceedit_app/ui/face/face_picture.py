@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Sequence
 
 import numpy as np
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QImage, QPainter
 
 from faceedit_app import render
-from faceedit_app.core.arrays import Floats, Pixels
+from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import tint_of
 from faceedit_app.ui.look.palette import BORDER, TEXT
@@ -28,7 +29,7 @@ class FacePicture:
     def __init__(self) -> None:
         self.camera = render.Camera()
         self.image: QImage | None = None
-        self._pixels: Pixels | None = None  # the image is a view of it
+        self._pixels: Pixels | None = None  # memory that the image shares
         self._rig: Rig | None = None
         self._renderer: render.FaceRenderer | None = None
         self._weights: Floats | None = None
@@ -79,9 +80,21 @@ class FacePicture:
 
     def aim(self, aim: render.Aim, aspect: float) -> None:
         """Point the camera, for a picture of width / height `aspect`."""
-        if self._rig is not None:
-            faces = 2 if self.is_pair else 1
-            self.camera = render.aimed_camera(self._rig, aim, aspect / faces)
+        self.camera = self.aimed(aim, aspect / (2 if self.is_pair else 1))
+
+    def aimed(self, aim: render.Aim, aspect: float) -> render.Camera:
+        """The camera pointed at one face, for a picture of width / height `aspect`."""
+        return self.camera if self._rig is None else render.aimed_camera(self._rig, aim, aspect)
+
+    def project(
+        self, vertices: Sequence[int] | None, width: float, height: float
+    ) -> Doubles | None:
+        """Where vertices are in a picture of this size; see `Viewport.project`."""
+        if self._rig is None or self.is_pair:
+            return None
+        places, _ = self._first(self._rig)
+        chosen = places if vertices is None else places[list(vertices)]
+        return self.camera.project(chosen, width, height)
 
     def begin(self, size: Size) -> None:
         """Start drawing a rough picture of one face while other work goes on.
@@ -127,7 +140,7 @@ class FacePicture:
         return vertices, tint_of(vertices, rig.vertices(self._against))
 
     def _faces(self, renderer: render.FaceRenderer, rig: Rig, size: Size, smooth: bool) -> Pixels:
-        """(H, W, 4) the picture: one face, or two beside each other."""
+        """(H, W, 4) the picture: one face, or two side by side."""
         if self._begun and not smooth:
             self._begun = False
             return renderer.finish()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import cast
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
@@ -24,18 +24,20 @@ from PySide6.QtGui import (
     QResizeEvent,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QApplication, QLabel, QSizePolicy, QWidget
+from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.rig import Rig
 from faceedit_app.render import Aim, Camera
 from faceedit_app.ui.face.camera_keys import moved_by_key
 from faceedit_app.ui.face.difference_legend import DifferenceLegend
 from faceedit_app.ui.face.face_picture import FacePicture, Size, paint_names
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import ACCENT, PANEL
+from faceedit_app.ui.look.texts import plain_label
 
-IDLE_MS = 150  # after so long without a change the picture is drawn with smooth edges
+IDLE_MS = 150  # without a change, before the picture is drawn with smooth edges
 ORBIT = 0.008  # radians per pixel
 ZOOM_STEP = 0.88  # per notch of the wheel
 # Seconds that a rough picture may take before its resolution is lowered.
@@ -51,20 +53,22 @@ class Viewport(QWidget):
 
     Signals:
         opened(): whether a face can be drawn has changed.
+        drawn(): a picture was drawn.
         menu_asked(QPoint): the context menu was asked for, at a place on the screen.
     """
 
     opened = Signal()
+    drawn = Signal()
     menu_asked = Signal(QPoint)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.draws = 0
         self.covered_by: tuple[QWidget, ...] = ()  # widgets on top of the picture
-        self._note = QLabel("Preparing the face…", self)
+        self._note = plain_label("Preparing the face…")
+        self._note.setParent(self)
         self._note.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._note.setWordWrap(True)
-        self._note.setTextFormat(Qt.TextFormat.PlainText)
         self._note.setObjectName("caption")
         # So that the command in the message can be copied.
         self._note.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -189,6 +193,7 @@ class Viewport(QWidget):
 
     # --- drawing -----------------------------------------------------------------------------
 
+    @guarded
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the face if it is out of date, then paint the picture."""
         if self._stale:
@@ -231,6 +236,7 @@ class Viewport(QWidget):
             return
         self._stale = False
         self.draws += 1
+        self.drawn.emit()
         if not self._smooth:
             self._adapt(time.perf_counter() - began)
         self._spare.start()
@@ -274,6 +280,21 @@ class Viewport(QWidget):
     def camera(self) -> Camera:
         """Where the face is seen from."""
         return self._picture.camera
+
+    def project(self, vertices: Sequence[int] | None) -> Doubles | None:
+        """Where vertices of the face are in the picture; None if it shows two faces, or none.
+
+        Args:
+            vertices: their numbers; None = all.
+
+        Returns:
+            (N, 3): pixels from the left and from the top, and metres in front of the camera.
+        """
+        return self._picture.project(vertices, self.width(), self.height())
+
+    def camera_for(self, aspect: float) -> Camera:
+        """The camera for a picture of width / height `aspect`, framed as this one is."""
+        return self.camera if self._aim is None else self._picture.aimed(self._aim, aspect)
 
     def reset_camera(self) -> None:
         """Look from the front again."""

@@ -8,8 +8,10 @@ from PySide6.QtWidgets import QApplication
 from faceedit_app.ui.look.palette import (
     ACCENT,
     ACCENT_DEEP,
+    ACCENT_HOVER,
     BACKGROUND,
     BORDER,
+    DISABLED,
     FAINT,
     HOVER,
     MUTED,
@@ -32,7 +34,7 @@ QMenuBar::item:selected {{ background: {RAISED}; }}
 QMenu {{ background: {PANEL}; border: 1px solid {BORDER}; padding: 4px; }}
 QMenu::item {{ padding: 5px 26px 5px 26px; border-radius: 3px; }}
 QMenu::item:selected {{ background: {ACCENT_DEEP}; }}
-QMenu::item:disabled {{ color: {FAINT}; }}
+QMenu::item:disabled {{ color: {DISABLED}; }}
 QMenu::separator {{ height: 1px; background: {BORDER}; margin: 4px 6px; }}
 QMenu::icon {{ padding-left: 6px; }}
 QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {BORDER}; padding: 4px 6px; }}
@@ -54,7 +56,7 @@ QToolButton, QPushButton {{
 QToolButton:hover, QPushButton:hover {{ background: {HOVER}; }}
 QToolButton:pressed, QPushButton:pressed {{ background: {BORDER}; }}
 QToolButton:checked {{ background: {ACCENT_DEEP}; }}
-QToolButton:disabled, QPushButton:disabled {{ color: {FAINT}; background: {PANEL}; }}
+QToolButton:disabled, QPushButton:disabled {{ color: {DISABLED}; background: {PANEL}; }}
 QToolButton:focus, QPushButton:focus {{ border-color: {ACCENT}; }}
 QToolButton#icon {{ background: transparent; padding: 5px; }}
 QToolButton#icon:hover {{ background: {HOVER}; }}
@@ -66,11 +68,14 @@ QToolButton#tool:disabled, QToolButton#small:disabled {{ background: transparent
 QToolButton#tool::menu-indicator {{ image: none; width: 0; }}
 QToolButton#small {{ background: transparent; padding: 2px; }}
 QToolButton#small:hover {{ background: {HOVER}; }}
-QToolButton#accept {{ background: {ACCENT_DEEP}; padding: 4px 10px; }}
-QToolButton#accept:hover {{ background: #2d6d94; }}
+QToolButton#accept {{ background: {ACCENT_DEEP}; padding: 2px 10px; }}
+QToolButton#small_button {{ padding: 2px 10px; }}
+QToolButton#proposal_button {{ background: transparent; padding: 2px 7px; }}
+QToolButton#proposal_button:hover {{ background: {HOVER}; }}
+QToolButton#accept:hover {{ background: {ACCENT_HOVER}; }}
 QToolButton#play {{ padding: 5px 12px; }}
 QPushButton#primary {{ background: {ACCENT_DEEP}; padding: 8px 18px; }}
-QPushButton#primary:hover {{ background: #2d6d94; }}
+QPushButton#primary:hover {{ background: {ACCENT_HOVER}; }}
 QPushButton#secondary {{ padding: 8px 18px; }}
 QPushButton#link {{
     background: transparent; color: {ACCENT}; padding: 3px 0; text-align: left;
@@ -98,6 +103,13 @@ QComboBox QAbstractItemView {{
     background: {PANEL}; border: 1px solid {BORDER}; selection-background-color: {ACCENT_DEEP};
 }}
 
+QCheckBox::indicator {{
+    width: 14px; height: 14px; border: 1px solid {FAINT}; border-radius: 3px;
+}}
+QCheckBox::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
+QCheckBox::indicator:disabled {{ border-color: {BORDER}; background: transparent; }}
+QCheckBox:disabled {{ color: {FAINT}; }}
+
 QSlider {{ border: 1px solid transparent; border-radius: 4px; }}
 QSlider:focus {{ border-color: {ACCENT}; }}
 QSlider::groove:horizontal {{ height: 4px; background: {BORDER}; border-radius: 2px; }}
@@ -117,6 +129,21 @@ QLineEdit {{
     selection-background-color: {ACCENT_DEEP};
 }}
 QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
+
+QTabWidget::pane {{ border: none; }}
+QTabBar {{ background: {BACKGROUND}; }}
+QTabBar::tab {{
+    background: {BACKGROUND}; color: {MUTED}; padding: 4px 12px; border: 1px solid transparent;
+}}
+QTabBar::tab:selected {{ background: {PANEL}; color: {TEXT}; border-top: 2px solid {ACCENT}; }}
+QTabBar::tab:hover {{ color: {TEXT}; }}
+QTreeView {{ background: {BACKGROUND}; border: 1px solid transparent; outline: none; }}
+QTreeView:focus {{ border-color: {ACCENT}; }}
+QTreeView::item {{ padding: 3px 0; }}
+QTreeView::item:selected {{ background: {ACCENT_DEEP}; color: {TEXT}; }}
+QHeaderView::section {{
+    background: {PANEL}; color: {MUTED}; border: none; padding: 3px 8px;
+}}
 
 QSplitter::handle {{ background: {BACKGROUND}; }}
 QSplitter::handle:hover {{ background: {ACCENT_DEEP}; }}
@@ -139,14 +166,15 @@ QLabel#lead {{ color: {MUTED}; font-size: 11pt; }}
 def apply_theme(app: QApplication) -> None:
     """Apply style, palette and style sheet to the application."""
     app.setStyle("fusion")
-    app.setPalette(_palette())
+    app.setPalette(window_palette())
     font = QFont(app.font())
     font.setPointSizeF(max(font.pointSizeF(), 9.5) if font.pointSizeF() < 12 else 10.0)
     app.setFont(font)
     app.setStyleSheet(_STYLE)
 
 
-def _palette() -> QPalette:
+def window_palette() -> QPalette:
+    """The colours of widgets that the style sheet does not name."""
     role = QPalette.ColorRole
     colors = {
         role.Window: BACKGROUND,
@@ -173,5 +201,5 @@ def _palette() -> QPalette:
     for key, value in colors.items():
         palette.setColor(key, QColor(value))
     for key in (role.WindowText, role.Text, role.ButtonText):
-        palette.setColor(QPalette.ColorGroup.Disabled, key, QColor(FAINT))
+        palette.setColor(QPalette.ColorGroup.Disabled, key, QColor(DISABLED))
     return palette

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from PySide6.QtCore import QPointF, QSize, Qt
-from PySide6.QtGui import QAction, QColor, QKeyEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QAction, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import (
     QComboBox,
     QFrame,
@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.icons import SIZE
 from faceedit_app.ui.look.palette import FAINT, TEXT
 from faceedit_app.ui.look.theme import GAP, MARGIN
@@ -41,6 +42,14 @@ class Segment(QToolButton):
             super().keyPressEvent(event)
 
 
+class OneClick(QToolButton):
+    """A button for which a double click is one click."""
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Ignore the second press."""
+        event.accept()
+
+
 class Choice(QComboBox):
     """A drop-down list; draws its own arrow, since the style sheet removes Fusion's."""
 
@@ -49,6 +58,7 @@ class Choice(QComboBox):
         # A click does not take the focus, so that the arrows still move the playhead.
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
+    @guarded
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the list and its arrow."""
         super().paintEvent(event)
@@ -78,6 +88,7 @@ class Elided(QLabel):
         room = self.contentsRect().width()
         return self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room)
 
+    @guarded
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint the text in the style sheet's colour."""
         with QPainter(self) as painter:
@@ -99,9 +110,11 @@ def segments(*choices: tuple[QAction, str]) -> QWidget:
     return box
 
 
-def icon_button(action: QAction, name: str = "icon", text: str = "") -> QToolButton:
+def icon_button(
+    action: QAction, name: str = "icon", text: str = "", kind: type[QToolButton] = QToolButton
+) -> QToolButton:
     """An action as an icon. It has a shortcut, so it does not take the focus."""
-    button = QToolButton()
+    button = kind()
     if text:
         action.setIconText(text)
     button.setObjectName(name)

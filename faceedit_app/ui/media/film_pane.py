@@ -12,7 +12,9 @@ from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats.timing import format_time
 from faceedit_app.media.film import Film, Projector
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import MUTED, PANEL
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import MARGIN
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.media.take_media import TakeMedia
@@ -51,7 +53,7 @@ class Screen(QWidget):
         self.broken.connect(self._stop, Qt.ConnectionType.QueuedConnection)
 
     def _load(self) -> None:
-        """Another film, or none."""
+        """Show another film, or none."""
         self.close_film()
         if self._media.film is not None:
             self._film = self._media.film.item
@@ -109,6 +111,7 @@ class Screen(QWidget):
         if projector is not None:
             projector.close()
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint the picture as large as fits, or why there is none."""
         painter = QPainter(self)
@@ -183,5 +186,5 @@ class FilmPane(QWidget):
         self.setVisible(placed is not None)
         if placed is not None:
             self.name.show_name(placed.path.name, str(placed.path))
-            self.screen_.setToolTip(str(placed.path))
+            self.screen_.setToolTip(plain_tip(str(placed.path)))
             self.offset.show_offset(placed.offset)

@@ -8,8 +8,10 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QMenu, QSizePolicy, QToolButton
 
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.icons import SIZE, icon
 from faceedit_app.ui.look.palette import MUTED
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
@@ -63,9 +65,10 @@ class Name(QLabel):
     def show_name(self, name: str, path: str) -> None:
         """Show a name, and the whole path in its tooltip."""
         self._name = name
-        self.setToolTip(path)
+        self.setToolTip(plain_tip(path))
         self.setText(name)
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint as much of the name as fits."""
         if self.width() < _LEAST:

@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.formats.timecode import time_of_day
-from faceedit_app.media import beside
+from faceedit_app.media import beside, offset_by_clock
 from faceedit_app.ui.state.background import Background
 
 if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file
@@ -22,7 +22,6 @@ if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file
 Item = TypeVar("Item")
 Kind = Literal["sound", "film"]
 KINDS: tuple[Kind, ...] = ("film", "sound")
-_NEAR = 60.0  # seconds from the take's start within which a timecode may place a film
 _FAR = 24 * 3600.0  # seconds; the largest offset
 
 
@@ -231,11 +230,7 @@ class TakeMedia(QObject):
             code = item.timecode
             begins = None if code is None else time_of_day(code, round(item.rate))
             lasts = item.duration
-        if self._began is None or begins is None:
-            return 0.0
-        offset = round(begins - self._began, 4)
-        # If the clocks disagree, the offset would move it out of sight.
-        return offset if -lasts < offset < _NEAR else 0.0
+        return offset_by_clock(self._began, begins, lasts)
 
     def _announce(self) -> None:
         """Emit the message once the last file is read."""

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QHBoxLayout, QSlider, QWidget
 
 from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.look.palette import MUTED
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import icon_button
 from faceedit_app.ui.media.sound_player import SoundPlayer
@@ -45,7 +46,7 @@ class Volume(QWidget):
         self.setVisible(self._media.sound is not None)
         silent = sound_player.muted or sound_player.volume == 0 or bool(sound_player.problem)
         self._mute.setIcon(self._icons[silent])
-        self._mute.setToolTip(sound_player.problem or self._tip)
+        self._mute.setToolTip(plain_tip(sound_player.problem or self._tip))
         self.slider.setEnabled(not sound_player.problem)
         with QSignalBlocker(self.slider):
             self.slider.setValue(round(100 * sound_player.volume))

@@ -21,6 +21,7 @@ from faceedit_app.ui.curves import paint, style
 from faceedit_app.ui.curves.gestures import Pan, Span
 from faceedit_app.ui.curves.paint import turn_wheel
 from faceedit_app.ui.curves.scale import Scale
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
@@ -83,6 +84,7 @@ class Waveform(QWidget):
 
     # --- painting --------------------------------------------------------------------------
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Selection, waveform, playhead."""
         painter = QPainter(self)

@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolBut
 
 from faceedit_app.ui.look.icons import icon, picture
 from faceedit_app.ui.look.palette import ORANGE
+from faceedit_app.ui.look.texts import plain_label, plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
 
 
@@ -19,8 +20,7 @@ class Banner(QFrame):
         self.setObjectName("banner")
         sign = QLabel()
         sign.setPixmap(picture("warning", ORANGE, 16, self.devicePixelRatioF()))
-        self.text = QLabel()
-        self.text.setTextFormat(Qt.TextFormat.PlainText)
+        self.text = plain_label()
         # A long path must not widen the window.
         self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         close = QToolButton()
@@ -56,5 +56,5 @@ class Banner(QFrame):
 
     def _show(self) -> None:
         self.text.setText("\n".join(self._messages))
-        self.text.setToolTip("\n".join(filter(None, self._messages.values())))
+        self.text.setToolTip(plain_tip("\n".join(filter(None, self._messages.values()))))
         self.setVisible(bool(self._messages))

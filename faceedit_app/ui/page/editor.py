@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QAbstractSlider,
-    QGridLayout,
     QSplitter,
+    QTabWidget,
     QVBoxLayout,
     QWidget,
 )
@@ -19,9 +21,11 @@ from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
+from faceedit_app.ui.media.words_row import WordsRow
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
+from faceedit_app.ui.page.problems_list import ProblemsList
 from faceedit_app.ui.page.proposal_bar import ProposalBar
 from faceedit_app.ui.page.settings_bar import SettingsBar
 from faceedit_app.ui.page.toolbar import ToolBar
@@ -52,16 +56,22 @@ class Editor(QWidget):
     ) -> None:
         super().__init__()
         self._document, self._timeline, self._playback = document, timeline, playback
+        self._tools = tools
+        self._take: Path | None = None
         self.settings_bar = SettingsBar(actions, document)
         self.tool_bar = ToolBar(actions, tools)
         self.proposal = ProposalBar(actions, document)
         self.curves = CurvesPanel(timeline, tools)
         self.problems = ProblemsBar(document, timeline)
         self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
+        self.curves.cover_legend(self.proposal)
         self.sound = SoundRow(media, timeline)
+        self.words = WordsRow(actions, document, timeline)
         self.film = FilmPane(media, timeline)
         self.face = FacePane(actions, document, timeline)
         self.edits = EditsPanel(actions, document, timeline)
+        self.problem_list = ProblemsList(actions, self.problems, timeline)
+        self.lists = QTabWidget()
         self.transport = Transport(actions, timeline, playback)
         self.transport.extras.addWidget(Volume(actions["mute"], media, sound_player))
         self.solving = BackgroundSolving(document, timeline, self)
@@ -71,11 +81,16 @@ class Editor(QWidget):
 
     def _lay_out(self) -> None:
         self.stage = _splitter(Qt.Orientation.Horizontal, self.film, self.face)
-        self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.edits)
+        self.lists.setDocumentMode(True)
+        self.lists.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.lists.tabBar().setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.lists.addTab(self.edits, "Edits")
+        self.lists.addTab(self.problem_list, "Problems")
+        self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.lists)
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)
         self.panes = _splitter(
-            Qt.Orientation.Horizontal, _stacked(self.curves, self.sound), self.side
+            Qt.Orientation.Horizontal, _stacked(self.curves, self.sound, self.words), self.side
         )
         self.panes.setSizes(_SHARES)
         self.panes.setStretchFactor(0, 3)
@@ -84,11 +99,7 @@ class Editor(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
         column.addWidget(self.settings_bar)
-        # A proposal covers the tools: below them it would shift curves and face.
-        row = QGridLayout()
-        row.addWidget(self.tool_bar, 0, 0)
-        row.addWidget(self.proposal, 0, 0)
-        column.addLayout(row)
+        column.addWidget(self.tool_bar)
         column.addWidget(self.panes, 1)
         column.addWidget(self.transport)
 
@@ -99,14 +110,38 @@ class Editor(QWidget):
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
         self.curves.fields.left.connect(document.seal)
+        self.curves.edit_began.connect(self.edits.leave)
+        self.curves.edit_made.connect(self.edits.select_new)
+        self.curves.follow_chosen(lambda: self.edits.chosen_edit)
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)
         self.edits.selected.connect(actions.refresh)
         self.problems.found.connect(actions.refresh)
         self.proposal.toggled.connect(actions.refresh)
+        self.problem_list.ticked.connect(actions.refresh)
+        self.problem_list.ticked.connect(lambda: self._propose_ticked(actions))
+        for changed in (document.changed, document.opened, self.problems.found):
+            changed.connect(self._name_tabs)
         self.face.switched.connect(actions.refresh)
         connect_menus(self.curves, actions)
+
+    def _name_tabs(self) -> None:
+        """Show how many edits and problems there are."""
+        session = self._document.session
+        edits = len(session.edits) if session is not None else 0
+        counts = edits, len(self.problems.problems)
+        for tab, (name, count) in enumerate(zip(("Edits", "Problems"), counts, strict=True)):
+            self.lists.setTabText(tab, f"{name}  {count}" if count else name)
+
+    def _propose_ticked(self, actions: Actions) -> None:
+        """Another set of problems is ticked: propose those instead."""
+        if self.proposal.is_open and self.proposal.is_for_all:
+            actions["fix_all"].trigger()
+
+    def list_problems(self) -> None:
+        """Show the list of problems."""
+        self.lists.setCurrentWidget(self.problem_list)
 
     def _first_steps(self) -> tuple[Step, ...]:
         return (
@@ -129,7 +164,7 @@ class Editor(QWidget):
                 "Every edit is listed here. Select one to change its strength, switch it off or"
                 " delete it. Ctrl+S saves your work as a project; Ctrl+E exports the edited"
                 " take.",
-                (self.edits,),
+                (self.lists,),
             ),
         )
 
@@ -139,6 +174,9 @@ class Editor(QWidget):
         assert session is not None
         clip = session.take.clip
         self._timeline.open(clip)
+        if session.take.path != self._take:  # not the same one at another frame rate
+            self._restore_settings()
+        self._take = session.take.path
         self.curves.set_session(session)
         self.transport.set_clip(clip)
         self.problems.restart()
@@ -147,8 +185,18 @@ class Editor(QWidget):
         self.edits.refresh()
         self.face.refresh()
 
+    def _restore_settings(self) -> None:
+        """Undo what the last take left on, which nobody expects in the next."""
+        self._timeline.restore_falloffs()
+        self._tools.link(True)
+        self._playback.set_loop(False)
+        self.transport.restore_speed()
+
     def cancel_gesture(self) -> bool:
-        """Esc: close hints, cancel a slider's drag, discard a proposal; False if there is none."""
+        """Esc: close hints, cancel a drag, discard a proposal; False if there is none."""
+        if self.words.strip.is_held:
+            self.words.strip.cancel()
+            return True
         return (
             self.hints.finish()
             or self.settings_bar.cancel()
@@ -158,7 +206,7 @@ class Editor(QWidget):
 
     def mouse_lost(self) -> None:
         """The mouse is lost to another window: end drags and keep their result."""
-        for part in (self.curves, self.sound.waveform, self.face.viewport):
+        for part in (self.curves, self.sound.waveform, self.words.strip, self.face.viewport):
             part.mouse_lost()
         for slider in self.findChildren(QAbstractSlider):
             slider.setSliderDown(False)
@@ -190,14 +238,15 @@ class Editor(QWidget):
             self.edits.reshape(*line.selection, line.falloff, line.falloff_out)
 
 
-def _stacked(stretched: QWidget, fixed: QWidget) -> QWidget:
-    """Two widgets, one above the other."""
+def _stacked(stretched: QWidget, *fixed: QWidget) -> QWidget:
+    """Widgets, one above the other."""
     box = QWidget()
     column = QVBoxLayout(box)
     column.setContentsMargins(0, 0, 0, 0)
     column.setSpacing(0)
     column.addWidget(stretched, 1)
-    column.addWidget(fixed)
+    for widget in fixed:
+        column.addWidget(widget)
     return box
 
 

@@ -9,6 +9,7 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPainterPath, QPaintEvent, QPen
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import ACCENT
 from faceedit_app.ui.look.theme import GAP
 
@@ -158,6 +159,7 @@ class HintLayer(QWidget):
         if event.key() == Qt.Key.Key_Escape:
             self.finish()
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Darken all but the hole."""
         painter = QPainter(self)

@@ -6,12 +6,15 @@ import time
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolTip, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QToolTip, QWidget
 
 from faceedit_app.editing.help.problems import Problem, find_problems, problems_of
+from faceedit_app.editing.help.spoken import closures_of
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
+from faceedit_app.ui.look.guard import guarded
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.widgets import icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.background import Background
@@ -19,16 +22,33 @@ from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 24
+_COUNT_WIDTH = 74  # pixels for the number of problems
+_SIZES = 3.0, 6.5  # pixels of the mark of the slightest and of the worst problem
 _WAIT_MS = 250  # after the last change
 _LONG = 20_000  # frames: longer takes are searched in the background, not to block the window
 _NEAR = 7.0  # pixels
+_CLOSE = 2.0  # seconds in view, at least, to judge a problem by
+_AROUND = 4.0  # times its length
 # Okabe and Ito's colours, safe for colour-blind people; the shapes differ too.
-COLORS = {"lips": "#d55e00", "blink": "#e69f00", "jitter": "#cc79a7", "dropped": "#9aa0aa"}
+COLORS = {
+    "lips": "#d55e00",
+    "blink": "#e69f00",
+    "jitter": "#cc79a7",
+    "character": "#009e73",
+    "dropped": "#9aa0aa",
+}
 NAMES = {
     "lips": "lips that stay open",
     "blink": "half blinks",
     "jitter": "shaking",
+    "character": "open on your character",
     "dropped": "lost frames",
+}
+ONE = {
+    "lips": "Lips stay open",
+    "blink": "Half blink",
+    "jitter": "Shaking",
+    "dropped": "Lost frames",
 }
 
 
@@ -85,6 +105,7 @@ class ProblemsBar(QWidget):
         self._newest += 1
         number, clip = self._newest, session.take.clip
         weights, controls = session.weights.copy(), session.achieved.copy()
+        rigs, spoken = (session.rig, session.shown_rig), closures_of(session)
 
         def done(problems: list[Problem]) -> None:
             if number == self._newest and self._document.session is session:
@@ -95,7 +116,10 @@ class ProblemsBar(QWidget):
         def failed(_: Exception) -> None:
             """Show no marks."""
 
-        self._background.run(lambda: problems_of(clip, weights, controls), done, failed)
+        def work() -> list[Problem]:
+            return problems_of(clip, weights, controls, rigs, spoken)
+
+        self._background.run(work, done, failed)
 
     def search(self) -> None:
         """Search the take as edited."""
@@ -142,19 +166,26 @@ class ProblemsBar(QWidget):
         if self.current is not None:
             return (self.current + by) % len(self.problems)
         now = self._timeline.time
-        after = [i for i, problem in enumerate(self.problems) if _middle(problem) > now + 1e-6]
+        after = [i for i, problem in enumerate(self.problems) if problem.time > now + 1e-6]
         following = after[0] if after else 0
         return following if by > 0 else (following - 1) % len(self.problems)
 
+    def next_fixable(self, seconds: float) -> int | None:
+        """Index of the next problem after a time that has a fix, wrapping around at the end."""
+        fixable = [i for i, problem in enumerate(self.problems) if problem.fix]
+        after = [i for i in fixable if self.problems[i].time > seconds]
+        return next(iter([*after, *fixable]), None)
+
     def go_to(self, index: int) -> None:
-        """Put the playhead on a problem."""
-        problem = self.problems[index]
-        line, middle = self._timeline, _middle(self.problems[index])
+        """Put the playhead where a problem is worst, with enough time in view to judge it."""
+        problem, line = self.problems[index], self._timeline
+        wanted = max(_AROUND * (problem.end - problem.start), _CLOSE)
         first, last = line.view
-        if not first <= problem.start <= problem.end <= last:
-            width = last - first
-            line.show_range(middle - width / 2, middle + width / 2)
-        line.go_to_time(middle)
+        is_close = wanted / 2 <= last - first <= 2 * wanted
+        if not (is_close and first <= problem.start and problem.end <= last):
+            width = min(wanted, line.duration)
+            line.show_range(problem.time - width / 2, problem.time + width / 2)
+        line.go_to_time(problem.time)
         self.current = index
         self.update()
         self.found.emit()
@@ -167,7 +198,7 @@ class ProblemsBar(QWidget):
             self.update(round(scale.x_of(seconds)) - 2, 0, 5, self.height())
         slack = 0.02
         here = [
-            (abs(_middle(problem) - now), i)
+            (abs(problem.time - now), i)
             for i, problem in enumerate(self.problems)
             if problem.start - slack <= now <= problem.end + slack
         ]
@@ -185,7 +216,7 @@ class ProblemsBar(QWidget):
 
     def place_of(self, index: int) -> QPointF:
         """The position of a problem's mark, in pixels."""
-        return QPointF(self._scale.x_of(_middle(self.problems[index])), 0.5 * self.height())
+        return QPointF(self._scale.x_of(self.problems[index].time), 0.5 * self.height())
 
     def _at(self, x: float) -> int | None:
         near = [(abs(self.place_of(i).x() - x), i) for i in range(len(self.problems))]
@@ -203,10 +234,11 @@ class ProblemsBar(QWidget):
         if isinstance(event, QHelpEvent):
             index = self._at(event.pos().x())
             text = self.problems[index].message if index is not None else self.summary
-            QToolTip.showText(event.globalPos(), text or "No problems found", self)
+            QToolTip.showText(event.globalPos(), plain_tip(text or "No problems found"), self)
             return True
         return super().event(event)
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Spans and marks."""
         painter = QPainter(self)
@@ -214,7 +246,7 @@ class ProblemsBar(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if not self.problems:
             painter.setFont(style.scaled_font(self, 0.82))
-            painter.setPen(style.color(style.FAINT))
+            painter.setPen(style.color(style.MUTED))
             words = "No problems found" if self.is_searched else "Looking for problems…"
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, words)
             return
@@ -227,16 +259,20 @@ class ProblemsBar(QWidget):
             painter.setBrush(style.color(COLORS[problem.kind], 70))
             painter.drawRoundedRect(QRectF(left, 4, max(right - left, 2), HEIGHT - 8), 2, 2)
         for i, problem in enumerate(self.problems):
-            self._paint_mark(painter, self.place_of(i), problem.kind, i == self.current)
+            lit = i == self.current
+            self._paint_mark(painter, self.place_of(i), problem.kind, problem.severity, lit)
         x = round(scale.x_of(self._timeline.time))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         painter.setPen(QPen(style.color(style.PLAYHEAD, 150), 0))
         painter.drawLine(QPointF(x, 0), QPointF(x, self.height()))
 
     @staticmethod
-    def _paint_mark(painter: QPainter, at: QPointF, kind: str, lit: bool) -> None:
-        """A circle for lips, a diamond for blinks, a triangle for shaking, a square for gaps."""
-        size = 5.5 if lit else 4.2
+    def _paint_mark(painter: QPainter, at: QPointF, kind: str, severity: float, lit: bool) -> None:
+        """A circle for lips, a diamond for blinks, triangles for shaking and the user's character.
+
+        A square is for gaps. The worse the problem, the larger.
+        """
+        size = _SIZES[0] + severity * (_SIZES[1] - _SIZES[0]) + (1.0 if lit else 0.0)
         painter.setPen(QPen(style.color(style.TEXT if lit else style.BACKGROUND), 1.4))
         painter.setBrush(style.color(COLORS[kind]))
         if kind == "lips":
@@ -245,6 +281,7 @@ class ProblemsBar(QWidget):
         shapes = {
             "blink": [(-1.2, 0), (0, -1.2), (1.2, 0), (0, 1.2)],
             "jitter": [(-1.1, 0.9), (0, -1.1), (1.1, 0.9)],
+            "character": [(-1.1, -0.9), (0, 1.1), (1.1, -0.9)],
             "dropped": [(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
         }
         corners = [QPointF(at.x() + size * x, at.y() + size * y) for x, y in shapes[kind]]
@@ -256,13 +293,16 @@ class ProblemsHead(QWidget):
 
     def __init__(self, actions: Actions, bar: ProblemsBar) -> None:
         super().__init__()
-        self._bar = bar
-        self.count = QLabel()
-        self.count.setObjectName("caption")
+        self._bar, self._tip = bar, actions["list_problems"].toolTip()
+        self.count = QToolButton()
+        self.count.setObjectName("small")
         self.count.setFont(style.scaled_font(self, 0.88))
+        self.count.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.count.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self.count.clicked.connect(actions["list_problems"].trigger)
         self.setFixedWidth(style.HEADER_WIDTH)
         row = QHBoxLayout(self)
-        row.setContentsMargins(9, 0, 2, 0)
+        row.setContentsMargins(4, 0, 2, 0)
         row.setSpacing(0)
         row.addWidget(self.count, 1)
         for name in ("previous_problem", "next_problem"):
@@ -276,9 +316,9 @@ class ProblemsHead(QWidget):
         count = len(self._bar.problems)
         words = "problem" if count == 1 else "problems"
         none = "No problems" if self._bar.is_searched else "Looking…"
-        self.count.setText(f"{count} {words}" if count else none)
-        self.count.setToolTip(self._bar.summary)
-
-
-def _middle(problem: Problem) -> float:
-    return 0.5 * (problem.start + problem.end)
+        text = f"{count} {words}" if count else none
+        if self.count.fontMetrics().horizontalAdvance(text) > _COUNT_WIDTH:
+            text = str(count)
+        self.count.setText(text)
+        self.count.setAccessibleName(f"{count} {words}")
+        self.count.setToolTip(f"{self._bar.summary}\n{self._tip}".strip())

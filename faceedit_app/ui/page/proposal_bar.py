@@ -8,14 +8,20 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout
 
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.help.problems import Problem
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
-from faceedit_app.ui.look.widgets import Elided, icon_button
+from faceedit_app.ui.look.widgets import Elided, OneClick, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 
 
 class ProposalBar(QFrame):
     """Curves and face preview the proposal; any other gesture discards it.
+
+    Attributes:
+        problem: the one that it fixes, if it is for a single one.
+        is_for_all: whether it fixes the problems that are ticked in the list.
 
     Signals:
         toggled(): a proposal was shown or closed.
@@ -28,14 +34,17 @@ class ProposalBar(QFrame):
         self._document = document
         self._showing = False  # the current preview is the proposal
         self._name = ""
+        self.problem: Problem | None = None
+        self.is_for_all = False
         self.setObjectName("proposal")
         self.text = Elided()
         row = QHBoxLayout(self)
-        row.setContentsMargins(MARGIN, 4, MARGIN, 4)
+        row.setContentsMargins(MARGIN, 1, GAP // 2, 1)
         row.setSpacing(GAP // 2)
         row.addWidget(self.text, 1)
-        row.addWidget(icon_button(actions["accept_fix"], "accept", "Accept"))
-        row.addWidget(icon_button(actions["discard_fix"], "tool", "Discard"))
+        accept = icon_button(actions["accept_fix"], "accept", "Accept", kind=OneClick)
+        row.addWidget(accept)
+        row.addWidget(icon_button(actions["discard_fix"], "proposal_button", "Discard"))
         document.previewed.connect(self._other)
         document.changed.connect(self._changed)
         document.opened.connect(self._close)
@@ -46,12 +55,21 @@ class ProposalBar(QFrame):
         """Whether there is a proposal."""
         return not self.isHidden()
 
-    def offer(self, text: str, edits: Sequence[Edit], name: str) -> None:
-        """Preview edits; `name` is that of the step if they are accepted."""
+    def offer(
+        self, text: str, edits: Sequence[Edit], name: str, problem: Problem | None = None
+    ) -> None:
+        """Preview edits.
+
+        Args:
+            text: says what is proposed.
+            edits: the proposal.
+            name: of the step if they are accepted.
+            problem: the one that they fix; None = all that are ticked.
+        """
         self.discard()
-        self._name = name
+        self._name, self.problem, self.is_for_all = name, problem, problem is None
         self.text.setText(text)
-        self.text.setToolTip(text)
+        self.text.setToolTip(plain_tip(text))
         self._show(True)
         self._showing = True
         self._document.preview(*edits)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QButtonGroup,
     QDialog,
@@ -16,6 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.formats.timing import COMMON_RATES, counted, exact_rate, format_rate, format_time
+from faceedit_app.ui.look.texts import plain_label
 
 _LOWEST, _HIGHEST = 1.0, 1000.0
 _DECIMALS = 3
@@ -37,8 +37,7 @@ class RateDialog(QDialog):
         self._frames = frames
         column = QVBoxLayout(self)
         column.setSpacing(12)
-        text = QLabel(question)
-        text.setTextFormat(Qt.TextFormat.PlainText)  # a file's name may look like a tag
+        text = plain_label(question)
         text.setWordWrap(True)
         text.setMinimumWidth(380)
         column.addWidget(text)

@@ -13,8 +13,8 @@ from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.state.document import Document
 
-_LIVE_MS = 40  # a drag is previewed at most this often
-_LIVE_COST = 0.1  # seconds; when an answer takes longer, it waits for the release
+_LIVE_MS = 40  # least time between two previews of a drag
+_LIVE_COST = 0.1  # seconds; slower answers wait for the release
 
 
 class SettingSlider(QObject):

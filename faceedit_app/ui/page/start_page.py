@@ -9,6 +9,7 @@ from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
+    QProgressBar,
     QPushButton,
     QStackedLayout,
     QVBoxLayout,
@@ -17,6 +18,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.ui.look.icons import picture
 from faceedit_app.ui.look.palette import ACCENT
+from faceedit_app.ui.look.texts import plain_entry, plain_label, plain_tip
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.state.actions import Actions, shown_keys
 
@@ -34,7 +36,7 @@ class StartPage(QWidget):
 
     def __init__(self, actions: Actions) -> None:
         super().__init__()
-        self.loading = QLabel()
+        self.loading = plain_label()
         self.loading.setObjectName("lead")
         self.loading.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._drop = QFrame()
@@ -44,7 +46,21 @@ class StartPage(QWidget):
         self._fill(actions)
         self._pages = QStackedLayout(self)
         self._pages.addWidget(self._centered(self._drop))
-        self._pages.addWidget(self.loading)
+        self._pages.addWidget(self._loading_page())
+
+    def _loading_page(self) -> QWidget:
+        page, bar = QWidget(), QProgressBar()
+        bar.setRange(0, 0)  # how long it takes is not known
+        bar.setTextVisible(False)
+        bar.setFixedSize(220, 6)
+        bar.setAccessibleName("Opening")
+        column = QVBoxLayout(page)
+        column.addStretch()
+        column.addWidget(self.loading)
+        column.addSpacing(GAP)
+        column.addWidget(bar, 0, Qt.AlignmentFlag.AlignCenter)
+        column.addStretch()
+        return page
 
     def _fill(self, actions: Actions) -> None:
         sign = QLabel()
@@ -100,9 +116,9 @@ class StartPage(QWidget):
             self._recent.addSpacing(GAP)
             self._recent.addWidget(heading)
         for path in takes[:_RECENT_SHOWN]:
-            button = QPushButton(path.name)
+            button = QPushButton(plain_entry(path.name))
             button.setObjectName("link")
-            button.setToolTip(str(path))
+            button.setToolTip(plain_tip(str(path)))
             button.setAutoDefault(True)
             button.clicked.connect(lambda _checked=False, p=path: self.chosen.emit(p))
             self._recent.addWidget(button, 0, Qt.AlignmentFlag.AlignLeft)

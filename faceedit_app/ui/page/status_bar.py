@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QS
 
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import counted, format_rate, format_time, gap_notes
+from faceedit_app.ui.look.texts import plain_label, plain_tip
 
 _DOT = "   ·   "
 
@@ -25,7 +26,7 @@ class StatusBar(QStatusBar):
     def __init__(self) -> None:
         super().__init__()
         self.setSizeGripEnabled(False)
-        self.facts, self.gaps, self.remarks, self.networks = (QLabel() for _ in range(4))
+        self.facts, self.gaps, self.remarks, self.networks = (plain_label() for _ in range(4))
         for label in (self.facts, self.gaps, self.remarks):
             self.addWidget(label)
         self.work = self._work_display()
@@ -43,7 +44,7 @@ class StatusBar(QStatusBar):
             format_time(clip.duration),
         ]
         self.facts.setText(_DOT.join(parts))
-        self.facts.setToolTip(str(take.path))
+        self.facts.setToolTip(plain_tip(str(take.path)))
         gaps = gap_notes(clip.gaps)
         others = [note for note in take.notes if note not in gaps]
         self._add(self.gaps, gaps[0] if gaps else "", take.notes)
@@ -53,7 +54,7 @@ class StatusBar(QStatusBar):
     @staticmethod
     def _add(label: QLabel, text: str, details: Sequence[str]) -> None:
         label.setText(f" ·   {text}" if text else "")
-        label.setToolTip("\n".join(details))
+        label.setToolTip(plain_tip("\n".join(details)))
 
     def _work_display(self) -> QWidget:
         display = QWidget()
@@ -82,11 +83,11 @@ class StatusBar(QStatusBar):
         """Show the state of the model, `loading`, `ready` or `missing`, and why."""
         texts = {
             "loading": "Loading the face model…",
-            "ready": "Ready",
+            "ready": "",
             "missing": "No face model: edits look less natural",
         }
         self.networks.setText(texts[state])
-        self.networks.setToolTip(reason)
+        self.networks.setToolTip(plain_tip(reason))
         _mark(self.networks, state == "missing")
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSignalBlocker, QSize, Qt
-from PySide6.QtGui import QAction, QResizeEvent
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer
+from PySide6.QtGui import QAction, QCursor, QResizeEvent
 from PySide6.QtWidgets import QLayout, QMenu, QSlider, QToolButton, QWidget
 
 from faceedit_app.editing.help.presets import shipped_presets
@@ -23,9 +23,7 @@ class ToolBar(QWidget):
         self.tool_buttons = [_spelled(actions[f"tool_{tool}"]) for tool in Tool]
         for button in self.tool_buttons:
             row.addWidget(button)
-        self._strength = caption("Brush strength", self.smooth)
-        row.addWidget(self._strength)
-        row.addWidget(self.smooth)
+        self._strength = caption("Smoothing", self.smooth)
         row.addWidget(divider())
         row.addWidget(_spelled(actions["link"]))
         row.addWidget(divider())
@@ -38,6 +36,9 @@ class ToolBar(QWidget):
             row.addWidget(button)
         row.addWidget(self._more(actions))
         row.addStretch()
+        # At the end, where it pushes no other button about when it appears.
+        row.addWidget(self._strength)
+        row.addWidget(self.smooth)
         # In a narrow window, labels give way to icons.
         row.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
         tools.changed.connect(self.sync)
@@ -49,7 +50,7 @@ class ToolBar(QWidget):
         slider.setPageStep(50)
         slider.setFixedWidth(80)
         slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        slider.setToolTip("Brush strength: how strongly the Smooth tool smooths")
+        slider.setToolTip("Smoothing: over how many milliseconds the Smooth tool smooths")
         slider.valueChanged.connect(lambda value: self._tools.set_smooth(value / 1000))
         return slider
 
@@ -70,6 +71,15 @@ class ToolBar(QWidget):
         button.setToolTip("More fixes, and your own presets")
         button.setMenu(menu)
         menu.setParent(button, menu.windowFlags())
+
+        def unlight() -> None:
+            """Qt gives the button no leave event while a menu is open."""
+            under = button.rect().contains(button.mapFromGlobal(QCursor.pos()))
+            button.setAttribute(Qt.WidgetAttribute.WA_UnderMouse, under)
+            button.setDown(False)
+            button.update()
+
+        menu.aboutToHide.connect(lambda: QTimer.singleShot(0, button, unlight))
         button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         return button
@@ -102,7 +112,7 @@ class ToolBar(QWidget):
         self._fit()
         with QSignalBlocker(self.smooth):
             self.smooth.setValue(round(1000 * self._tools.smooth))
-        self.smooth.setToolTip(f"Brush strength: smooths over {1000 * self._tools.smooth:.0f} ms")
+        self.smooth.setToolTip(f"Smoothing: over {1000 * self._tools.smooth:.0f} ms")
 
 
 def _spelled(action: QAction) -> QToolButton:

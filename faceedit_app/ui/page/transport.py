@@ -65,12 +65,16 @@ class Transport(QWidget):
 
     def _speed_box(self) -> Choice:
         box = Choice()
-        box.setToolTip("Playback speed. Slower sound is lower in pitch.")
+        box.setToolTip("Playback speed. Slower sound is lower in pitch; above 1× it is silent.")
         for speed in SPEEDS:
             box.addItem(f"{speed:g}×", speed)
-        box.setCurrentIndex(len(SPEEDS) - 1)
+        box.setCurrentIndex(SPEEDS.index(1.0))
         box.currentIndexChanged.connect(lambda i: self._playback.set_speed(SPEEDS[i]))
         return box
+
+    def restore_speed(self) -> None:
+        """Play at normal speed again."""
+        self.speed.setCurrentIndex(SPEEDS.index(1.0))
 
     def set_clip(self, clip: Clip | None) -> None:
         """Show the times of another take, or of none."""

@@ -10,27 +10,29 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
 from faceedit_app.ui.start import crash, smoke
-from faceedit_app.ui.start.application import application, keep_for_good
+from faceedit_app.ui.start.application import application, keep_for_good, rarely_collect
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.preferences import Preferences
 
 
-def run(take: Path | None, demo: bool = False) -> int:
+def run(take: Path | None, demo: bool = False, character: Path | None = None) -> int:
     """Show the window and return when it is closed.
 
     Args:
         take: a take to open.
         demo: open the demo take instead.
+        character: the user's character to show.
 
     Returns:
         The process's exit code.
     """
+    rarely_collect()
     app = application()
     crash.install()
     _quit_on_interrupt(app)
     window = MainWindow(Preferences())
     window.settled.connect(keep_for_good)
-    window.after_first_paint(lambda: window.start(take, demo))
+    window.after_first_paint(lambda: window.start(take, demo, character))
     if folder := os.environ.get(smoke.VARIABLE):
         smoke.play(window, Path(folder))
     window.show()

@@ -7,8 +7,8 @@ from faceedit_app.ui.commands.workspace import Workspace
 
 
 def offer_recovery(workspace: Workspace) -> bool:
-    """Ask about the newest session that ended without closing; whether it is being opened."""
-    # With the solver, once the window is painted.
+    """Ask about the newest session that ended in a crash; True if it is being opened."""
+    # They import the solver; the window appears first.
     from faceedit_app.editing.files.journal import pending_journals
     from faceedit_app.ui.commands import projects
 

@@ -27,13 +27,14 @@ from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.preferences import Preferences
 
-if TYPE_CHECKING:  # these bring much along; the window is there before them
+if TYPE_CHECKING:  # these import a lot; the window appears first
     from faceedit_app.core.rig import Rig
     from faceedit_app.networks.engine import Engine
     from faceedit_app.ui.page.editor import Editor
 
 _FIRST_SIZE = (1440, 900)
 _MESSAGE_MS = 6000
+_SLOW_MS = 400  # of reading, after which the take on the screen is cleared
 
 
 class MainWindow(WindowBase):
@@ -53,6 +54,9 @@ class MainWindow(WindowBase):
         self.media, self.sound_player = workspace.media, workspace.sound_player
         self._preferences, self._background = preferences, workspace.background
         self._can_draw = False  # once the renderer is prepared
+        self._draws = False  # once a face has been opened
+        self._slow_reading = QTimer(self, singleShot=True, interval=_SLOW_MS)
+        self._slow_reading.timeout.connect(self._clear)
         self._journal_note = ""  # as last shown
         self._lacks_shown: set[str] = set()  # controls of the open take already warned about
         self.commands = Commands(workspace)
@@ -96,6 +100,7 @@ class MainWindow(WindowBase):
         self.document.changed.connect(self._mark_modified)
         self.document.changed.connect(self._warn_of_lacks)
         self.document.saved.connect(self._mark_modified)
+        self.document.character_changed.connect(self._show_character)
         opener.reading.connect(self._show_reading)
         opener.character_loaded.connect(self._prepare_face)
         for message in (workspace.message, media.message):
@@ -129,7 +134,9 @@ class MainWindow(WindowBase):
         """The page, once it is built."""
         return self.workspace.page
 
-    def start(self, take: Path | None = None, demo: bool = False) -> None:
+    def start(
+        self, take: Path | None = None, demo: bool = False, character: Path | None = None
+    ) -> None:
         """Start loading; call it once the window is on the screen."""
         self.document.keeps_journal = True
         if not offer_recovery(self.workspace):
@@ -139,6 +146,8 @@ class MainWindow(WindowBase):
                 self.commands.file.open_demo()
         if not self.workspace.opener.is_reading:
             self.workspace.opener.load_character()
+        if character is not None:
+            self.commands.file.character.open(character)
         self.build_editor()
 
     def open_demo_now(self) -> None:
@@ -154,6 +163,7 @@ class MainWindow(WindowBase):
         except FaceEditError as error:
             self._continue_without_engine(error)
         self.document.adopt(loading.open_session(shipped(DEMO_TAKE), rig))
+        self._draws = True
         self.build_editor().face.viewport.open(rig)
 
     def build_editor(self) -> Editor:
@@ -198,10 +208,19 @@ class MainWindow(WindowBase):
 
     def _open_face(self) -> None:
         """Start drawing the face as soon as a take is open."""
-        rig = self.workspace.rig
-        if self._can_draw and self.document.session is not None and rig is not None:
-            self._can_draw = False
-            self.build_editor().face.viewport.open(rig)
+        session = self.document.session
+        if self._can_draw and session is not None:
+            self._can_draw, self._draws = False, True
+            self.build_editor().face.viewport.open(session.shown_rig)
+
+    def _show_character(self) -> None:
+        """Draw another character, if one is drawn."""
+        session = self.document.session
+        if self._draws and session is not None:
+            face = self.build_editor().face
+            face.viewport.open(session.shown_rig)
+            face.refresh()
+        self.actions_.refresh()
 
     def _use_engine(self, engine: Engine) -> None:
         self.document.use_engine(engine)
@@ -259,9 +278,19 @@ class MainWindow(WindowBase):
             self.banner.remove(before)
         self.setWindowModified(not self.document.is_clean)
 
+    def _clear(self) -> None:
+        """Reading takes long: show that instead of the take that it replaces."""
+        self._pages.setCurrentWidget(self.start_page)
+
     def _show_reading(self, text: str) -> None:
-        if self.document.session is None:
-            self.start_page.show_loading(text or None)
+        self.start_page.show_loading(text or None)
+        if self.document.session is not None and self.editor is not None:
+            # What takes long clears the take that it replaces; if it fails, that one comes back.
+            self._pages.setCurrentWidget(self.editor)
+            if text:
+                self._slow_reading.start()
+            else:
+                self._slow_reading.stop()
         if text:
             self.status.showMessage(text)
         else:
@@ -279,19 +308,33 @@ class MainWindow(WindowBase):
         self.start_page.show_drop(active)
 
     def take_files(self, paths: list[Path]) -> None:
-        """Open a take, load edits, add sound or film."""
+        """Open a take or a character, load edits, add sound or film."""
         media = [path for path in paths if is_media(path)]
         path = next((path for path in paths if path not in media), None)
         self.commands.take.drop(media, opens_take=path is not None)
         if path is None:
             return
+        from faceedit_app.characters.registry import is_character
         from faceedit_app.formats.registry import is_take  # not needed before the window is up
 
+        if is_character(path):
+            self._take_character(path, is_take(path))
+            return
         is_open = self.document.session is not None
         if path.suffix.lower() == ".json" and is_open and not is_take(path):
             self.commands.file.load_edits(path)
         else:
             self.commands.file.open_if_saved(path)
+
+    def _take_character(self, path: Path, is_take: bool) -> None:
+        """A character was dropped, or a file that may be one."""
+        as_what = dialogs.OpenAs.CHARACTER
+        if is_take:
+            as_what = dialogs.ask_take_or_character(self, path.name)
+        if as_what is dialogs.OpenAs.TAKE:
+            self.commands.file.open_if_saved(path)
+        elif as_what is dialogs.OpenAs.CHARACTER:
+            self.commands.file.character.open(path)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Take the keyboard from the start."""
@@ -301,7 +344,7 @@ class MainWindow(WindowBase):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved edits, remember the layout, stop everything."""
         self.workspace.end_gestures()
-        if not self.commands.file.may_close():
+        if not (self.commands.file.may_close() and self.commands.file.may_stop()):
             event.ignore()
             return
         if self.editor is not None:
@@ -311,4 +354,5 @@ class MainWindow(WindowBase):
 
     def leave(self) -> None:
         """Stop everything and free the graphics memory."""
+        self.commands.file.stop()
         self.workspace.close()

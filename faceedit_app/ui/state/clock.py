@@ -46,6 +46,19 @@ def label(clip: Clip, seconds: float, unit: Unit) -> str:
     return str(frame + 1)  # people count frames from 1
 
 
+def shown_time(clip: Clip, seconds: float, unit: Unit) -> str:
+    """A time in the chosen unit, such as `2.500 s` or `151`."""
+    return f"{seconds:.3f} s" if unit is Unit.SECONDS else label(clip, seconds, unit)
+
+
+def shown_range(clip: Clip, start: float, end: float, unit: Unit) -> str:
+    """A range in the chosen unit, such as `2.50 to 3.00 s` or `frames 151 to 181`."""
+    if unit is Unit.SECONDS:
+        return f"{start:.2f} to {end:.2f} s"
+    first, last = (label(clip, seconds, unit) for seconds in (start, end))
+    return f"{'frames ' if unit is Unit.FRAMES else ''}{first} to {last}"
+
+
 def times(clip: Clip, frame: int) -> tuple[str, str, str]:
     """A frame's time in three units: timecode, seconds, and frame number from 1."""
     seconds = format_time(float(clip.times[frame]))

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
+from faceedit_app.core.errors import FaceEditError
+
 if TYPE_CHECKING:  # the window is there before the solver and the networks are imported
+    from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
     from faceedit_app.editing.files.journal import Journal
-    from faceedit_app.editing.files.project import ViewState
+    from faceedit_app.editing.files.project import CharacterFile, ViewState
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
 
@@ -25,41 +29,53 @@ class Document(QObject):
 
     Code that changes something calls the session, and leaves it to the document to update views.
 
+    Attributes:
+        path: the take's file.
+        project: the project's file, if there is one.
+        exported: the file that the take was last exported to.
+
     Signals:
         opened(): another take is open.
         previewed(): a gesture is in progress: curves and face show a preview.
         changed(): edits, settings, media or model changed, or a gesture was cancelled.
-        saved(): the edits were exported or saved.
+        saved(): the project was saved.
+        character_changed(): another character is shown.
     """
 
     opened = Signal()
     previewed = Signal()
     changed = Signal()
     saved = Signal()
+    character_changed = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.session: EditSession | None = None
         self.engine: Engine | None = None
+        self.character: FittedCharacter | None = None  # the user's own, if it is shown
         self.path: Path | None = None
         self.project: Path | None = None
+        self.exported: Path | None = None
         self.keeps_journal = False
         self._journal: Journal | None = None
 
     @property
     def is_clean(self) -> bool:
         """Whether nothing would be lost by closing."""
-        return self.session is None or self.session.is_exported
+        return self.session is None or self.session.is_saved
 
     def adopt(self, session: EditSession, project: Path | None = None) -> None:
         """Open a take that has been read, with its project, if any."""
         if self.engine is not None and not session.has_engine:
             session.use_engine(self.engine)
+        if self.character is not None:
+            session.use_character(self.character.rig)
         self.close_journal()
         if self.session is not None:
             self.session.previewed.disconnect(self._pass_on_preview)
             self.session.changed.disconnect(self._pass_on_change)
         self.session, self.path, self.project = session, session.take.path, project
+        self.exported = None
         session.previewed.connect(self._pass_on_preview)
         session.changed.connect(self._pass_on_change)
         if self.keeps_journal:
@@ -78,7 +94,7 @@ class Document(QObject):
 
         self._journal = Journal(session.take.path, self.project, fps=session.take.fps)
         session.stepped.connect(self._journal.record)
-        if not session.is_exported:
+        if not session.is_saved:
             self._journal.record(session.state)
 
     @property
@@ -97,8 +113,6 @@ class Document(QObject):
     def _is_saved(self) -> None:
         if self._journal is not None:
             self._journal.saved(self.project)
-            if self.session is not None and not self.session.is_exported:
-                self._journal.record(self.session.state)  # an export does not contain the media
         self.saved.emit()
 
     # --- changes to the open take ----------------------------------------------------------------
@@ -112,6 +126,13 @@ class Document(QObject):
         """Use the engine from now on."""
         self.engine = engine
         self.act(lambda session: session.use_engine(engine))
+
+    def use_character(self, character: FittedCharacter | None) -> None:
+        """Show the user's character from now on, and close lips and lids on it; None = ours."""
+        self.character = character
+        rig = character.rig if character is not None else None
+        self.act(lambda session: session.use_character(rig))
+        self.character_changed.emit()
 
     def preview(self, *edits: Edit) -> None:
         """Preview additional edits, as a proposal."""
@@ -139,17 +160,23 @@ class Document(QObject):
 
     # --- files ---------------------------------------------------------------------------------
 
-    def export(self, path: Path) -> None:
-        """Write the edited take.
+    def export(self, path: Path, overwrite: bool = False) -> Path | None:
+        """Write the edited take; see `EditSession.export`.
 
         Raises:
             FileError: it cannot be written.
         """
-        if self.session is not None:
-            while self.session.live.work(_SLICE):  # in slices, so that the window stays responsive
-                QCoreApplication.processEvents(_NO_INPUT)
-            self.session.export(path)
-            self._is_saved()
+        if self.session is None:
+            return None
+        self.work_off()
+        backup = self.session.export(path, overwrite)
+        self.exported = path
+        return backup
+
+    def work_off(self) -> None:
+        """Finish the answer to all edits, in slices, so that the window stays responsive."""
+        while self.session is not None and self.session.live.work(_SLICE):
+            QCoreApplication.processEvents(_NO_INPUT)
 
     def save_project(self, path: Path, view: ViewState, media: Placement) -> None:
         """Write take, edits, view, sound and film as one project.
@@ -165,12 +192,23 @@ class Document(QObject):
         take = session.take.path.absolute()
         # Of the take as opened: the file may be gone or overwritten by now.
         mark = session.fingerprint
-        parts = (view, media.sound, media.film, session.take.fps)
+        parts = (view, media.sound, media.film, session.take.fps, self._character_file())
         project = Project(take, mark, session.state, *parts)
         write_project(path, project)
         session.mark_saved()
         self.project = path
         self._is_saved()
+
+    def _character_file(self) -> CharacterFile | None:
+        from faceedit_app.editing.files.fingerprint import fingerprint
+        from faceedit_app.editing.files.project import CharacterFile
+
+        if self.character is None:
+            return None
+        path = self.character.character.path.absolute()
+        with contextlib.suppress(FaceEditError):  # it may be gone by now, or a folder
+            return CharacterFile(path, fingerprint(path))
+        return CharacterFile(path)
 
     def save_edits(self, path: Path) -> None:
         """Write the list of edits.
@@ -180,7 +218,6 @@ class Document(QObject):
         """
         if self.session is not None:
             self.session.save_edits(path)
-            self._is_saved()
 
     def load_edits(self, path: Path) -> None:
         """Add the edits in a file, as one step.

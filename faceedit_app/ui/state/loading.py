@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
@@ -24,6 +25,17 @@ def load_character() -> Rig:
     from faceedit_app.editing import opening
 
     return opening.shipped_rig()
+
+
+def load_own_character(path: Path) -> FittedCharacter:
+    """A character of the user's, with the map beside it.
+
+    Raises:
+        FileError: it cannot be read, or is not a face.
+    """
+    from faceedit_app.characters.fitted import open_character
+
+    return open_character(path)
 
 
 def open_session(path: Path, rig: Rig, fps: float | None = None) -> EditSession:

@@ -14,7 +14,7 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from faceedit_app.ui.state.timeline import Timeline
 
-SPEEDS = (0.25, 0.5, 1.0)
+SPEEDS = (0.25, 0.5, 1.0, 2.0)
 FASTEST = 4.0  # times the speed, with J and L
 RUN_UP = 0.5  # seconds before and after the range of Play around
 _TICK_MS = 8  # finer than any display; a tick without a new frame is cheap

@@ -42,6 +42,18 @@ class Preferences:
         """Forget all takes."""
         self._settings.remove("recent")
 
+    def recent_characters(self) -> list[Path]:
+        """Recent characters, newest first, without those that are gone."""
+        value = self._settings.value("recent_characters", [])
+        names = [value] if isinstance(value, str) else value if isinstance(value, list) else []
+        return [path for path in map(Path, names) if path.exists()]
+
+    def add_recent_character(self, path: Path) -> None:
+        """Remember that a character was opened."""
+        path = path.resolve()
+        others = [old for old in self.recent_characters() if old != path]
+        self._settings.setValue("recent_characters", [str(p) for p in [path, *others][:RECENT]])
+
     def folder(self, kind: str) -> Path:
         """Where a kind of file dialog was last used, else the home folder."""
         folder = Path(str(self._settings.value(f"folder/{kind}", Path.home())))

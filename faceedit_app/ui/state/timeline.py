@@ -35,7 +35,15 @@ class Timeline(QObject):
         self.view = (0.0, 1.0)
         self.selection: tuple[float, float] | None = None
         self.falloff = self.falloff_out = DEFAULT_FALLOFF
+        self.shows_edit = False  # selection and falloffs are those of the chosen edit
+        self._own: tuple[float, float] | None = None  # the user's falloffs meanwhile
+        self._is_own = False  # the user had selected the edit's hold
         self.clock = Clock(self)
+
+    @property
+    def clip(self) -> Clip | None:
+        """The open clip, whose times these are."""
+        return self._clip
 
     @property
     def duration(self) -> float:
@@ -55,6 +63,7 @@ class Timeline(QObject):
     def open(self, clip: Clip) -> None:
         """Open another clip, at its start, all of it visible, nothing selected."""
         self._clip, self.frame = clip, 0
+        self.leave_edit()
         self.select(None)
         self.show_range(0.0, self.duration)
         self.frame = -1
@@ -114,6 +123,46 @@ class Timeline(QObject):
         if selection != self.selection:
             self.selection = selection
             self.selection_changed.emit()
+
+    # --- the chosen edit ---------------------------------------------------------------------
+
+    @property
+    def own_selection(self) -> tuple[float, float] | None:
+        """The selection, if the user made it rather than an edit's hold."""
+        return self.selection if self._is_own or not self.shows_edit else None
+
+    @property
+    def own_falloffs(self) -> tuple[float, float]:
+        """The falloffs of the next edit."""
+        return self._own or (self.falloff, self.falloff_out)
+
+    def show_edit(self, hold: tuple[float, float], fade_in: float, fade_out: float) -> None:
+        """Show the hold and falloffs of the chosen edit in place of the user's."""
+        if not self.shows_edit:
+            self._own = self.falloff, self.falloff_out
+            self._is_own = self.selection == hold
+        elif self.selection != hold:
+            self._is_own = False
+        self.shows_edit = True
+        self.set_falloffs(fade_in, fade_out)
+        self.select(hold)
+
+    def leave_edit(self) -> None:
+        """Show the user's falloffs again, and the selection if the user made it."""
+        selection, own = self.own_selection, self._own
+        self.shows_edit, self._own, self._is_own = False, None, False
+        if own is not None:
+            self.set_falloffs(*own)
+        self.select(selection)
+
+    def restore_falloffs(self) -> None:
+        """Set both falloffs as they are at first."""
+        self.set_falloffs(DEFAULT_FALLOFF, DEFAULT_FALLOFF)
+
+    def keep_falloffs(self) -> None:
+        """Make the falloffs that are shown those of the next edit."""
+        if self._own is not None:
+            self._own = self.falloff, self.falloff_out
 
     def set_falloffs(self, fade_in: float, fade_out: float) -> None:
         """Set each falloff."""

@@ -15,7 +15,7 @@ from faceedit_app.characters.points import POINTS
 from faceedit_app.characters.scans import Scan
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FileError
-from faceedit_app.scan_landmarks import find_landmarks, read_points
+from faceedit_app.scans.landmarks import find_landmarks, read_points
 
 TASK = SHARED / "tracker" / "face_landmarker.task"
 
@@ -49,7 +49,7 @@ def test_without_networks_and_points_it_says_what_to_do(
     trimesh.creation.icosphere(3).export(tmp_path / "ball.ply")
     command = ["character", "make", str(tmp_path / "ball.ply"), "-o", str(tmp_path / "a.glb")]
     assert main([*command, "--landmarker", str(tmp_path / "none.task")]) == 2
-    assert "--points" in capfd.readouterr().err
+    assert "face_landmarker.task" in capfd.readouterr().err
     (tmp_path / "none.task").write_bytes(b"no zip")
     assert main([*command, "--landmarker", str(tmp_path / "none.task")]) == 2
     assert "download it again" in capfd.readouterr().err

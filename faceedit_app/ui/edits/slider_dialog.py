@@ -1,10 +1,10 @@
-"""The slider from sad to smiling, previewed before it becomes an edit."""
+"""A slider between two opposite sets of edits, previewed before they are made."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer
@@ -30,33 +30,51 @@ _LIVE_MS = 40
 _LIVE_COST = 0.1  # seconds; slower answers wait for the end of the gesture
 
 
-class ExpressionDialog(QDialog):
-    """Sad on the left, smiling on the right; the face follows.
+@dataclass(frozen=True)
+class End:
+    """One end of the slider.
+
+    Attributes:
+        word: what its value is called, as in “40 % smile”.
+        icon: name of the icon beside it.
+        edits: at 100 %.
+    """
+
+    word: str
+    icon: str
+    edits: tuple[Edit, ...]
+
+
+class SliderDialog(QDialog):
+    """The face follows the slider; OK makes the edits.
 
     Args:
-        edits_of: the edits of the shipped preset with a given id, in the range that applies.
-        where: that range in words.
-        accepted_edits: called with the edits to make.
+        title: of the window, such as “Smile or sad”.
+        question: above the slider.
+        left, right: what its ends do.
+        make: called with the edits to make.
     """
 
     def __init__(
         self,
         parent: QWidget,
         document: Document,
-        edits_of: Callable[[str], tuple[Edit, ...]],
-        where: str,
+        title: str,
+        question: str,
+        left: End,
+        right: End,
         make: Callable[[tuple[Edit, ...]], None],
     ) -> None:
         super().__init__(parent)
         self._document, self._make = document, make
-        self._sources = {name: edits_of(name) for name in ("smile", "sad_mouth")}
+        self._left, self._right = left, right
         self._cost = 0.0
-        self.setWindowTitle("Smile or sad")
+        self.setWindowTitle(title)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setRange(-STRONGEST, STRONGEST)
         self.slider.setPageStep(25)
-        self.slider.setAccessibleName("From sad to smiling")
+        self.slider.setAccessibleName(title)
         self.slider.setMinimumWidth(320)
         self.words = QLabel()
         self.words.setAlignment(Qt.AlignmentFlag.AlignCenter)
@@ -65,9 +83,9 @@ class ExpressionDialog(QDialog):
         self.slider.valueChanged.connect(self._moved)
         self.slider.sliderReleased.connect(self._preview)
         row = QHBoxLayout()
-        for name, at in (("sad", 0), ("smile", 1)):
+        for end, at in ((left, 0), (right, 1)):
             sign = QLabel()
-            sign.setPixmap(picture(name, ACCENT, 24, self.devicePixelRatioF()))
+            sign.setPixmap(picture(end.icon, ACCENT, 24, self.devicePixelRatioF()))
             row.insertWidget(at, sign)
         row.insertWidget(1, self.slider, 1)
         buttons = QDialogButtonBox(
@@ -76,7 +94,7 @@ class ExpressionDialog(QDialog):
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
-        column.addWidget(QLabel(f"How happy the mouth looks {where}:"))
+        column.addWidget(QLabel(question))
         column.addLayout(row)
         column.addWidget(self.words)
         column.addWidget(buttons)
@@ -86,12 +104,15 @@ class ExpressionDialog(QDialog):
     def edits(self) -> tuple[Edit, ...]:
         """The edits for the slider's value."""
         value = self.slider.value()
-        source = self._sources["smile" if value > 0 else "sad_mouth"]
         strength = abs(value) / 100
+        source = self._end(value).edits
         return tuple(replace(edit, strength=strength) for edit in source) if value else ()
 
+    def _end(self, value: int) -> End:
+        return self._right if value > 0 else self._left
+
     def _moved(self, value: int) -> None:
-        self.words.setText("unchanged" if not value else f"{abs(value)} % {_word(value)}")
+        self.words.setText("unchanged" if not value else f"{abs(value)} % {self._end(value).word}")
         if self._cost < _LIVE_COST or not self.slider.isSliderDown():
             self._timer.start()
 
@@ -110,7 +131,3 @@ class ExpressionDialog(QDialog):
         else:
             self._document.cancel()
         super().done(result)
-
-
-def _word(value: int) -> str:
-    return "smile" if value > 0 else "sad"

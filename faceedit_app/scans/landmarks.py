@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from platformdirs import user_data_path
 
 from faceedit_app.characters.bounded import read_file
 from faceedit_app.characters.making import Template
@@ -22,11 +21,10 @@ from faceedit_app.core.arrays import Doubles, Floats, Indices
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Material, Rig
-from faceedit_app.media.landmarker import FaceLandmarker
 from faceedit_app.render.camera import default_camera, field_of_view
 from faceedit_app.render.snapshot import snapshot
+from faceedit_app.tracking.landmarker import FaceLandmarker
 
-_TASK = "face_landmarker.task"
 _FEWEST = 6
 _SIZE = 512  # pixels of the pictures
 _HEAD = 0.26  # metres; the assumed height of a scan
@@ -62,15 +60,12 @@ def find_landmarks(
         template: the template.
         scan: the scan.
         path: the scan's file, for messages.
-        landmarker: MediaPipe's networks; None = the file in FaceEdit's data folder.
+        landmarker: other networks than those that ship with FaceEdit.
 
     Raises:
-        FileError: the networks are missing, or find no face.
+        Unavailable, FileError: the networks cannot be loaded, or find no face.
     """
-    task = landmarker or user_data_path("FaceEdit") / _TASK
-    if not task.exists():
-        raise FileError(task, "is missing", f"download MediaPipe's {_TASK} to it, or give --points")
-    landmarks = scan_landmarks(template, scan, FaceLandmarker(task))
+    landmarks = scan_landmarks(template, scan, FaceLandmarker(landmarker))
     if landmarks is None or len(landmarks.positions) < _FEWEST:
         raise FileError(path, "shows no face", "give its control points with --points")
     return landmarks
@@ -78,12 +73,12 @@ def find_landmarks(
 
 def scan_landmarks(template: Template, scan: Scan, finder: FaceLandmarker) -> Landmarks | None:
     """Find landmarks on both heads; None if no face is found in any orientation."""
-    own = _seen(template.rig, finder)
+    own = seen_landmarks(template.rig, finder)
     if own is None:
         return None
     for axes in _axes():
         rig, to_scan = _posed(scan, axes)
-        found = _seen(rig, finder)
+        found = seen_landmarks(rig, finder)
         if found is not None:
             return _pairs(template, own, rig, found, to_scan)
     return None
@@ -108,10 +103,11 @@ def _posed(scan: Scan, axes: Doubles) -> tuple[Rig, Doubles]:
     back = np.eye(4)
     back[:3, :3] = axes.T / scale
     back[:3, 3] = axes.T @ middle
-    return _drawable(((turned - middle) * scale).astype(np.float32), scan), back
+    return drawable(((turned - middle) * scale).astype(np.float32), scan), back
 
 
-def _drawable(vertices: Floats, scan: Scan) -> Rig:
+def drawable(vertices: Floats, scan: Scan) -> Rig:
+    """A scan with its vertices (V, 3) elsewhere, metres, as a rig to draw."""
     colors = np.tile(_CLAY, (len(vertices), 1)) if scan.colors is None else scan.colors
     return Rig(
         neutral=vertices,
@@ -125,7 +121,9 @@ def _drawable(vertices: Floats, scan: Scan) -> Rig:
     )
 
 
-def _seen(rig: Rig, finder: FaceLandmarker) -> tuple[Indices, NDArray[np.intp], Doubles] | None:
+def seen_landmarks(
+    rig: Rig, finder: FaceLandmarker
+) -> tuple[Indices, NDArray[np.intp], Doubles] | None:
     """The landmarks on a head: their numbers, triangles and places (metres), or None."""
     weights = np.zeros(len(rig.channels), np.float32)
     camera = default_camera(rig)

@@ -1,0 +1,360 @@
+"""FaceEdit in Python: open a take, edit, fix and export it, as in the window.
+
+    import faceedit_app
+
+    take = faceedit_app.open("take.csv")
+    take.fix("lips", "blinks")
+    take.edit("mouth_opening", by=4.0, start=1.2, end=1.8)
+    take.export("take_edited.csv")
+
+docs/python.md has more. What a user can correct raises `FaceEditError`, whose text is one line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from faceedit_app.characters.fitted import open_character
+from faceedit_app.core.arrays import Floats, Times
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing import exporting, filming
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.help.fixes import apply_preset
+from faceedit_app.editing.help.presets import Alone, Preset, load_presets, read_preset
+from faceedit_app.editing.help.problems import Kind, Problem, find_problems
+from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+from faceedit_app.editing.session import EditSession
+from faceedit_app.networks.engine import Engine
+
+FIXES = {"lips": Kind.LIPS, "blinks": Kind.BLINK, "shaking": Kind.JITTER, "gaps": Kind.DROPPED}
+FALLOFF = 0.2  # seconds
+
+
+def open(path: Path | str, fps: float | None = None, models: Path | None = None) -> Take:
+    """Open a take of any format.
+
+    Args:
+        path: the file.
+        fps: frames per second, if the file does not give them.
+        models: the folder of the model that answers edits; None = the one that ships.
+
+    Raises:
+        FaceEditError: it cannot be read, or the model cannot.
+    """
+    rig, engine = _loaded(models)
+    return Take(open_session(path, rig, engine, fps))
+
+
+@lru_cache(maxsize=4)
+def _loaded(models: Path | None) -> tuple[Rig, Engine]:
+    rig = shipped_rig()
+    return rig, load_engine(rig, models)
+
+
+class Take:
+    """An open take and its edits.
+
+    Attributes:
+        session: what does the work; for what this class does not offer.
+    """
+
+    def __init__(self, session: EditSession) -> None:
+        self.session = session
+
+    # --- what it holds -----------------------------------------------------------------------
+
+    @property
+    def path(self) -> Path:
+        """Its file."""
+        return self.session.take.path
+
+    @property
+    def rate(self) -> float:
+        """Nominal frames per second."""
+        return self.session.take.clip.rate
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return self.session.take.clip.duration
+
+    @property
+    def times(self) -> Times:
+        """(T,) seconds of the frames."""
+        return self.session.take.clip.times
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of its K channels."""
+        return self.session.take.clip.channels
+
+    @property
+    def weights(self) -> Floats:
+        """(T, K) the weights with all edits: what is exported."""
+        return self.session.clip_weights()
+
+    @property
+    def tracked(self) -> Floats:
+        """(T, K) the weights as they were recorded."""
+        return self.session.take.clip.weights.copy()
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        """The edits, oldest first."""
+        return self.session.edits
+
+    def curve(self, name: str, tracked: bool = False) -> Floats:
+        """(T,) one of the eight curves in mm, with all edits or as tracked.
+
+        Args:
+            name: such as `mouth_opening` or “Mouth opening”.
+            tracked: without edits.
+        """
+        self.session.live.work()
+        values = self.session.tracked if tracked else self.session.achieved
+        return np.array(values[:, CONTROL_INDEX[_control(name)]], np.float32)
+
+    def problems(self) -> list[Problem]:
+        """The places that are probably wrong, in order of time."""
+        self.session.live.work()
+        return find_problems(self.session)
+
+    # --- edit --------------------------------------------------------------------------------
+
+    def edit(
+        self,
+        curves: str | Iterable[str],
+        *,
+        by: float | None = None,
+        to: float | None = None,
+        times: float | None = None,
+        smooth: float | None = None,
+        start: float = 0.0,
+        end: float | None = None,
+        falloff: float = FALLOFF,
+        strength: float = 1.0,
+    ) -> Take:
+        """Edit one curve, or several alike; give one of `by`, `to`, `times` and `smooth`.
+
+        Args:
+            curves: names such as `mouth_opening` or “Mouth opening”.
+            by: raise by so many mm.
+            to: hold at so many mm.
+            times: make the movement so many times as large.
+            smooth: calm with a window of so many seconds.
+            start, end: seconds between which it acts in full; None = the end of the take.
+            falloff: seconds over which it fades in before, and out after.
+            strength: 0 to 1.5.
+
+        Returns:
+            The take, so that calls can follow each other.
+
+        Raises:
+            FaceEditError: a name or a number is wrong.
+        """
+        ways = {Op.OFFSET: by, Op.SET: to, Op.SCALE: times, Op.SMOOTH: smooth}
+        given = [(op, value) for op, value in ways.items() if value is not None]
+        if len(given) != 1:
+            raise FaceEditError("An edit needs exactly one of by, to, times and smooth")
+        [(op, value)] = given
+        names = (curves,) if isinstance(curves, str) else tuple(curves)
+        last = float(self.times[-1]) if end is None else end
+        try:
+            edit = Edit(
+                tuple(map(_control, names)), op, start, last, falloff, value, strength=strength
+            )
+        except ValueError as error:
+            raise FaceEditError(f"The edit cannot be made: {error}") from error
+        self.session.add(edit)
+        return self
+
+    def fix(self, *kinds: str) -> int:
+        """Fix problems as “Fix all” in the window does.
+
+        Args:
+            kinds: of `lips`, `blinks`, `shaking` and `gaps`; none = all.
+
+        Returns:
+            How many were fixed.
+
+        Raises:
+            FaceEditError: there is no such kind.
+        """
+        for kind in kinds:
+            if kind not in FIXES:
+                raise FaceEditError(f"{kind}: must be {', '.join(FIXES)}")
+        wanted = {FIXES[kind] for kind in kinds or FIXES}
+        found = [problem for problem in self.problems() if problem.kind in wanted and problem.fix]
+        edits = [edit for problem in found for edit in problem.fix]
+        if edits:
+            self.session.add(*edits, name=f"Fix {len(found)} problems")
+        return len(found)
+
+    def preset(
+        self,
+        name: str | Path,
+        start: float | None = None,
+        end: float | None = None,
+        strength: float = 1.0,
+    ) -> Take:
+        """Apply a preset, such as `smile`, from `start` to `end`, or in the whole take.
+
+        Args:
+            name: its name or id, or its file.
+            start, end: seconds.
+            strength: 0 to 1.5.
+
+        Raises:
+            FaceEditError: there is no such preset, or it is damaged.
+        """
+        preset = find_preset(name)
+        span = None
+        if start is not None or end is not None:
+            last = float(self.times[-1])
+            span = (start if start is not None else 0.0, end if end is not None else last)
+        elif preset.alone is not Alone.TAKE:
+            raise FaceEditError(
+                f"{preset.name} acts at a place; give start and end, or fix what is wrong instead"
+            )
+        self.session.live.work()
+        edits = apply_preset(self.session, preset, span, 0.0)
+        self.session.add(*(_with_strength(edit, strength) for edit in edits))
+        return self
+
+    def load_edits(self, path: Path | str) -> Take:
+        """Add the edits of a file.
+
+        Raises:
+            FaceEditError: it cannot be read.
+        """
+        self.session.load_edits(path)
+        return self
+
+    def settings(
+        self, mode: str = "preserve", naturalness: float = 1.0, reach: float = 1.0
+    ) -> Take:
+        """Set how edits are answered; see `faceedit apply --help`.
+
+        Raises:
+            FaceEditError: a value is wrong.
+        """
+        if mode not in list(Mode) or not (0 <= naturalness <= 1 and 0 <= reach <= 1):
+            raise FaceEditError(f"mode must be {' or '.join(Mode)}, the others from 0 to 1")
+        self.session.configure(Settings(Mode(mode), naturalness, reach))
+        return self
+
+    def undo(self) -> Take:
+        """Undo the last step."""
+        self.session.undo()
+        return self
+
+    # --- write -------------------------------------------------------------------------------
+
+    def export(
+        self,
+        path: Path | str,
+        format: str | None = None,
+        fps: float | None = None,
+        character: Path | str | None = None,
+        compact: bool = False,
+        overwrite: bool = False,
+    ) -> exporting.Exported:
+        """Export the edited take: as it came, in another format, or as a character that plays it.
+
+        Args:
+            path: the file to write.
+            format: see `faceedit convert --help`; None = by the ending, the take's own first.
+            fps: frames per second; None = the take's own.
+            character: the file of your character; None = FaceEdit's own.
+            compact: store weights in 16 bits, for GLB.
+            overwrite: allow a recording to be replaced; a copy of it is kept.
+
+        Raises:
+            FaceEditError: it cannot be written.
+        """
+        path = Path(path)
+        keeps_layout = fps is None and character is None
+        own = self.session.take if keeps_layout else None
+        form = exporting.choose(path, format, own)
+        options = exporting.Options(
+            fps, None if character is None else Path(character), compact, overwrite
+        )
+        return exporting.export_session(self.session, path, form, options)
+
+    def film(
+        self,
+        path: Path | str,
+        view: str = "face",
+        size: tuple[int, int] = (1080, 1080),
+        fps: float | None = None,
+        character: Path | str | None = None,
+    ) -> filming.Filmed:
+        """Film the edited take, with the sound found beside it.
+
+        Args:
+            path: a file that ends in `.mp4` or `.webm`.
+            view: `face`, `both` (tracked and edited) or `film` (the take's film and the face).
+            size: width and height, pixels.
+            fps: pictures per second; None = the take's frame rate.
+            character: the file of your character; None = FaceEdit's own.
+
+        Raises:
+            FaceEditError: it cannot be written, or this computer offers no OpenGL.
+        """
+        if view not in list(filming.View):
+            raise FaceEditError(f"{view}: must be {', '.join(filming.View)}")
+        self.session.live.work()
+        take = self.session.take
+        rig = self.session.rig if character is None else open_character(character).rig
+        shot = filming.Shot(filming.View(view), size, fps)
+        filmed = filming.film_take(
+            take, self.session.weights, rig, filming.media_of(take), Path(path), shot
+        )
+        assert filmed is not None  # nothing stops it
+        return filmed
+
+    def save_edits(self, path: Path | str) -> None:
+        """Save the edits, for another take.
+
+        Raises:
+            FaceEditError: the file cannot be written.
+        """
+        self.session.save_edits(path)
+
+
+def find_preset(name: str | Path) -> Preset:
+    """A preset by its name or id, or its file.
+
+    Raises:
+        FaceEditError: there is none, or it is damaged.
+    """
+    if isinstance(name, Path) or str(name).endswith(".json"):
+        return read_preset(Path(name), own=True)
+    presets, _ = load_presets()
+    for preset in presets:
+        if name.lower() in (preset.id.lower(), preset.name.lower()):
+            return preset
+    known = ", ".join(preset.id for preset in presets)
+    raise FaceEditError(f"{name}: there is no such preset; use one of {known}, or a file")
+
+
+def _control(name: str) -> str:
+    for control in CONTROLS:
+        if name in (control.id, control.label):
+            return control.id
+    raise FaceEditError(f"{name}: there is no such curve; use one of {', '.join(CONTROL_IDS)}")
+
+
+def _with_strength(edit: Edit, strength: float) -> Edit:
+    try:
+        return replace(edit, strength=strength)
+    except ValueError as error:
+        raise FaceEditError(f"The preset cannot be applied: {error}") from error

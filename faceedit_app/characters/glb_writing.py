@@ -1,0 +1,163 @@
+"""Writes FaceEdit's own character file; see `glb`."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pygltflib as gltf
+from numpy.typing import NDArray
+
+from faceedit_app.core.arrays import Pixels
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.rig import Rig
+
+_FLOAT, _UINT = gltf.FLOAT, gltf.UNSIGNED_INT
+
+
+class _Writer:
+    """Collects accessors into one binary buffer."""
+
+    def __init__(self) -> None:
+        self.blob = bytearray()
+        self.document = gltf.GLTF2(asset=gltf.Asset(version="2.0", generator="FaceEdit"))
+
+    def _view(self, data: bytes, target: int | None) -> int:
+        self.blob += b"\0" * (-len(self.blob) % 4)
+        self.document.bufferViews.append(
+            gltf.BufferView(
+                buffer=0, byteOffset=len(self.blob), byteLength=len(data), target=target
+            )
+        )
+        self.blob += data
+        return len(self.document.bufferViews) - 1
+
+    def add(self, array: NDArray[Any], kind: str, component: int, target: int | None) -> int:
+        """Add a dense accessor; returns its index."""
+        accessor = gltf.Accessor(
+            bufferView=self._view(array.tobytes(), target),
+            componentType=component,
+            count=len(array),
+            type=kind,
+        )
+        if kind == "VEC3":
+            accessor.min, accessor.max = array.min(0).tolist(), array.max(0).tolist()
+        self.document.accessors.append(accessor)
+        return len(self.document.accessors) - 1
+
+    def add_sparse(self, array: NDArray[np.float32]) -> int:
+        """Add an accessor of (V, 3) displacements, most of which are zero; returns its index."""
+        moved = np.flatnonzero(array.any(1)).astype(np.uint32)
+        if not len(moved):  # a sparse accessor must name at least one vertex
+            moved = np.zeros(1, np.uint32)
+        self.document.accessors.append(
+            gltf.Accessor(
+                byteOffset=None,  # pygltflib writes 0, which is an error without a buffer view
+                componentType=_FLOAT,
+                count=len(array),
+                type="VEC3",
+                min=array.min(0).tolist(),
+                max=array.max(0).tolist(),
+                sparse=gltf.Sparse(
+                    count=len(moved),
+                    indices=gltf.AccessorSparseIndices(
+                        bufferView=self._view(moved.tobytes(), None), componentType=_UINT
+                    ),
+                    values=gltf.AccessorSparseValues(
+                        bufferView=self._view(array[moved].tobytes(), None)
+                    ),
+                ),
+            )
+        )
+        return len(self.document.accessors) - 1
+
+    def add_texture(self, picture: Pixels) -> int:
+        """Add a picture (H, W, 4) as a texture; returns its index."""
+        from PIL import Image  # only characters of other makers have textures
+
+        buffer = io.BytesIO()
+        Image.fromarray(picture).save(buffer, "PNG")
+        view = self._view(buffer.getvalue(), None)
+        self.document.images.append(gltf.Image(bufferView=view, mimeType="image/png"))
+        self.document.textures.append(gltf.Texture(source=len(self.document.images) - 1))
+        return len(self.document.textures) - 1
+
+
+def write_rig(path: Path | str, rig: Rig) -> None:
+    """Write a rig as GLB; see `rig_content`.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    write_atomically(path, rig_content(rig))
+
+
+def rig_content(rig: Rig, shapes: Sequence[str] | None = None) -> bytes:
+    """A rig as GLB; the same rig always gives the same bytes.
+
+    glTF cannot hold everything: materials without faces are left out, and colours are clipped to
+    0..1.
+
+    Args:
+        shapes: the names of its blendshapes in the file; None = those of its channels.
+    """
+    out = _Writer()
+    attributes = gltf.Attributes(
+        POSITION=out.add(rig.neutral.astype("<f4"), "VEC3", _FLOAT, gltf.ARRAY_BUFFER),
+        COLOR_0=out.add(rig.colors.clip(0, 1).astype("<f4"), "VEC4", _FLOAT, gltf.ARRAY_BUFFER),
+    )
+    if rig.uv is not None:
+        attributes.TEXCOORD_0 = out.add(rig.uv.astype("<f4"), "VEC2", _FLOAT, gltf.ARRAY_BUFFER)
+    for picture in rig.textures:
+        out.add_texture(picture)
+    targets = [{"POSITION": out.add_sparse(d.astype("<f4"))} for d in rig.deltas]
+    primitives = []
+    for i, material in enumerate(m for m in rig.materials if m.stop > m.start):
+        indices = rig.faces[material.start : material.stop].ravel().astype("<u4")
+        primitives.append(
+            gltf.Primitive(
+                attributes=attributes,
+                indices=out.add(indices, "SCALAR", _UINT, gltf.ELEMENT_ARRAY_BUFFER),
+                material=i,
+                targets=targets,
+            )
+        )
+        out.document.materials.append(
+            gltf.Material(
+                name=material.name,
+                doubleSided=True,
+                alphaMode="MASK" if material.cutoff > 0 else "OPAQUE",
+                alphaCutoff=material.cutoff if material.cutoff > 0 else None,
+                pbrMetallicRoughness=gltf.PbrMetallicRoughness(
+                    roughnessFactor=material.roughness,
+                    metallicFactor=material.metallic,
+                    baseColorTexture=None
+                    if material.texture is None
+                    else gltf.TextureInfo(index=material.texture),
+                ),
+            )
+        )
+    pairs = zip(CONTROL_IDS, rig.control_pairs.tolist(), rig.has_control, strict=True)
+    controls = {name: pair for name, pair, has in pairs if has}
+    mesh = gltf.Mesh(
+        name=rig.name,
+        primitives=primitives,
+        weights=[0.0] * len(rig.channels),
+        extras={
+            "targetNames": list(shapes or rig.channels),
+            "controls": controls,
+            "attribution": rig.attribution,
+        },
+    )
+    document = out.document
+    document.meshes = [mesh]
+    document.nodes = [gltf.Node(name=rig.name, mesh=0)]
+    document.scenes = [gltf.Scene(nodes=[0])]
+    document.scene = 0
+    document.buffers = [gltf.Buffer(byteLength=len(out.blob))]
+    document.set_binary_blob(bytes(out.blob))
+    return b"".join(document.save_to_bytes())

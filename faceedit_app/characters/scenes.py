@@ -1,0 +1,109 @@
+"""The table of formats that hold a character with the animation of a take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from faceedit_app.characters.fbx_animated import scene_fbx
+from faceedit_app.characters.fitted import FittedCharacter
+from faceedit_app.characters.glb_animated import animate_glb, is_glb, scene_glb
+from faceedit_app.characters.scene import Scene, make_scene, shape_weights
+from faceedit_app.characters.usd_animated import scene_usda
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.rig import Rig
+
+
+@dataclass(frozen=True)
+class SceneFormat:
+    """A format of 3D programs.
+
+    Attributes:
+        key: the name on the command line.
+        name: shown to the user.
+        ending: of its files, in lower case with the dot.
+        tools: the programs that read it.
+        hints: by program, what to do there; `{rate}` stands for the frame rate.
+        write: encodes a scene, given the animation's name and whether to store weights compactly.
+        is_compact: whether it can store weights compactly.
+    """
+
+    key: str
+    name: str
+    ending: str
+    tools: str
+    hints: tuple[tuple[str, str], ...]
+    write: Callable[[Scene, str, bool], bytes]
+    is_compact: bool = False
+
+
+# fmt: off
+SCENES: tuple[SceneFormat, ...] = (
+    SceneFormat(
+        "glb", "GLB with character", ".glb", "Blender, Unity, Unreal, Godot, the web",
+        (
+            ("Blender", "set Output > Frame Rate to {rate} first, because Blender places keys by "
+             "the scene's rate; then File > Import > glTF 2.0"),
+            ("Unity", "add the package glTFast, and drag the file into Assets"),
+            ("Unreal", "drag the file into the Content Browser, with Import Morph Targets and "
+             "Import Animations switched on"),
+            ("Maya", "use FBX instead"),
+        ),
+        scene_glb, is_compact=True,
+    ),
+    SceneFormat(
+        "fbx", "FBX with character", ".fbx", "Maya, Unreal, Unity, Blender, MotionBuilder",
+        (
+            ("Maya", "File > Import, with Animation and Blend Shapes (Deformed Models) switched "
+             "on; the scene should run at {rate}"),
+            ("Unreal", "drag the file into the Content Browser, with Import Morph Targets and "
+             "Import Animations switched on"),
+            ("Unity", "drag the file into Assets; in its Rig tab choose Generic"),
+            ("Blender", "File > Import > FBX; the scene takes the file's frame rate"),
+        ),
+        lambda scene, name, _compact: scene_fbx(scene, name),
+    ),
+    SceneFormat(
+        "usd", "USD with character", ".usda", "Maya, Houdini, Omniverse, Blender, Unreal",
+        (
+            ("Maya", "File > Import > USD, with Animation Data switched on"),
+            ("Unreal", "switch on the plug-in USD Importer; then File > Import Into Level"),
+            ("Blender", "set Output > Frame Rate to {rate} first; then File > Import > Universal "
+             "Scene Description"),
+            ("Houdini", "load the file with a USD Character Import or a Reference"),
+        ),
+        lambda scene, name, _compact: scene_usda(scene, name),
+    ),
+)
+# fmt: on
+
+
+def scene_content(
+    form: SceneFormat,
+    clip: Clip,
+    character: Rig | FittedCharacter,
+    name: str,
+    compact: bool = False,
+) -> bytes:
+    """A take on a character, in a format.
+
+    A GLB of another maker gets the animation added, and is otherwise unchanged. A VRM's shapes
+    are behind its expressions, so what FaceEdit shows of it is written, as for FBX and OBJ.
+
+    Args:
+        form: the format.
+        clip: the take.
+        character: FaceEdit's own, or one of another maker.
+        name: of the animation.
+        compact: store weights compactly, if the format can.
+
+    Raises:
+        FileError: the character's file cannot be read.
+    """
+    if isinstance(character, Rig):
+        return form.write(make_scene(character, clip), name, compact)
+    path, shares = character.character.path, character.shares
+    if form.ending == ".glb" and is_glb(path) and not character.character.format.startswith("VRM"):
+        weights = shape_weights(clip, shares)
+        return animate_glb(path, weights, character.match.alike, clip.times, name, compact)
+    return form.write(make_scene(character.rig, clip, shares), name, compact)

@@ -1,0 +1,180 @@
+"""Export a take, edited or not, in any format: as a take, or as a character that plays it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from faceedit_app.characters.fitted import open_character
+from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.files.originals import make_way
+from faceedit_app.editing.opening import shipped_rig
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats import registry
+from faceedit_app.formats.converting import convert, resampled
+from faceedit_app.formats.take import Take
+from faceedit_app.formats.timing import format_rate
+
+
+@dataclass(frozen=True)
+class OutFormat:
+    """A format that any take can be exported in.
+
+    Attributes:
+        kind: of a take, or of a character that plays it.
+    """
+
+    kind: registry.Format | SceneFormat
+
+    @property
+    def key(self) -> str:
+        """The name on the command line."""
+        return self.kind.key
+
+    @property
+    def name(self) -> str:
+        """Shown to the user."""
+        return self.kind.name
+
+    @property
+    def ending(self) -> str:
+        """Of its files, with the dot."""
+        return self.kind.ending if isinstance(self.kind, SceneFormat) else self.kind.endings[0]
+
+    @property
+    def has_character(self) -> bool:
+        """Whether it holds a character."""
+        return isinstance(self.kind, SceneFormat)
+
+    @property
+    def is_compact(self) -> bool:
+        """Whether it can store weights compactly."""
+        return isinstance(self.kind, SceneFormat) and self.kind.is_compact
+
+    def hints(self, rate: float) -> list[str]:
+        """What to do with the file in other programs, a sentence each."""
+        shown = format_rate(rate)
+        return [f"{tool}: {text.format(rate=shown)}." for tool, text in self.kind.hints]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a take is exported.
+
+    Attributes:
+        rate: frames per second; None = the take's own.
+        character: the file of the user's character, for formats with one; None = FaceEdit's own.
+        compact: store weights in 16 bits, for formats that can.
+        overwrite: allow a recording to be replaced; a copy of it is kept.
+    """
+
+    rate: float | None = None
+    character: Path | None = None
+    compact: bool = False
+    overwrite: bool = False
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written.
+
+    Attributes:
+        path: the file.
+        form: its format.
+        clip: the take as written, at its rate.
+        remarks: sentences about what the file does not hold.
+        backup: the copy of the recording that it replaced, if it did.
+    """
+
+    path: Path
+    form: OutFormat
+    clip: Clip
+    remarks: tuple[str, ...]
+    backup: Path | None = None
+
+
+def out_formats() -> tuple[OutFormat, ...]:
+    """All formats that any take can be exported in."""
+    return (*(OutFormat(form) for form in registry.writable()), *map(OutFormat, SCENES))
+
+
+def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutFormat:
+    """Choose the format of a file to be exported.
+
+    Args:
+        path: the file; its ending decides if `key` is None.
+        key: `OutFormat.key`.
+        take: if its own format has this ending, that is chosen.
+
+    Raises:
+        FaceEditError: there is no such format.
+    """
+    formats = out_formats()
+    if key is not None:
+        for form in formats:
+            if form.key == key:
+                return form
+        raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
+    ending = path.suffix.lower()
+    own = own_format(take) if take is not None else None
+    for form in (*([own] if own is not None else []), *formats):
+        endings = (form.ending,) if isinstance(form.kind, SceneFormat) else form.kind.endings
+        if ending in endings:
+            return form
+    known = ", ".join(f"{form.ending} ({form.name})" for form in formats)
+    raise FaceEditError(f"{path}: no format with this ending can be written; use {known}")
+
+
+def own_format(take: Take) -> OutFormat | None:
+    """The format that a take was opened from."""
+    return next((OutFormat(f) for f in registry.FORMATS if f.name == take.kind), None)
+
+
+def export_session(
+    session: EditSession, path: Path, form: OutFormat, options: Options | None = None
+) -> Exported:
+    """Export the edited take; see `export_take`."""
+    return export_take(session.take, session.clip_weights(), path, form, options)
+
+
+def export_take(
+    take: Take, weights: Floats, path: Path, form: OutFormat, options: Options | None = None
+) -> Exported:
+    """Export a take.
+
+    Args:
+        take: the take.
+        weights: (T, K), those of its clip, or as edited.
+        path: the file to write.
+        form: its format.
+        options: the rest.
+
+    Raises:
+        FileError: it cannot be written, or is a recording; an existing file is then untouched.
+        FaceEditError: the format cannot be written at this frame rate.
+    """
+    options = options or Options()
+    kind = form.kind
+    if isinstance(kind, registry.Format):
+        same = kind.name == take.kind and options.rate in (None, take.clip.rate)
+        if kind.write is None and not same:
+            raise FaceEditError(
+                f"{path}: {kind.name} can only be written as it was recorded; "
+                f"choose another format, such as {registry.writable()[0].name}"
+            )
+        backup = make_way(path, take.path, options.overwrite)
+        clip = convert(path, take, kind, options.rate, weights)
+        lost = () if same else take.carried
+    else:
+        clip = resampled(replace(take.clip, weights=weights), options.rate)
+        character = open_character(options.character) if options.character else shipped_rig()
+        content = scene_content(kind, clip, character, take.path.stem, options.compact)
+        backup = make_way(path, take.path, options.overwrite)
+        write_atomically(path, content)
+        lost = take.carried
+    remarks = (f"left out because they are not channels: {', '.join(lost)}",) if lost else ()
+    return Exported(path, form, clip, remarks, backup)

@@ -1,0 +1,69 @@
+"""Recordings that an export must not replace by mistake: the open take, and takes of projects."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from faceedit_app.core.atomic import keep_backup
+from faceedit_app.core.errors import FileError
+from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.editing.files.project import read_project
+
+
+def why_keep(path: Path, take: Path, projects: Iterable[Path] = ()) -> str:
+    """Why a file should not be replaced, as a phrase that follows its name.
+
+    Args:
+        path: the file that would be written.
+        take: the take that is exported.
+        projects: project files to look into, besides those in the folder of `path`.
+
+    Returns:
+        "" if the file does not exist, or is neither the take nor that of a project.
+    """
+    if not path.is_file():
+        return ""
+    if _same(path, take):
+        return "is the recording itself"
+    beside = sorted(path.absolute().parent.glob(f"*{PROJECT_SUFFIX}"))
+    for project in dict.fromkeys([*beside, *(p for p in projects if p.suffix == PROJECT_SUFFIX)]):
+        try:
+            refers = _same(path, read_project(project).take)
+        except FileError:  # a damaged project holds nobody back
+            continue
+        if refers:
+            return f"is the recording of the project {project.name}"
+    return ""
+
+
+def make_way(path: Path, take: Path, overwrite: bool) -> Path | None:
+    """Make sure that writing to `path` loses no recording.
+
+    Args:
+        path: the file that will be written.
+        take: the take that is exported.
+        overwrite: replace a recording, after a copy of it has been made.
+
+    Returns:
+        The copy, if one was made.
+
+    Raises:
+        FileError: it is a recording and `overwrite` is False, or the copy cannot be written.
+    """
+    reason = why_keep(path, take)
+    if not reason:
+        return None
+    if not overwrite:
+        raise FileError(
+            path, reason, "choose another name, or add --overwrite, which keeps a copy of it (.bak)"
+        )
+    return keep_backup(path)
+
+
+def _same(a: Path, b: Path) -> bool:
+    try:
+        return os.path.samefile(a, b)
+    except OSError:
+        return False

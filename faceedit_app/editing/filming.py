@@ -1,0 +1,243 @@
+"""Film a take: the face, both faces, or the face beside the take's film, with the take's sound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from faceedit_app import render
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arrays import Floats, Pixels
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.resample import at_rate
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.editing.files.originals import make_way
+from faceedit_app.formats.take import Take
+from faceedit_app.formats.timecode import start_of_day, time_of_day
+from faceedit_app.media import beside, offset_by_clock
+from faceedit_app.media.container import Abandoned
+from faceedit_app.media.film import Film
+from faceedit_app.media.film_writer import FilmFormat, Soundtrack, film_format, writing
+from faceedit_app.media.sound import read_sound
+
+_BACKGROUND = (0x25, 0x28, 0x2F)  # around a film that does not fill its half
+
+
+class View(StrEnum):
+    """What a film shows."""
+
+    FACE = "face"  # the edited face
+    BOTH = "both"  # the tracked face, and the edited one
+    FILM = "film"  # the take's film, and the edited face
+
+
+@dataclass(frozen=True)
+class Shot:
+    """How a take is filmed.
+
+    Attributes:
+        view: what is shown.
+        size: width and height of the film, pixels.
+        rate: pictures per second; None = the take's frame rate.
+        form: `FilmFormat.key`; None = by the file's ending.
+        camera: None = a portrait from the front.
+        has_sound: whether to add the take's sound.
+        mirrored: the take's film is mirrored.
+        overwrite: allow a recording to be replaced; a copy of it is kept.
+    """
+
+    view: View = View.FACE
+    size: tuple[int, int] = (1080, 1080)
+    rate: float | None = None
+    form: str | None = None
+    camera: render.Camera | None = None
+    has_sound: bool = True
+    mirrored: bool = False
+    overwrite: bool = False
+
+
+@dataclass(frozen=True)
+class Filmed:
+    """What was written.
+
+    Attributes:
+        path: the film.
+        form: its format.
+        frames: the number of pictures.
+        rate: pictures per second.
+        codecs: the names of its encoders.
+    """
+
+    path: Path
+    form: FilmFormat
+    frames: int
+    rate: float
+    codecs: str
+
+
+def media_of(take: Take, sound: Path | None = None, film: Path | None = None) -> Placement:
+    """The sound and film of a take, placed by their clocks, if they have one.
+
+    Args:
+        sound, film: the files; None = those found beside the take.
+
+    Raises:
+        FileError: one of them cannot be read.
+    """
+    found_sound, found_film = beside(take.path.absolute())
+    film = film or found_film
+    sound = sound or (found_sound if film is None or film == found_film else None)
+    heard = sound or film
+    codes = take.clip.timecodes
+    began = start_of_day(codes) if codes else None
+    placed: dict[Path, MediaFile] = {}
+    if film is not None:
+        item = Film(film)
+        code = item.timecode
+        begins = None if code is None else time_of_day(code, round(item.rate))
+        placed[film] = MediaFile(film, offset_by_clock(began, begins, item.duration))
+        item.close()
+    if heard is not None and heard not in placed:
+        track = read_sound(heard)
+        at = 0.0 if track is None else offset_by_clock(began, track.began, track.end)
+        placed[heard] = MediaFile(heard, at)
+    return Placement(placed[heard] if heard else None, placed[film] if film else None)
+
+
+def film_take(
+    take: Take,
+    weights: Floats,
+    rig: Rig,
+    media: Placement,
+    path: Path,
+    shot: Shot | None = None,
+    progress: Callable[[int, int], None] = lambda done, all_: None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Filmed | None:
+    """Film a take.
+
+    Args:
+        take: the take.
+        weights: (T, 52) in ARKit order, as edited.
+        rig: the character.
+        media: the take's sound and film.
+        path: the file to write, or a folder for pictures.
+        shot: how.
+        progress: called with the number of pictures that are done, and of all.
+        stopped: asked before each picture; True gives up, and nothing is written.
+
+    Returns:
+        What was written; None if `stopped` said so.
+
+    Raises:
+        FileError: a file cannot be read or written, or is a recording.
+        Unavailable: this computer offers no OpenGL, or no encoder.
+        FaceEditError: there is no film to show beside the face.
+    """
+    shot = shot or Shot()
+    form = film_format(path, shot.form)
+    if shot.view is View.FILM and media.film is None:
+        raise FaceEditError(
+            f"{take.path}: has no film to show beside the face; add one, or film the face alone"
+        )
+    rate = take.clip.rate if shot.rate is None else shot.rate
+    edited, tracked = _at_rate(take.clip, weights, rate)
+    width, height = (side - side % 2 for side in shot.size)
+    panels = 1 if shot.view is View.FACE else 2
+    make_way(path, take.path, shot.overwrite)
+    film = Film(media.film.path) if shot.view is View.FILM and media.film else None
+    try:
+        track = _track(media.sound) if shot.has_sound and media.sound is not None else None
+        faces = _Faces(rig, width // panels, height, shot.camera)
+        try:
+            with writing(path, form, (width, height), rate, track) as out:
+                for number, frame in enumerate(edited):
+                    if stopped():
+                        raise Abandoned
+                    pictures = [faces.draw(frame)]
+                    if shot.view is View.BOTH:
+                        pictures.insert(0, faces.draw(tracked[number]))
+                    elif film is not None and media.film is not None:
+                        second = number / rate - media.film.offset
+                        room = (width - width // panels, height)
+                        pictures.insert(0, _shown(film, second, room, shot.mirrored))
+                    out.add(np.ascontiguousarray(np.concatenate(pictures, axis=1)))
+                    progress(number + 1, len(edited))
+        finally:
+            faces.close()
+    except Abandoned:
+        return None
+    finally:
+        if film is not None:
+            film.close()
+    return Filmed(path, form, len(edited), rate, out.codecs)
+
+
+def _at_rate(clip: Clip, weights: Floats, rate: float) -> tuple[Floats, Floats]:
+    """Edited and tracked weights (N, 52) of each picture.
+
+    At the take's own rate it is the frame that the window shows at that time.
+    """
+    tracked = clip.arkit_weights()
+    if abs(rate / clip.rate - 1) > 1e-6:
+        pair = (
+            at_rate(clip.times, w, rate, clip.rate).astype(np.float32) for w in (weights, tracked)
+        )
+        edited, tracked = pair
+        return edited, tracked
+    count = round(clip.duration * rate)
+    frames = [clip.frame_at(number / rate) for number in range(max(count, 1))]
+    return weights[frames], tracked[frames]
+
+
+def _track(entry: MediaFile) -> Soundtrack | None:
+    sound = read_sound(entry.path)
+    return None if sound is None else Soundtrack(sound, entry.offset)
+
+
+class _Faces:
+    """Draws faces as RGB."""
+
+    def __init__(self, rig: Rig, width: int, height: int, camera: render.Camera | None) -> None:
+        self._rig = rig
+        self._camera = camera or render.default_camera(rig, width / height)
+        self._renderer = render.open_renderer(rig, width, height)
+
+    def draw(self, weights: Floats) -> Pixels:
+        """(H, W, 3) uint8 of weights (52,) in ARKit order."""
+        own = self._rig.channels == ARKIT_CHANNELS
+        vertices = self._rig.vertices(weights if own else self._rig.from_arkit(weights))
+        image = self._renderer.draw(vertices, self._camera, smooth=True)
+        picture: Pixels = image[..., 2::-1].copy()
+        self._renderer.prepare()
+        return picture
+
+    def close(self) -> None:
+        """Free the graphics memory."""
+        self._renderer.close()
+
+
+def _shown(film: Film, second: float, room: tuple[int, int], mirrored: bool) -> Pixels:
+    """(H, W, 3) uint8: the film's picture at a second of it, fitted into a room."""
+    width, height = room
+    out = np.empty((height, width, 3), np.uint8)
+    out[:] = _BACKGROUND
+    if not 0 <= second < film.duration:
+        return out
+    picture = film.frame_at(second)[..., 2::-1]
+    if mirrored:
+        picture = picture[:, ::-1]
+    high, wide = picture.shape[:2]
+    scale = min(width / wide, height / high)
+    size = max(round(wide * scale), 1), max(round(high * scale), 1)
+    scaled = Image.fromarray(np.ascontiguousarray(picture)).resize(size, Image.Resampling.BICUBIC)
+    left, top = (width - size[0]) // 2, (height - size[1]) // 2
+    out[top : top + size[1], left : left + size[0]] = np.asarray(scaled)
+    return out

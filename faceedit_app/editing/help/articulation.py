@@ -1,0 +1,71 @@
+"""Say it clearly: more or less articulation of a stretch of speech, with its closures kept.
+
+Each phoneme moves on the line between a mouth at rest and what the face does there: a wide vowel
+opens wider, a rounded one rounds more, and lips that touch for an m, b or p, or touch the teeth
+for an f, still touch.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, LIP_OPENING, MOUTH_CORNERS
+from faceedit_app.editing.edits.edit import Edit, Op, fade
+from faceedit_app.editing.help.spoken import LipGap, dip_at
+from faceedit_app.editing.session import EditSession
+from faceedit_app.words.speech_sounds import Lips, lips_of
+from faceedit_app.words.transcript import Transcript
+
+MOST = 0.6  # of the movement, added or taken away at the ends of the slider
+_FALLOFF = 0.1  # seconds at the ends of the stretch
+_KEPT = 0.06  # seconds around a closure over which the change fades in
+_NEGLIGIBLE = 0.05  # mm; curves that would move less are left alone
+# The corners follow the width; the mouth smiles no more for being clear.
+_MOVED = tuple(c.id for c in CONTROLS if c.region == "lower" and c.id not in MOUTH_CORNERS)
+
+
+def articulate(
+    session: EditSession, words: Transcript, span: tuple[float, float], amount: float
+) -> tuple[Edit, ...]:
+    """Edits for more (`amount` up to 1) or less (down to -1) articulation; the session stays.
+
+    Args:
+        words: in seconds of the take.
+        span: first and last second.
+    """
+    times = session.take.clip.times
+    where = np.flatnonzero((times >= span[0]) & (times <= span[1]))
+    if not len(where) or not amount:
+        return ()
+    free = 1.0 - _touching(words, times, session)[where]
+    made = []
+    for control in _MOVED:
+        if control in session.lacks:
+            continue
+        curve = session.achieved[:, CONTROL_INDEX[control]].astype(np.float64)
+        is_opening = control == LIP_OPENING
+        rest = LipGap.of(session.rig).touching if is_opening else float(np.median(curve))
+        change = MOST * amount * (curve[where] - rest) * (free if is_opening else 1.0)
+        if np.abs(change).max() < _NEGLIGIBLE:
+            continue
+        points = tuple(
+            (round(float(t), 4), round(float(mm), 3))
+            for t, mm in zip(times[where], change, strict=True)
+        )
+        name = "Say it clearly" if amount > 0 else "Mumble"
+        edges = (points[0][0], points[-1][0])
+        made.append(Edit((control,), Op.ADD, *edges, _FALLOFF, name=name, points=points))
+    return tuple(made)
+
+
+def _touching(words: Transcript, times: Times, session: EditSession) -> Doubles:
+    """(T,) 1 where lips touch each other or the teeth for a phoneme, fading to 0."""
+    curve = session.achieved[:, CONTROL_INDEX[LIP_OPENING]].astype(np.float64)
+    touching = np.zeros(len(times))
+    for _, phoneme in words.phonemes():
+        if lips_of(phoneme.symbol) in (Lips.CLOSE, Lips.TEETH):
+            frame = dip_at(times, curve, phoneme)
+            if frame is not None:
+                np.maximum(touching, fade(np.abs(times - times[frame]) - 0.02, _KEPT), touching)
+    return touching

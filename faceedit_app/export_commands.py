@@ -1,0 +1,194 @@
+"""The commands of `faceedit` that write takes for other programs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+from faceedit_app.core.errors import FaceEditError
+
+if TYPE_CHECKING:
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.formats.take import Take
+
+
+def convert(
+    take: Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")],
+    output: Annotated[Path, typer.Argument(help="The file to write.")],
+    form: Annotated[
+        Optional[str],  # noqa: UP045  (typer reads the annotation at run time)
+        typer.Option(
+            "--format",
+            help="livelink, csv, audio2face, glb, fbx or usd; default: by the ending.",
+        ),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second to write; default: the take's."),
+    ] = None,
+    take_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--take-fps", help="Frames per second of the take, if it does not give them."),
+    ] = None,
+    character: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--character", help="For glb, fbx, usd: your character; default: FaceEdit's."),
+    ] = None,
+    compact: Annotated[
+        bool, typer.Option("--compact", help="For glb: weights in 16 bits, without zeros.")
+    ] = False,
+    overwrite: Annotated[
+        bool,
+        typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
+    ] = False,
+) -> None:
+    """Write a take in another format, or at another frame rate."""
+    from faceedit_app.editing import exporting
+    from faceedit_app.formats.opening import checked_rate
+    from faceedit_app.formats.timing import format_rate
+
+    if fps is not None:
+        fps = checked_rate(output, fps)
+    exporting.choose(output, form)  # before a long take is read
+    opened = _opened(take, take_fps, fps)
+    keeps_layout = fps is None and character is None
+    chosen = exporting.choose(output, form, opened if keeps_layout else None)
+    options = exporting.Options(fps, character, compact, overwrite)
+    written = exporting.export_take(opened, opened.clip.weights, output, chosen, options)
+    clip = written.clip
+    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
+    for line in (*written.remarks, *chosen.hints(clip.rate)):
+        print(f"  {line}")
+
+
+def batch(
+    what: Annotated[
+        str,
+        typer.Argument(
+            metavar="WHAT",
+            help="Edits (JSON), a preset such as smile, fix:lips,blinks,shaking,gaps, or none.",
+        ),
+    ],
+    source: Annotated[Path, typer.Argument(help="The folder with the takes.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The folder for the results.")],
+    jobs: Annotated[int, typer.Option(min=1, help="How many takes are worked on at once.")] = 1,
+    form: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--format", help="As for convert; default: as each take came."),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second to write; needs --format."),
+    ] = None,
+    take_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--take-fps", help="Frames per second of takes that do not give them."),
+    ] = None,
+    character: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--character", help="For glb, fbx, usd: your character; default: FaceEdit's."),
+    ] = None,
+    models: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
+    ] = None,
+    scheduler: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="A Dask scheduler, such as tcp://host:8786, whose workers do the work."),
+    ] = None,
+) -> None:
+    """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
+
+    Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from faceedit_app import batch as batches
+    from faceedit_app import batch_report
+
+    if (fps is not None or character is not None) and form is None:
+        raise FaceEditError("--fps and --character need --format")
+    recipe = replace(
+        batches.parse_recipe(what),
+        form=form or "",
+        rate=fps,
+        character=None if character is None else str(character.absolute()),
+        fps=take_fps,
+        models=None if models is None else str(models.absolute()),
+    )
+    tasks = batches.plan(source, output, recipe)
+    console = Console(stderr=True)
+    log = batches.Log(output)
+    try:
+        with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+            shown = bar.add_task(source.name, total=len(tasks))
+
+            def report(outcome: batches.Outcome, done: int, of: int) -> None:
+                bar.update(shown, completed=done)
+                said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
+                print(f"[{done}/{of}] {outcome.name}: {said}")
+
+            outcomes = batches.run(tasks, log, jobs, scheduler, report)
+    finally:
+        log.close()
+    _, page = batch_report.write_reports(output, outcomes)
+    print(f"{batch_report.summary(outcomes)}; see {page}")
+    if any(outcome.error for outcome in outcomes):
+        raise typer.Exit(1)
+
+
+def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
+    """Open a take; one without a rate is written frame by frame at the rate to write."""
+    from faceedit_app.formats.opening import open_take
+    from faceedit_app.formats.timing import RateNeeded
+
+    try:
+        return open_take(path, take_fps)
+    except RateNeeded:
+        if fps is None or take_fps is not None:
+            raise
+        return open_take(path, fps)
+
+
+def film(
+    session: EditSession,
+    rig: Rig,
+    output: Path,
+    shot: tuple[str, tuple[int, int], float | None, str | None, bool],
+    sound: Path | None,
+    pictures: Path | None,
+) -> None:
+    """Film a take, and say how far it is.
+
+    Args:
+        rig: the character to show.
+        shot: view, size, rate, format, and whether to add the sound.
+        sound, pictures: the take's sound and film; None = those found beside it.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from faceedit_app.editing.filming import Shot, View, film_take, media_of
+    from faceedit_app.formats.timing import format_rate
+
+    view, size, rate, form, has_sound = shot
+    if view not in list(View):
+        raise FaceEditError(f"--view {view}: must be {', '.join(View)}")
+    media = media_of(session.take, sound, pictures)
+    session.live.work()
+    chosen = Shot(View(view), size, rate, form, has_sound=has_sound)
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(output.name, total=None)
+        filmed = film_take(
+            session.take, session.weights, rig, media, output, chosen,
+            lambda done, of: bar.update(task, completed=done, total=of),
+        )  # fmt: skip
+    assert filmed is not None  # nothing stops it
+    rate = filmed.rate
+    print(f"{output}: {filmed.frames} pictures at {format_rate(rate)}, {filmed.codecs}")

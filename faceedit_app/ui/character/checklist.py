@@ -1,0 +1,125 @@
+"""The checklist of the user's character: what was found in it, and how to correct that."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QHideEvent
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QDialog,
+    QDialogButtonBox,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from faceedit_app.characters.fitted import FittedCharacter
+from faceedit_app.characters.map_file import map_path
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.ui.character.shape_table import ShapeModel, ShapeTable
+
+_SIZE = (620, 640)
+_NOTES_HEIGHT = 130
+
+
+class CharacterChecklist(QDialog):
+    """Shows a character's shapes, points and faults while the window stays usable.
+
+    Signals:
+        shape_chosen(str, str): a channel, and the shape for it; "" for none.
+        save_asked(): the map is to be saved beside the character.
+        closed(): it was closed.
+    """
+
+    shape_chosen = Signal(str, str)
+    save_asked = Signal()
+    closed = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.resize(*_SIZE)
+        self._character: FittedCharacter | None = None
+        self._summary, self._notes = _text(), _text()
+        self._model = ShapeModel(self)
+        self._model.chosen.connect(self.shape_chosen)
+        self.table = ShapeTable(self._model)
+        self.only_noted = QCheckBox("Only channels with a note")
+        self.only_noted.toggled.connect(self._refresh)
+        notes = QScrollArea()
+        notes.setWidget(self._notes)
+        notes.setWidgetResizable(True)
+        notes.setFixedHeight(_NOTES_HEIGHT)
+        self._hint = _text()
+        self._hint.setObjectName("caption")
+        self._hint.setText(
+            "The twelve points are shown on the face: drag one to correct it. Double-click a shape "
+            "to choose another."
+        )
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        self.save = QPushButton("Save map")
+        buttons.addButton(self.save, QDialogButtonBox.ButtonRole.ActionRole)
+        self.save.clicked.connect(self.save_asked)
+        buttons.rejected.connect(self.reject)
+        column = QVBoxLayout(self)
+        column.setSpacing(10)
+        for part in (self._summary, self.only_noted, self.table, notes, self._hint, buttons):
+            column.addWidget(part)
+
+    def show_character(self, character: FittedCharacter, is_changed: bool) -> None:
+        """Show a character.
+
+        Args:
+            is_changed: whether its map differs from what is saved.
+        """
+        self._character = character
+        path = character.character.path
+        self.setWindowTitle(f"Character: {path.name}")
+        self.save.setEnabled(is_changed)
+        self.save.setToolTip(f"Save your choices as {map_path(path).name}, beside the character")
+        self._refresh()
+
+    @property
+    def notes(self) -> str:
+        """The text below the table."""
+        return self._notes.text()
+
+    @property
+    def summary(self) -> str:
+        """The text above the table."""
+        return self._summary.text()
+
+    def _refresh(self) -> None:
+        if self._character is None:
+            return
+        check = self._character.checklist
+        self._model.show_character(self._character, self.only_noted.isChecked())
+        facts = [f"{len(check.matched)} of {len(ARKIT_CHANNELS)} channels have a shape"]
+        if check.dead:
+            moves = "moves" if len(check.dead) == 1 else "move"
+            facts.append(f"{len(check.dead)} {moves} nothing that can be seen")
+        facts.append(f"{self._character.character.vertex_count:,} vertices")
+        self._summary.setText(f"{self._character.character.format}: {'; '.join(facts)}.")
+        lines = [_sentence(text) for text in (*check.doubts, *check.lost, *check.remarks)]
+        if check.unknown:
+            lines.append(f"Not used: {', '.join(check.unknown)}.")
+        self._notes.setText("\n".join(lines) or "Nothing else to note.")
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Say that it was closed."""
+        super().hideEvent(event)
+        self.closed.emit()
+
+
+def _text() -> QLabel:
+    label = QLabel()
+    label.setTextFormat(Qt.TextFormat.PlainText)  # names come from the file
+    label.setWordWrap(True)
+    label.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
+    return label
+
+
+def _sentence(text: str) -> str:
+    """A remark as a sentence."""
+    return f"{text[:1].upper()}{text[1:]}."

@@ -1,0 +1,152 @@
+"""File > Character > Make from a scan: the steps as pictures, and points to correct them by."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QGridLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from faceedit_app.core.arrays import Doubles, Pixels
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.rig import Rig
+from faceedit_app.scans.steps import EXPRESSIONS, Attempt, ScanSteps
+from faceedit_app.ui.character.points_overlay import PointsOverlay
+from faceedit_app.ui.character.scan_view import Picture, ScanView
+from faceedit_app.ui.look.widgets import Choice, caption
+from faceedit_app.ui.state.background import Background
+
+_Pictures = dict[str | None, Pixels]
+
+
+class ScanDialog(QDialog):
+    """Makes a character from a scan while the window stays usable.
+
+    Signals:
+        save_asked(object): an `Attempt` is to be saved as a character.
+        failed(str): one line about what went wrong.
+    """
+
+    save_asked = Signal(object)
+    failed = Signal(str)
+
+    def __init__(self, parent: QWidget | None, path: Path, rig: Rig) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(f"Character from a scan: {path.name}")
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self._path, self._rig = path, rig
+        self._background = Background(self)
+        self._steps: ScanSteps | None = None
+        self._attempt: Attempt | None = None
+        self._pictures: _Pictures = {}
+        self._moved: dict[str, Doubles] = {}
+        self._build()
+
+    def _build(self) -> None:
+        self.scan, self.result = ScanView(), Picture("The character")
+        self.points = PointsOverlay(self.scan)
+        self.points.moved.connect(self._move)
+        self.expression = Choice()
+        self.expression.addItems(list(EXPRESSIONS))
+        self.expression.setAccessibleName("Expression")
+        self.expression.currentTextChanged.connect(self._show_expression)
+        self.status = QLabel()
+        self.status.setTextFormat(Qt.TextFormat.PlainText)
+        self.status.setWordWrap(True)
+        self.busy = QProgressBar()
+        self.busy.setRange(0, 0)
+        self.busy.setTextVisible(False)
+        self.busy.setFixedHeight(4)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        self.again, self.save = QPushButton("Fit again"), QPushButton("Save character…")
+        buttons.addButton(self.again, QDialogButtonBox.ButtonRole.ActionRole)
+        buttons.addButton(self.save, QDialogButtonBox.ButtonRole.AcceptRole)
+        self.again.clicked.connect(self.begin)
+        self.save.clicked.connect(lambda: self.save_asked.emit(self._attempt))
+        buttons.rejected.connect(self.reject)
+        grid = QGridLayout()
+        grid.setSpacing(10)
+        grid.addWidget(caption("The scan: drag a point that is wrong"), 0, 0)
+        grid.addWidget(self.expression, 0, 1)
+        grid.addWidget(self.scan, 1, 0)
+        grid.addWidget(self.result, 1, 1)
+        column = QVBoxLayout(self)
+        column.setSpacing(10)
+        column.addLayout(grid)
+        column.addWidget(self.busy)
+        column.addWidget(self.status)
+        column.addWidget(buttons)
+
+    def begin(self) -> None:
+        """Make the character in the background, with the points as they are now."""
+        self._work("Finding the face and fitting it: this takes about ten seconds…")
+        moved, side = dict(self._moved), self.scan.pixels
+
+        def make() -> tuple[ScanSteps, Attempt, _Pictures]:
+            steps = self._steps or ScanSteps(self._path, self._rig)
+            attempt = steps.attempt(moved)
+            pictures: _Pictures = {
+                name: attempt.picture(side, name) for name in (None, *EXPRESSIONS)
+            }
+            return steps, attempt, pictures
+
+        self._background.run(make, self._made, self._failed)
+
+    def _made(self, result: tuple[ScanSteps, Attempt, _Pictures]) -> None:
+        self._steps, self._attempt, self._pictures = result
+        attempt = self._attempt
+        self.scan.look(attempt.scan.neutral, attempt.camera)
+        self.scan.show_picture(self._pictures[None])
+        self.points.show_points(attempt.points)
+        self._show_expression(self.expression.currentText())
+        middle, most = attempt.distance
+        self._rest(
+            f"{attempt.landmarks} landmarks. The skin of the face is {middle:.2f} mm from the scan "
+            f"(95 % within {most:.1f} mm)."
+            + "".join(f" {text[:1].upper()}{text[1:]}." for text in self._steps.scan.remarks)
+        )
+
+    def _failed(self, error: Exception) -> None:
+        if not isinstance(error, FaceEditError):
+            self._rest("")
+            raise error
+        self._rest(str(error))
+        self.failed.emit(str(error))
+
+    def _work(self, text: str) -> None:
+        self.status.setText(text)
+        self.busy.show()
+        for part in (self.again, self.save, self.points):
+            part.setEnabled(False)
+
+    def _rest(self, text: str) -> None:
+        self.status.setText(text)
+        self.busy.hide()
+        self.points.setEnabled(True)
+        self.again.setEnabled(bool(self._moved) or self._attempt is None)
+        self.save.setEnabled(self._attempt is not None)
+
+    def _show_expression(self, name: str) -> None:
+        if name in self._pictures:
+            self.result.show_picture(self._pictures[name])
+
+    def _move(self, name: str, vertex: int) -> None:
+        """A point was dragged to another vertex of the scan."""
+        if self._steps is not None:
+            self._moved[name] = self._steps.scan.vertices[vertex]
+            self.again.setEnabled(True)
+            self.status.setText("Press Fit again when all points are right.")
+
+    def done(self, result: int) -> None:
+        """Forget what is still running."""
+        self._background.close()
+        super().done(result)

@@ -1,0 +1,153 @@
+"""The table of the checklist: ARKit's channels, and the shape of the file that makes each."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QComboBox,
+    QHeaderView,
+    QStyledItemDelegate,
+    QStyleOptionViewItem,
+    QTableView,
+    QWidget,
+)
+
+from faceedit_app.characters.fitted import FittedCharacter
+from faceedit_app.characters.names import Half
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.ui.look.palette import MUTED, ORANGE
+
+Index = QModelIndex | QPersistentModelIndex
+NO_SHAPE = "– no shape –"
+_HEADS = ("Channel", "Shape in the file", "Note")
+CHANNEL, SHAPE, NOTE = range(3)
+
+
+class ShapeModel(QAbstractTableModel):
+    """The 52 channels of a character.
+
+    Signals:
+        chosen(str, str): a channel, and the shape that the user chose; "" for none.
+    """
+
+    chosen = Signal(str, str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._shapes: dict[str, str] = {}
+        self._notes: dict[str, str] = {}
+        self._channels: tuple[str, ...] = ARKIT_CHANNELS
+        self.targets: tuple[str, ...] = ()
+
+    def show_character(self, character: FittedCharacter, only_noted: bool) -> None:
+        """Show a character's channels, or only those with a note."""
+        self.beginResetModel()
+        shares, check = character.match.shares, character.checklist
+        self.targets = tuple(sorted(character.character.targets, key=str.casefold))
+        self._shapes = {
+            channel: " + ".join(
+                share.name if share.half is Half.WHOLE else f"{share.name} ({share.half})"
+                for share in parts
+            )
+            for channel, parts in shares.items()
+        }
+        self._notes = dict.fromkeys(check.missing, "missing")
+        self._notes |= dict.fromkeys(check.several, "made of several")
+        self._notes |= dict.fromkeys(check.dead, "moves nothing that can be seen")
+        noted = tuple(c for c in ARKIT_CHANNELS if c in self._notes)
+        others = tuple(c for c in ARKIT_CHANNELS if c not in self._notes)
+        self._channels = noted if only_noted else noted + others
+        self.endResetModel()
+
+    def rowCount(self, parent: Index | None = None) -> int:
+        """One row a channel."""
+        return 0 if parent is not None and parent.isValid() else len(self._channels)
+
+    def columnCount(self, parent: Index | None = None) -> int:
+        """Channel, shape, note."""
+        return len(_HEADS)
+
+    def headerData(
+        self, section: int, orientation: Qt.Orientation, role: int = Qt.ItemDataRole.DisplayRole
+    ) -> Any:
+        """The titles of the columns."""
+        if orientation is Qt.Orientation.Horizontal and role == Qt.ItemDataRole.DisplayRole:
+            return _HEADS[section]
+        return None
+
+    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+        """The text of a cell; notes are orange, and what is absent is muted."""
+        channel, column = self._channels[index.row()], index.column()
+        texts = (channel, self._shapes.get(channel, NO_SHAPE), self._notes.get(channel, ""))
+        if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.EditRole):
+            return texts[column]
+        if role == Qt.ItemDataRole.ToolTipRole:
+            return None if column != SHAPE else "Double-click to choose another shape"
+        if role == Qt.ItemDataRole.ForegroundRole:
+            if column == NOTE:
+                return QColor(ORANGE)
+            if column == SHAPE and channel not in self._shapes:
+                return QColor(MUTED)
+        return None
+
+    def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
+        """Choose another shape for a channel."""
+        channel, shape = self._channels[index.row()], str(value)
+        if shape == self._shapes.get(channel, NO_SHAPE):
+            return False
+        self.chosen.emit(channel, "" if shape == NO_SHAPE else shape)
+        return True
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        """Shapes can be chosen."""
+        flags = super().flags(index)
+        return flags | Qt.ItemFlag.ItemIsEditable if index.column() == SHAPE else flags
+
+
+class ShapeTable(QTableView):
+    """Shows a `ShapeModel`; a shape is chosen from a list of all in the file."""
+
+    def __init__(self, model: ShapeModel) -> None:
+        super().__init__()
+        self.setModel(model)
+        self.setItemDelegateForColumn(SHAPE, _ShapeDelegate(self))
+        self.setEditTriggers(
+            QAbstractItemView.EditTrigger.DoubleClicked
+            | QAbstractItemView.EditTrigger.EditKeyPressed
+        )
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setAlternatingRowColors(True)
+        self.setShowGrid(False)
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(24)
+        head = self.horizontalHeader()
+        head.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        head.setSectionResizeMode(CHANNEL, QHeaderView.ResizeMode.ResizeToContents)
+        head.setSectionResizeMode(SHAPE, QHeaderView.ResizeMode.Stretch)
+        head.setSectionResizeMode(NOTE, QHeaderView.ResizeMode.ResizeToContents)
+        self.setAccessibleName("Channels and shapes")
+
+
+class _ShapeDelegate(QStyledItemDelegate):
+    """Edits a shape with a list that can be typed in."""
+
+    def createEditor(
+        self, parent: QWidget, _option: QStyleOptionViewItem, index: Index
+    ) -> QComboBox:
+        model = index.model()
+        assert isinstance(model, ShapeModel)
+        box = QComboBox(parent)
+        box.addItems([NO_SHAPE, *model.targets])
+        return box
+
+    def setEditorData(self, editor: QWidget, index: Index) -> None:
+        assert isinstance(editor, QComboBox)
+        editor.setCurrentText(str(index.data()))
+
+    def setModelData(self, editor: QWidget, model: Any, index: Index) -> None:
+        assert isinstance(editor, QComboBox)
+        model.setData(index, editor.currentText())

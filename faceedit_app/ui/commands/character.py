@@ -1,0 +1,234 @@
+"""File > Character: show, check and correct a character of the user's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QMenu
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.workspace import Workspace
+
+if TYPE_CHECKING:  # they import the loaders of characters
+    from faceedit_app.characters.fitted import FittedCharacter
+    from faceedit_app.characters.map_file import CharacterMap
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.scans.steps import Attempt
+    from faceedit_app.ui.character.checklist import CharacterChecklist
+    from faceedit_app.ui.character.points_overlay import PointsOverlay
+
+
+class CharacterCommands:
+    """Opens characters, and keeps the checklist and the points on the face up to date."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace, self._document = workspace, workspace.document
+        self._checklist: CharacterChecklist | None = None
+        self._points: PointsOverlay | None = None
+        self._saved: CharacterMap | None = None  # the map as it is in its file
+        self._is_refit = False  # the next character is the same one with another map
+        self._document.character_changed.connect(self._follow)
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether a character of the user's is shown."""
+        return self._document.character is not None
+
+    def ask_open(self) -> None:
+        """Open a character that the user chooses."""
+        folder = self._workspace.preferences.folder("character")
+        path = dialogs.ask_character(self._workspace.window, folder)
+        if path is not None:
+            self.open(path)
+
+    def open(self, path: Path) -> None:
+        """Open a character in the background, and show its checklist."""
+        preferences = self._workspace.preferences
+
+        def opened() -> None:
+            preferences.set_folder("character", path.resolve().parent)
+            preferences.add_recent_character(path)
+            self.show_checklist()
+
+        def failed(problem: str) -> None:
+            dialogs.show_error(self._workspace.window, problem)
+
+        self._workspace.open_character(path, failed, opened)
+
+    def fill_recent(self, menu: QMenu) -> None:
+        """List the characters that were opened recently and still exist."""
+        menu.clear()
+        for path in self._workspace.preferences.recent_characters():
+            action = menu.addAction(path.name.replace("&", "&&"))
+            action.setToolTip(str(path))
+            action.triggered.connect(lambda _checked=False, p=path: self.open(p))
+        if menu.isEmpty():
+            menu.addAction("No recent characters").setEnabled(False)
+
+    def show_own(self) -> None:
+        """Show FaceEdit's own character again."""
+        self._workspace.end_gestures()
+        if self.is_shown:
+            self._document.use_character(None)
+
+    def ask_make(self) -> None:
+        """Make a character from a scan that the user chooses."""
+        workspace = self._workspace
+        path = dialogs.ask_scan(workspace.window, workspace.preferences.folder("character"))
+        if path is not None and workspace.rig is not None:
+            self.make(path, workspace.rig)
+
+    def make(self, path: Path, rig: Rig) -> None:
+        """Make a character from a scan, shown step by step."""
+        from faceedit_app.ui.character.scan_dialog import ScanDialog
+
+        dialog = ScanDialog(self._workspace.window, path, rig)
+
+        def save(attempt: Attempt) -> None:
+            self._save_made(attempt, path)
+
+        dialog.save_asked.connect(save)
+        dialog.show()
+        dialog.begin()
+
+    def _save_made(self, attempt: Attempt, scan: Path) -> None:
+        """Save a character that was made from a scan, and show it."""
+        from faceedit_app.characters.glb_writing import write_rig
+
+        suggestion = scan.with_name(f"{scan.stem}_character.glb")
+        path = dialogs.ask_save_character(self._workspace.window, suggestion)
+        if path is None:
+            return
+        try:
+            write_rig(path, attempt.made.rig)
+        except FaceEditError as error:
+            dialogs.show_error(self._workspace.window, error)
+            return
+        self.open(path)
+
+    # --- closing ---------------------------------------------------------------------------------
+
+    @property
+    def closes(self) -> bool:
+        """Whether lips and lids are closed on the user's character."""
+        session = self._workspace.session
+        return session is not None and session.settings.closes
+
+    def switch_closing(self) -> None:
+        """Close lips and lids on the user's character where edits close them on ours, or do not."""
+        self._workspace.end_gestures()
+        session = self._workspace.session
+        if session is not None:
+            session.configure(replace(session.settings, closes=not session.settings.closes))
+
+    def close_range(self) -> None:
+        """Close lips and lids on the user's character in the selection, or in the whole take."""
+        from faceedit_app.editing.help.on_character import NAME, close_between
+
+        self._workspace.end_gestures()
+        line = self._workspace.timeline
+        start, end = line.selection or (0.0, line.duration)
+        self._workspace.add_edits((close_between(start, end),), NAME)
+
+    # --- the checklist ---------------------------------------------------------------------------
+
+    def show_checklist(self) -> None:
+        """Show what was found in the character, and its points on the face."""
+        if self._document.character is None:
+            return
+        if self._checklist is None:
+            from faceedit_app.ui.character.checklist import CharacterChecklist
+
+            self._checklist = CharacterChecklist(self._workspace.window)
+            self._checklist.shape_chosen.connect(self._choose_shape)
+            self._checklist.save_asked.connect(self.save_map)
+            self._checklist.closed.connect(self._hide_points)
+        self._checklist.show()
+        self._checklist.raise_()
+        self._refresh()
+
+    def save_map(self) -> None:
+        """Save the user's choices beside the character."""
+        from faceedit_app.characters.map_file import map_path, write_map
+
+        character = self._document.character
+        if character is None:
+            return
+        path = map_path(character.character.path)
+        try:
+            write_map(path, character.mapping)
+        except FaceEditError as error:
+            dialogs.show_error(self._workspace.window, error)
+            return
+        self._saved = character.mapping
+        self._workspace.message.emit(f"Saved {path}")
+        self._refresh()
+
+    def _follow(self) -> None:
+        """Another character is shown: its checklist follows."""
+        character = self._document.character
+        if character is None:
+            if self._checklist is not None:
+                self._checklist.close()
+            self._saved = None
+        elif not self._is_refit:
+            self._saved = character.mapping
+        self._is_refit = False
+        self._refresh()
+
+    def _refresh(self) -> None:
+        character, checklist = self._document.character, self._checklist
+        if character is None or checklist is None or not checklist.isVisible():
+            return
+        checklist.show_character(character, is_changed=character.mapping != self._saved)
+        page = self._workspace.page
+        if page is None:
+            return
+        if self._points is None:
+            from faceedit_app.ui.character.points_overlay import PointsOverlay
+
+            self._points = PointsOverlay(page.face.viewport)
+            self._points.moved.connect(self._move_point)
+        self._points.show_points(character.points)
+
+    def _hide_points(self) -> None:
+        if self._points is not None:
+            self._points.hide()
+
+    def _choose_shape(self, channel: str, shape: str) -> None:
+        """Make a channel of another shape."""
+        from faceedit_app.characters.names import Share
+
+        character = self._document.character
+        if character is not None:
+            channels = dict(character.mapping.channels)
+            channels[channel] = (Share(shape),) if shape else ()
+            self._fit_again(character, replace(character.mapping, channels=channels))
+
+    def _move_point(self, name: str, vertex: int) -> None:
+        """Put a control point on another vertex."""
+        character = self._document.character
+        if character is not None:
+            points = {**character.mapping.points, name: character.place(vertex)}
+            self._fit_again(character, replace(character.mapping, points=points))
+
+    def _fit_again(self, character: FittedCharacter, mapping: CharacterMap) -> None:
+        """Fit the character with another map; if that is impossible, keep it as it is."""
+        from faceedit_app.characters.fitted import fit
+
+        def fitted(again: FittedCharacter) -> None:
+            if self._document.character is character:
+                self._is_refit = True
+                self._document.use_character(again)
+
+        def failed(error: Exception) -> None:
+            if not isinstance(error, FaceEditError):
+                raise error
+            dialogs.show_error(self._workspace.window, error)
+            self._refresh()
+
+        read = character.character
+        self._workspace.background.run(lambda: fit(read, mapping), fitted, failed)

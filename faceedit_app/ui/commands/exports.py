@@ -1,0 +1,122 @@
+"""Export for the File menu: ask how and where, and keep recordings safe."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.film_export import FilmExport
+from faceedit_app.ui.commands.workspace import Workspace
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.exporting import Exported
+
+
+class Exports:
+    """Writes the open take for other programs."""
+
+    def __init__(self, workspace: Workspace, failed: Callable[[Exception], None]) -> None:
+        self._workspace, self._failed = workspace, failed
+        self._film = FilmExport(workspace, self._place, failed)
+
+    def export(self) -> bool:
+        """Export the take as it came; False if the user cancels or it fails."""
+        self._workspace.end_gestures()
+        document = self._workspace.document
+        assert document.path is not None
+        place = self._place("_edited", document.path.suffix or ".csv")
+        if place is None:
+            return False
+        path, overwrite = place
+        try:
+            document.export(path, overwrite)
+        except FaceEditError as error:
+            self._failed(error)
+            return False
+        self._done(path)
+        return True
+
+    def export_as(self) -> None:
+        """Export the take in a format, at a rate and on a character that the user chooses."""
+        from faceedit_app.editing.exporting import export_take
+
+        self._workspace.end_gestures()
+        session = self._workspace.session
+        if session is None:
+            return
+        chosen = dialogs.ask_export_as(
+            self._workspace.window, session.take, self._workspace.preferences.folder("character")
+        )
+        if chosen is None:
+            return
+        form, options = chosen
+        if options.character is not None:
+            self._workspace.preferences.set_folder("character", options.character.parent)
+        place = self._place("_edited", form.ending)
+        if place is None:
+            return
+        path, overwrite = place
+        options = replace(options, overwrite=overwrite)
+        document = self._workspace.document
+        document.work_off()
+        take, weights = session.take, session.clip_weights()
+
+        def done(written: Exported) -> None:
+            if document.session is session:
+                document.exported = path
+            self._done(path)
+            lines = [*written.remarks, *form.hints(written.clip.rate)]
+            dialogs.show_exported(self._workspace.window, path, lines)
+
+        self._workspace.message.emit(f"Exporting {path.name}…")
+        self._workspace.background.run(
+            lambda: export_take(take, weights, path, form, options), done, self._report
+        )
+
+    def export_film(self) -> None:
+        """Film the take."""
+        self._film.export()
+
+    @property
+    def is_filming(self) -> bool:
+        """Whether a film is being written."""
+        return self._film.is_filming
+
+    def stop(self) -> None:
+        """Give up what is being written, as the window closes."""
+        self._film.stop()
+
+    def _place(self, tail: str, ending: str) -> tuple[Path, bool] | None:
+        """Where to write, and whether to replace a recording there; None if the user cancels."""
+        window = self._workspace.window
+        suggestion = self._workspace.suggest("export", tail, ending)
+        while (path := dialogs.ask_export(window, suggestion)) is not None:
+            reason = self._why_keep(path)
+            if not reason:
+                return path, False
+            if dialogs.ask_overwrite(window, path, reason):
+                return path, True
+        return None
+
+    def _why_keep(self, path: Path) -> str:
+        """Why a file should not be replaced; "" if it may be."""
+        from faceedit_app.editing.files.originals import why_keep
+
+        document = self._workspace.document
+        assert document.path is not None
+        own = [document.project] if document.project is not None else []
+        return why_keep(path, document.path, [*own, *self._workspace.preferences.recent()])
+
+    def _report(self, error: Exception) -> None:
+        if not isinstance(error, FaceEditError):
+            raise error
+        self._workspace.message.emit("")
+        self._failed(error)
+
+    def _done(self, path: Path) -> None:
+        self._workspace.preferences.set_folder("export", path.resolve().parent)
+        self._workspace.message.emit(f"Exported {path}")

@@ -1,0 +1,197 @@
+"""`faceedit words`: when each word of a take was said, and lips that close on m, b and p."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Optional
+
+import typer
+
+from faceedit_app import character_commands
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.texts import say
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.help.spoken import Closure
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.media.sound import Sound
+    from faceedit_app.words.files import Imported
+    from faceedit_app.words.transcript import Transcript
+
+_NOISY = "the sound is noisy ({:.0f} dB above the noise): check the times of the words"
+
+
+def words(
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="TAKE|SOUND", help="A take with its sound beside it, or a sound."),
+    ],
+    text: Annotated[Optional[str], typer.Option(help="What is said.")] = None,  # noqa: UP045
+    file: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--words", help="What is said: TextGrid, SRT, VTT, JSON or TXT."),
+    ] = None,
+    sounds_like: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(help="WORD=SPELLING, for a word not in the dictionary; several times."),
+    ] = None,
+    save: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Write the words to this file: TextGrid, SRT or JSON."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    fix: Annotated[
+        bool, typer.Option("--fix", help="Close the lips at each m, b and p that stays open.")
+    ] = False,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("-o", "--output", help="With --fix: the fixed take."),
+    ] = None,
+    character: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Your character: the lips are measured, and close, on it."),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second, if the take does not give them."),
+    ] = None,
+    models: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--models", help="Folder of models; default: those that ship."),
+    ] = None,
+    overwrite: Annotated[
+        bool,
+        typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
+    ] = False,
+) -> None:
+    """Find when each word was said, and whether the lips close on m, b and p."""
+    from faceedit_app.media import is_media
+    from faceedit_app.words.files import Imported, as_tables, read_words, write_words
+
+    if (text is None) == (file is None):
+        raise FaceEditError("words needs what is said: --text TEXT, or --words FILE")
+    if fix != (output is not None):
+        raise FaceEditError("--fix and -o belong together: give both or neither")
+    from faceedit_app.words.aligning import NOISY, Line
+
+    said = read_words(file) if file is not None else Imported((Line(text or ""),))
+    spellings = _spellings(sounds_like or [])
+    report: dict[str, Any] = {}
+    if is_media(source):
+        if fix:
+            raise FaceEditError(f"{source}: is a sound; --fix needs a take")
+        transcript, seconds = _words_of_sound(source, said, spellings)
+        report = {**as_tables(transcript), "closures": []}
+    else:
+        session, transcript = _words_of_take(source, said, spellings, fps)
+        seconds = session.take.clip.duration
+        if character is not None:
+            session.use_character(character_commands.rig_of(character))
+        closures = _closures(session, output, models, overwrite)
+        report = {**as_tables(transcript), "closures": closures}
+    report["noise_db"] = transcript.noise
+    if transcript.noise is not None and transcript.noise < NOISY:
+        say(f"faceedit: warning: {_NOISY.format(transcript.noise)}", to=sys.stderr)
+    if save is not None:
+        write_words(save, transcript, seconds)
+    say(json.dumps(report, indent=2) if as_json else _text(report))
+
+
+def _spellings(given: list[str]) -> dict[str, str]:
+    pairs = [one.partition("=") for one in given]
+    for (word, _, spelling), one in zip(pairs, given, strict=True):
+        if not word.strip() or not spelling.strip():
+            raise FaceEditError(f"--sounds-like {one}: must be WORD=SPELLING, such as 2=two")
+    return {word.strip().lower(): spelling.strip() for word, _, spelling in pairs}
+
+
+def _words_of_sound(
+    path: Path, said: Imported, spellings: dict[str, str]
+) -> tuple[Transcript, float]:
+    from faceedit_app.media.sound import read_sound
+
+    if said.transcript is not None:
+        return said.transcript, said.transcript.words[-1].end
+    sound = read_sound(path)
+    if sound is None:
+        raise FileError(path, "has no sound", "choose another file")
+    return _aligned(sound, said, spellings, (sound.start, sound.end)), sound.end
+
+
+def _words_of_take(
+    path: Path, said: Imported, spellings: dict[str, str], fps: float | None
+) -> tuple[EditSession, Transcript]:
+    from faceedit_app.editing.opening import open_session, open_sound
+    from faceedit_app.words.files import spread
+
+    session = open_session(path, fps=fps)
+    duration = session.take.clip.duration
+    if said.transcript is not None:
+        transcript = said.transcript
+        found = open_sound(session.take)
+        transcript = transcript.shifted(found[1] if found is not None else 0.0)
+    elif (found := open_sound(session.take)) is not None:
+        sound, offset = found
+        span = (max(sound.start, -offset), min(sound.end, duration - offset))
+        transcript = _aligned(sound, said, spellings, span).shifted(offset)
+    elif all(line.end is not None for line in said.lines):
+        transcript = spread(said.lines, duration)
+    else:
+        raise FileError(path, "has no sound beside it", "add one of the same name, such as a WAV")
+    session.say(transcript)
+    return session, transcript
+
+
+def _aligned(
+    sound: Sound, said: Imported, spellings: dict[str, str], span: tuple[float, float]
+) -> Transcript:
+    """Words in seconds of the sound's file, looked for in a range of it."""
+    from faceedit_app.words.aligning import align_part
+
+    try:
+        return align_part(sound.samples, sound.rate, sound.start, span, said.lines, spellings)
+    except FileError:
+        raise
+    except FaceEditError as error:
+        raise FaceEditError(f"{sound.path}: {error}") from error
+
+
+def _closures(
+    session: EditSession, output: Path | None, models: Path | None, overwrite: bool
+) -> list[dict[str, Any]]:
+    """Each m, b and p; with an output, the take is written with those that were open closed."""
+    from faceedit_app.editing.help.spoken import closing_edits, closures_of
+    from faceedit_app.editing.opening import load_engine
+
+    before = after = closures_of(session)
+    if output is not None:
+        session.use_engine(load_engine(session.rig, models))
+        session.add(*closing_edits(session), name="Close lips")
+        session.export(output, overwrite)
+        after = closures_of(session)
+    return [_entry(*pair) for pair in zip(before, after, strict=True)]
+
+
+def _entry(before: Closure, after: Closure) -> dict[str, Any]:
+    return {
+        "phoneme": before.phoneme.symbol,
+        "word": before.word.text,
+        "time": round(before.time, 3),
+        "gap_mm": round(before.gap, 2),
+        "gap_after_mm": round(after.gap, 2),
+        "fixed": before.is_open and not after.is_open,
+    }
+
+
+def _text(report: dict[str, Any]) -> str:
+    lines = [f"{w['start']:8.2f} {w['end']:8.2f}  {w['text']}" for w in report["words"]]
+    closures = report["closures"]
+    if closures:
+        lines.append(f"{len(closures)} times lips should meet (m, b, p):")
+    for closure in closures:
+        what = f"{closure['phoneme'].lower()} of {closure['word']}"
+        state = "fixed" if closure["fixed"] else f"{closure['gap_after_mm']:.1f} mm apart"
+        lines.append(f"{closure['time']:8.2f}  {what}: {state}")
+    return "\n".join(lines)

@@ -1,0 +1,45 @@
+"""What phonemes ask of the lips, in ARPABET and in the International Phonetic Alphabet."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from enum import StrEnum
+
+
+class Lips(StrEnum):
+    """What the lips do."""
+
+    CLOSE = "close"  # m, b, p: they meet
+    TEETH = "teeth"  # f, v: the lower lip touches the upper teeth
+    PUCKER = "pucker"  # w, oo: they are rounded
+    PROTRUDE = "protrude"  # sh, ch: they come forward
+
+
+_ARPABET = {
+    **dict.fromkeys(("P", "B", "M", "EM"), Lips.CLOSE),
+    **dict.fromkeys(("F", "V"), Lips.TEETH),
+    **dict.fromkeys(("W", "UW"), Lips.PUCKER),
+    **dict.fromkeys(("SH", "ZH", "CH", "JH"), Lips.PROTRUDE),
+}
+_IPA = {
+    **dict.fromkeys(("p", "b", "m", "pf"), Lips.CLOSE),
+    **dict.fromkeys(("f", "v", "ɱ"), Lips.TEETH),
+    **dict.fromkeys(("w", "u", "ʉ", "y", "ʍ"), Lips.PUCKER),
+    **dict.fromkeys(("ʃ", "ʒ", "tʃ", "dʒ", "ʧ", "ʤ"), Lips.PROTRUDE),
+}
+
+
+def lips_of(symbol: str) -> Lips | None:
+    """What a phoneme asks of the lips; None if it leaves them to its neighbours."""
+    bare = re.sub(r"\d+$", "", symbol.strip())  # stress
+    if bare in _ARPABET:
+        return _ARPABET[bare]
+    letters = unicodedata.normalize("NFD", bare)  # without length, aspiration and diacritics
+    plain = "".join(c for c in letters if unicodedata.category(c) not in ("Mn", "Lm", "Sk"))
+    return _IPA.get(plain)
+
+
+def spelled(symbol: str) -> str:
+    """A phoneme as a message names it: B is b."""
+    return re.sub(r"\d+$", "", symbol).lower()

@@ -1,0 +1,262 @@
+"""Many takes at once: what is done, what is reported, and what a stop or a lost process leaves."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.faces import shipped_rig
+from support.networks import write_models
+from support.places import ROOT
+from support.takes import make_livelink_csv, make_plain_csv
+
+from faceedit_app import batch
+from faceedit_app.batch import Log, Outcome, Recipe, Task, parse_recipe, perform, plan, run, to_do
+from faceedit_app.batch_report import write_reports
+from faceedit_app.cli import main
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.formats.opening import open_take
+
+DEMO = ROOT / "assets" / "demo_take.csv"
+
+
+@pytest.fixture(scope="module")
+def models(tmp_path_factory: pytest.TempPathFactory) -> str:
+    return str(write_models(tmp_path_factory.mktemp("models"), shipped_rig(), 2))
+
+
+@pytest.fixture
+def takes(tmp_path: Path) -> Path:
+    """A folder with three takes, one of them damaged, and a file that is none."""
+    folder = tmp_path / "takes"
+    (folder / "day 2").mkdir(parents=True)
+    make_livelink_csv(folder / "a.csv")
+    (folder / "bad.csv").write_text("jawOpen\nmany\n")
+    make_plain_csv(folder / "day 2" / "b.csv")
+    (folder / "notes.json").write_text("{}")
+    return folder
+
+
+def edits_in(folder: Path) -> Path:
+    path = folder / "edits.json"
+    edit = {"control": "mouth_opening", "op": "offset", "start": 0.3, "end": 0.6, "value": 4.0}
+    path.write_text(json.dumps({"version": 1, "edits": [edit | {"falloff": 0.1}]}))
+    return path
+
+
+def command(what: object, takes: Path, out: Path, models: str, *more: object) -> int:
+    words = ["batch", what, takes, "-o", out, "--models", models, *more]
+    return main([str(word) for word in words])
+
+
+def outcomes_in(out: Path) -> list[Any]:
+    return [json.loads(line) for line in (out / batch.LOG).read_text().splitlines()]
+
+
+def test_one_bad_file_stops_nothing(
+    takes: Path, tmp_path: Path, models: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert command(edits_in(tmp_path), takes, out, models) == 1
+    said = capfd.readouterr().out
+    assert "3 takes: 2 written, 1 failed" in said
+    assert "bad.csv, line 2" in said
+    for name in ("a.csv", "day 2/b.csv"):
+        before, after = open_take(takes / name).clip, open_take(out / name).clip
+        assert before.channels == after.channels
+        assert (before.weights != after.weights).any()
+    assert not (out / "bad.csv").exists()
+    with (out / "faceedit_report.csv").open(newline="") as file:
+        rows = {row["take"]: row for row in csv.DictReader(file)}
+    assert rows["bad.csv"]["result"] == "failed"
+    assert int(rows["a.csv"]["changed"]) > 0
+    page = (out / "faceedit_report.html").read_text()
+    assert page.count('<polyline class="new" points="1') == 2
+    assert "bad.csv, line 2" in page
+
+
+def test_what_is_done_is_not_done_again(
+    takes: Path, tmp_path: Path, models: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    (takes / "bad.csv").unlink()
+    assert command("none", takes, out, models) == 0
+    written = {
+        path: path.stat().st_mtime_ns for path in out.rglob("*.csv") if "report" not in path.name
+    }
+    capfd.readouterr()
+    make_livelink_csv(takes / "new.csv", seconds=1)
+    assert command("none", takes, out, models) == 0
+    said = capfd.readouterr().out
+    assert "[3/3] new.csv" in said
+    assert "[2/3]" not in said
+    assert {path: path.stat().st_mtime_ns for path in written} == written
+    assert "3 takes: 3 written" in said
+    # Another recipe, a changed take or a deleted result is done again.
+    (out / "a.csv").unlink()
+    make_livelink_csv(takes / "new.csv", seconds=2)
+    assert command("none", takes, out, models) == 0
+    assert capfd.readouterr().out.count("frames changed") == 2
+    assert command("smile", takes, out, models) == 0
+    assert capfd.readouterr().out.count("frames changed") == 3
+
+
+def test_a_stop_loses_nothing(takes: Path, tmp_path: Path, models: str) -> None:
+    (takes / "bad.csv").unlink()
+    tasks = plan(takes, tmp_path / "out", Recipe(models=models))
+    log = Log(tmp_path / "out")
+
+    def stop(_outcome: Outcome, _done: int, _of: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(tasks, log, progress=stop)
+    log.close()
+    with (tmp_path / "out" / batch.LOG).open("a") as file:
+        file.write('{"name": "day 2/b.c')  # as a crash leaves it
+    log = Log(tmp_path / "out")
+    seen: list[str] = []
+    outcomes = run(tasks, log, progress=lambda one, _done, _of: seen.append(one.name))
+    log.close()
+    assert seen == ["day 2/b.csv"]
+    assert [one.name for one in outcomes] == ["a.csv", "day 2/b.csv"]
+    log = Log(tmp_path / "out")
+    assert to_do(tasks, log.outcomes()) == []
+    log.close()
+
+
+def test_problems_are_found_and_fixed(tmp_path: Path) -> None:
+    out = tmp_path / "demo.csv"
+    one = perform(Task("demo.csv", DEMO, out, parse_recipe("fix:lips,blinks")))
+    assert (one.problems, one.left, one.error) == (2, 0, "")
+    assert 0 < one.changed < one.frames
+    assert one.tracked != one.edited
+
+
+def test_results_have_one_name_each(takes: Path, tmp_path: Path, models: str) -> None:
+    (takes / "bad.csv").unlink()
+    source = {"facsNames": ["jawOpen"], "weightMat": [[0.1]] * 30, "exportFps": 30}
+    (takes / "a.json").write_text(json.dumps(source))
+    out = tmp_path / "out"
+    assert command("none", takes, out, models, "--format", "glb", "--fps", "24") == 0
+    assert {path.name for path in out.rglob("*.glb")} == {"a.glb", "a_json.glb", "b.glb"}
+    assert {open_take(path).clip.rate for path in out.rglob("*.glb")} == {24}
+
+
+def test_several_processes_give_the_same_bytes(takes: Path, tmp_path: Path, models: str) -> None:
+    edits = edits_in(tmp_path)
+    assert command(edits, takes, tmp_path / "one", models) == 1
+    assert command(edits, takes, tmp_path / "two", models, "--jobs", 2) == 1
+    for name in ("a.csv", "day 2/b.csv"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    assert len(outcomes_in(tmp_path / "two")) == 3
+
+
+def test_a_process_that_ends_takes_no_other_take_with_it(
+    takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, models: str
+) -> None:
+    monkeypatch.setattr(batch, "perform", _ends_at_bad)
+    tasks = plan(takes, tmp_path / "out", Recipe(models=models))
+    found = {one.name: one for one in batch.run_here(tasks, 2)}
+    assert set(found) == {"a.csv", "bad.csv", "day 2/b.csv"}
+    assert [name for name, one in found.items() if one.error] == ["bad.csv"]
+    assert "try this take alone" in found["bad.csv"].error
+
+
+def _ends_at_bad(task: Task) -> Outcome:
+    if "bad" in task.name:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return Outcome(task.name)
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["grimace", "takes"], "no such preset"),
+        (["blink", "takes"], "acts at a place"),
+        (["fix:teeth", "takes"], "teeth must be one of lips, blinks, shaking, gaps"),
+        (["nowhere.json", "takes"], "nowhere.json"),
+        (["none", "nowhere"], "is not a folder"),
+        (["none", "empty"], "holds no takes"),
+        (["none", "out"], "choose another folder for results"),
+        (["none", "takes", "--fps", "30"], "need --format"),
+        (["none", "takes", "--format", "bvh"], "must be one of livelink"),
+        (["none", "takes", "--jobs", "0"], "--jobs"),
+    ],
+)
+def test_wrong_words_are_said_in_one_line(
+    words: list[str],
+    says: str,
+    takes: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "out").mkdir()
+    make_livelink_csv(tmp_path / "out" / "a.csv")
+    assert main(["batch", *words, "-o", "out"]) == 2
+    err = capfd.readouterr().err
+    assert says in err
+    assert len(err.splitlines()) == 1
+    assert not list((tmp_path / "out").glob("*.jsonl"))
+
+
+def test_names_in_a_report_are_only_text(tmp_path: Path) -> None:
+    one = Outcome("<b>.csv", error="<i>")
+    _, page = write_reports(tmp_path, [one])
+    assert "<b>.csv" not in page.read_text()
+    assert "<i>" not in page.read_text()
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.timeout(110)
+def test_a_cluster_loses_nothing_and_does_nothing_twice(
+    tmp_path: Path, models: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    distributed = pytest.importorskip("dask.distributed", reason="Dask is not installed")
+    folder = tmp_path / "takes"
+    folder.mkdir()
+    for number in range(8):
+        make_livelink_csv(folder / f"{number}.csv", seconds=1 + number % 2)
+    recipe = Recipe(edits=str(edits_in(tmp_path)), models=models)
+    tasks = plan(folder, tmp_path / "out", recipe)
+    log = Log(tmp_path / "out")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        kill = _killer([worker.pid for worker in cluster.workers.values()])
+        outcomes = run(tasks, log, scheduler=cluster.scheduler_address, progress=kill)
+    log.close()
+    assert [one.name for one in outcomes] == [task.name for task in tasks]
+    assert [one.error for one in outcomes] == [""] * 8
+    assert set(Counter(entry["name"] for entry in outcomes_in(tmp_path / "out")).values()) == {1}
+    for task in tasks:
+        alone = tmp_path / "alone.csv"
+        perform(Task(task.name, task.source, alone, recipe))
+        assert task.output.read_bytes() == alone.read_bytes()
+
+
+def _killer(workers: list[int]) -> Callable[[Outcome, int, int], None]:
+    """Kills one worker after the first outcome."""
+
+    def progress(_outcome: Outcome, done: int, _of: int) -> None:
+        if done == 1:
+            os.kill(workers[0], signal.SIGKILL)
+
+    return progress
+
+
+def test_a_cluster_that_does_not_answer_is_said_in_one_line(takes: Path, tmp_path: Path) -> None:
+    pytest.importorskip("dask.distributed", reason="Dask is not installed")
+    tasks = plan(takes, tmp_path / "out", Recipe())
+    with pytest.raises(FaceEditError, match="--scheduler nonsense: does not answer"):
+        list(batch.run_on_cluster(tasks, "nonsense"))

@@ -1,0 +1,99 @@
+"""The interface for Python, and the recipes of its page."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.places import ROOT
+from support.takes import make_livelink_csv
+
+import faceedit_app
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.edit import Op
+from faceedit_app.formats.opening import open_take
+
+PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+RECIPES = dict(re.findall(r"^## ([^\n]+)\n\n```python\n(.*?)```", PAGE, re.MULTILINE | re.DOTALL))
+
+
+@pytest.fixture
+def take(tmp_path: Path) -> faceedit_app.Take:
+    return faceedit_app.open(make_livelink_csv(tmp_path / "take.csv"))
+
+
+def test_there_are_five_recipes() -> None:
+    assert len(RECIPES) == 5
+
+
+@pytest.mark.parametrize("name", RECIPES)
+def test_a_recipe_runs_as_it_is(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = make_livelink_csv(tmp_path / "take.csv").read_bytes()
+    monkeypatch.chdir(tmp_path)
+    exec(compile(RECIPES[name], name, "exec"), {})
+    written = [path for path in tmp_path.rglob("*") if path.is_file() and path.name != "take.csv"]
+    written += (tmp_path / "edited").glob("*.csv")
+    assert written
+    assert (tmp_path / "take.csv").read_bytes() == before
+
+
+def test_an_edit_is_that_of_the_window(take: faceedit_app.Take) -> None:
+    take.edit("Mouth opening", by=5.0, start=0.5, end=0.7, falloff=0.1, strength=0.5)
+    [edit] = take.edits
+    assert (edit.controls, edit.op, edit.value) == (("mouth_opening",), Op.OFFSET, 5.0)
+    assert (edit.start, edit.end, edit.falloff, edit.strength) == (0.5, 0.7, 0.1, 0.5)
+    assert not np.array_equal(take.weights, take.tracked)
+    take.undo()
+    np.testing.assert_array_equal(take.weights, take.tracked)
+
+
+def test_what_is_exported_is_what_the_take_holds(take: faceedit_app.Take, tmp_path: Path) -> None:
+    take.edit(["left_eyelid", "right_eyelid"], to=0.0, start=0.9, end=1.0)
+    take.export(tmp_path / "out.csv")
+    again = open_take(tmp_path / "out.csv").clip
+    assert again.channels == take.channels
+    np.testing.assert_allclose(again.weights, take.weights, atol=1e-9)
+    with pytest.raises(FaceEditError, match="is the recording itself"):
+        take.export(take.path)
+
+
+def test_fixing_leaves_fewer_problems(tmp_path: Path) -> None:
+    take = faceedit_app.open(ROOT / "assets" / "demo_take.csv")
+    before = len(take.problems())
+    assert before == 2
+    assert take.fix("lips") + take.fix("blinks") == 2
+    assert take.problems() == []
+    assert take.fix() == 0
+
+
+def test_wrong_words_and_numbers_are_one_line(take: faceedit_app.Take) -> None:
+    for wrong in (
+        lambda: take.edit("nose", by=1.0),
+        lambda: take.edit("mouth_opening"),
+        lambda: take.edit("mouth_opening", by=1.0, to=2.0),
+        lambda: take.edit("mouth_opening", by=1.0, start=2.0, end=1.0),
+        lambda: take.edit("mouth_opening", by=1.0, strength=3.0),
+        lambda: take.fix("teeth"),
+        lambda: take.preset("grimace"),
+        lambda: take.preset("blink"),
+        lambda: take.preset("smile", strength=9.0),
+        lambda: take.settings(mode="wild"),
+        lambda: take.film("a.mp4", view="side"),
+        lambda: faceedit_app.open("nowhere.csv"),
+    ):
+        with pytest.raises(FaceEditError) as error:
+            wrong()
+        assert len(str(error.value).splitlines()) == 1
+    assert take.edits == ()
+
+
+def test_importing_the_package_loads_nothing_more() -> None:
+    code = "import sys, faceedit_app; print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        faceedit_app.nothing  # noqa: B018

@@ -1,0 +1,222 @@
+"""The user's character in the window: opened, checked, corrected, closed on, remembered."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from support.character_files import write_glb, write_objs
+from support.waiting import wait_for_background
+from support.windows import Bench, add_edit, drop, session_of, trigger
+
+from faceedit_app.characters.map_file import map_path
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.ui.character.checklist import CharacterChecklist
+from faceedit_app.ui.character.points_overlay import PointsOverlay
+from faceedit_app.ui.character.shape_table import NO_SHAPE, SHAPE
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.start.window import MainWindow
+
+
+@pytest.fixture
+def head(tmp_path: Path) -> Path:
+    return write_glb(tmp_path / "head.glb")
+
+
+def open_character(
+    bench: Bench, window: MainWindow, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Open a character from the menu."""
+    monkeypatch.setattr(dialogs, "ask_character", lambda *_: path)
+    trigger(window, "open_character")
+    bench.qtbot.waitUntil(lambda: window.document.character is not None)
+
+
+def checklist_of(window: MainWindow) -> CharacterChecklist:
+    found = window.findChild(CharacterChecklist)
+    assert isinstance(found, CharacterChecklist)
+    return found
+
+
+def overlay_of(window: MainWindow) -> PointsOverlay:
+    found = window.findChild(PointsOverlay)
+    assert isinstance(found, PointsOverlay)
+    return found
+
+
+def test_a_character_is_shown_with_its_checklist_and_ours_comes_back(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    drawn = len(bench.renderers)
+    open_character(bench, window, head, monkeypatch)
+    session = session_of(window)
+    assert session.shown_rig.name == "head"
+    assert len(bench.renderers) == drawn + 1
+    checklist = checklist_of(window)
+    assert checklist.isVisible()
+    assert f"of {len(ARKIT_CHANNELS)} channels have a shape" in checklist.summary
+    assert window.actions_["own_character"].isEnabled()
+    trigger(window, "own_character")
+    assert session.shown_rig is session.rig
+    assert not checklist.isVisible()
+    assert not window.actions_["own_character"].isEnabled()
+
+
+def test_a_character_that_cannot_be_read_leaves_the_old_one(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    window = bench.editing()
+    open_character(bench, window, head, monkeypatch)
+    bad = tmp_path / "bad.glb"
+    bad.write_bytes(b"glTF and nothing more")
+    window.commands.file.character.open(bad)
+    bench.qtbot.waitUntil(lambda: bool(bench.errors))
+    assert "bad.glb" in bench.errors[0]
+    assert session_of(window).shown_rig.name == "head"
+
+
+def test_opening_a_character_changes_no_frame_that_no_edit_touches(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    session = session_of(window)
+    before = session.weights.copy()
+    open_character(bench, window, head, monkeypatch)
+    np.testing.assert_array_equal(session.weights, before)
+    assert not window.isWindowModified()
+
+
+def test_closing_on_the_character_is_a_step_that_undo_takes_back(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    assert not window.actions_["close_on_character"].isEnabled()
+    open_character(bench, window, head, monkeypatch)
+    assert window.actions_["close_on_character"].isChecked()
+    trigger(window, "close_on_character")
+    assert not session_of(window).settings.closes
+    assert not window.actions_["close_on_character"].isChecked()
+    window.document.undo()
+    assert session_of(window).settings.closes
+
+
+def test_another_shape_is_chosen_in_the_table_and_saved_beside_the_character(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    open_character(bench, window, head, monkeypatch)
+    checklist = checklist_of(window)
+    assert not checklist.save.isEnabled()
+    model = checklist.table.model()
+    row = next(r for r in range(model.rowCount()) if model.index(r, 0).data() == "jawOpen")
+    first = window.document.character
+    model.setData(model.index(row, SHAPE), "mouthFunnel")
+    bench.qtbot.waitUntil(lambda: window.document.character is not first)
+    assert window.document.character is not None
+    assert window.document.character.match.matched["jawOpen"] == ("mouthFunnel",)
+    assert checklist.save.isEnabled()
+    QTest.mouseClick(checklist.save, Qt.MouseButton.LeftButton)
+    stored = json.loads(map_path(head).read_text(encoding="utf-8"))
+    assert stored["channels"] == {"jawOpen": ["mouthFunnel"]}
+    assert not checklist.save.isEnabled()
+
+
+def test_choices_that_leave_no_face_are_refused(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    open_character(bench, window, head, monkeypatch)
+    model = checklist_of(window).table.model()
+    monkeypatch.setattr("faceedit_app.characters.fitted._FEWEST", len(ARKIT_CHANNELS))
+    row = next(r for r in range(model.rowCount()) if model.index(r, 0).data() == "jawOpen")
+    character = window.document.character
+    model.setData(model.index(row, SHAPE), NO_SHAPE)
+    bench.qtbot.waitUntil(lambda: bool(bench.errors))
+    assert "head.glb" in bench.errors[0]
+    assert window.document.character is character
+
+
+def test_a_point_is_dragged_to_another_vertex(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    open_character(bench, window, head, monkeypatch)
+    overlay = overlay_of(window)
+    bench.qtbot.waitUntil(lambda: overlay.isVisible())
+    assert window.editor is not None
+    window.editor.face.viewport.grab()
+    first = window.document.character
+    assert first is not None
+    start = overlay.place("chin").toPoint()
+    stop = start - QPoint(0, 14)
+    QTest.mousePress(overlay, Qt.MouseButton.LeftButton, pos=start)
+    QTest.mouseMove(overlay, stop)
+    QTest.mouseRelease(overlay, Qt.MouseButton.LeftButton, pos=stop)
+    bench.qtbot.waitUntil(lambda: window.document.character is not first)
+    assert window.document.character is not None
+    assert set(window.document.character.mapping.points) == {"chin"}
+    assert window.document.character.points["chin"] != first.points["chin"]
+    trigger(window, "own_character")
+    assert not overlay.isVisible()
+
+
+def test_a_project_remembers_the_character_and_finds_it_when_moved(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    window = bench.editing()
+    open_character(bench, window, head, monkeypatch)
+    add_edit(window)
+    project = tmp_path / "work" / "scene.faceedit"
+    project.parent.mkdir()
+    bench.answers["save_project"] = project
+    trigger(window, "save")
+    assert window.close()
+    elsewhere = tmp_path / "moved" / "renamed.glb"
+    elsewhere.parent.mkdir()
+    head.rename(elsewhere)
+    again = bench.window()
+    again.commands.file.open_if_saved(project)
+    bench.qtbot.waitUntil(lambda: again.document.character is not None)
+    assert again.document.character is not None
+    assert again.document.character.character.path == elsewhere
+    assert session_of(again).shown_rig is again.document.character.rig
+    elsewhere.unlink()
+    bench.qtbot.waitUntil(lambda: not again.workspace.opener.is_reading)
+    again.commands.file.open_if_saved(project)
+    bench.qtbot.waitUntil(lambda: again.document.character is None)
+
+
+def test_dropped_characters_open_and_files_that_are_both_are_asked_about(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    drop(window, write_objs(tmp_path / "face"))
+    bench.qtbot.waitUntil(lambda: window.document.character is not None)
+    assert session_of(window).shown_rig.name == "face"
+    asked: list[str] = []
+
+    def answer(_parent: object, name: str) -> dialogs.OpenAs:
+        asked.append(name)
+        return dialogs.OpenAs.CANCEL
+
+    monkeypatch.setattr(dialogs, "ask_take_or_character", answer)
+    monkeypatch.setattr("faceedit_app.formats.registry.is_take", lambda _path: True)
+    drop(window, write_glb(tmp_path / "both.glb"))
+    wait_for_background(window.workspace.background)
+    assert asked == ["both.glb"]
+    assert session_of(window).shown_rig.name == "face"
+
+
+def test_recent_characters_are_listed(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    open_character(bench, window, head, monkeypatch)
+    menu = window.actions_.submenu("recent_characters")
+    menu.aboutToShow.emit()
+    assert [action.text() for action in menu.actions()] == ["head.glb"]

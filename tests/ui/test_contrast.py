@@ -1,0 +1,169 @@
+"""Every text has a contrast of at least 4.5:1 (WCAG 2.1, 1.4.3) with what is behind it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+
+import pytest
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPalette
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QLabel,
+    QTabBar,
+    QToolButton,
+    QWidget,
+)
+from support.waiting import run_events
+from support.windows import Bench, add_edit, session_of
+
+from faceedit_app.core.controls import CONTROLS
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.look import palette
+from faceedit_app.ui.look.theme import window_palette
+from faceedit_app.ui.start.window import MainWindow
+
+LEAST = 4.5
+SCALE = 4  # pixels of the picture per pixel of the screen: letters then have their full colour
+TEXTS = QLabel, QAbstractButton, QAbstractSpinBox, QComboBox, QTabBar
+
+
+def luminance(color: QColor) -> float:
+    """Relative luminance of sRGB, as WCAG defines it."""
+    parts = (color.redF(), color.greenF(), color.blueF())
+    linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one: QColor | str, other: QColor | str) -> float:
+    low, high = sorted(luminance(QColor(color)) for color in (one, other))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_contrast_is_that_of_the_standard() -> None:
+    assert contrast("#000000", "#ffffff") == pytest.approx(21)
+    assert contrast("#767676", "#ffffff") == pytest.approx(4.54, abs=0.01)
+
+
+# What is painted by hand: a text and all that can be behind it.
+PAINTED: dict[str, tuple[str, tuple[str, ...]]] = {
+    "name of a curve": (style.LABEL, (style.PLOT, style.PLOT_ACTIVE)),
+    "value": (style.TEXT, (style.PLOT, style.PLOT_ACTIVE)),
+    "share and note": (style.MUTED, (style.PLOT, style.PLOT_ACTIVE)),
+    "numbers of an axis": (style.MUTED, (style.PLOT, style.PLOT_ACTIVE, style.BACKGROUND)),
+    "hint": (style.MUTED, (style.BACKGROUND, style.PLOT)),
+    "number on a curve": (style.TEXT, (style.TAG,)),
+    "row of an edit": (palette.TEXT, (palette.BACKGROUND, palette.RAISED, palette.ACCENT_DEEP)),
+    "details of an edit": (palette.MUTED, (palette.BACKGROUND, palette.RAISED)),
+    "edit that is off": (palette.DISABLED, (palette.BACKGROUND,)),
+    "edit that is off, hovered": (palette.MUTED, (palette.RAISED,)),
+    "edit that is off, selected": (palette.LABEL, (palette.ACCENT_DEEP,)),
+    "accept": (palette.TEXT, (palette.ACCENT_DEEP, palette.ACCENT_HOVER)),
+}
+
+
+@pytest.mark.parametrize("what", PAINTED)
+def test_what_is_painted_can_be_read(what: str) -> None:
+    text, behind = PAINTED[what]
+    for color in behind:
+        assert contrast(text, color) >= LEAST, color
+
+
+def test_the_palette_can_be_read() -> None:
+    """Also where it is disabled, for widgets without a style sheet."""
+    look, role = window_palette(), QPalette.ColorRole
+    pairs = [
+        (role.WindowText, role.Window),
+        (role.Text, role.Base),
+        (role.ButtonText, role.Button),
+        (role.PlaceholderText, role.Base),
+        (role.HighlightedText, role.Highlight),
+        (role.ToolTipText, role.ToolTipBase),
+        (role.Link, role.Window),
+    ]
+    for text, behind in pairs:
+        assert contrast(look.color(text), look.color(behind)) >= LEAST, text
+
+
+def test_the_colours_of_the_curves_stand_out() -> None:
+    for control in CONTROLS:
+        assert contrast(control.color, style.PLOT) >= LEAST
+
+
+def picture_of(window: QWidget) -> QImage:
+    size = window.size() * SCALE
+    picture = QImage(size, QImage.Format.Format_RGB32)
+    picture.setDevicePixelRatio(SCALE)
+    with QPainter(picture) as painter:
+        window.render(painter, QPoint())
+    return picture
+
+
+def contrast_in(picture: QImage, place: QRect) -> float:
+    """Between the commonest colour of a place and the one that differs most from it."""
+    part = picture.copy(
+        place.x() * SCALE, place.y() * SCALE, place.width() * SCALE, place.height() * SCALE
+    )
+    colors = Counter(
+        part.pixel(x, y) for x in range(0, part.width()) for y in range(0, part.height(), 2)
+    )
+    behind = QColor.fromRgb(colors.most_common(1)[0][0])
+    often = [color for color, count in colors.items() if count > 4]
+    return max(contrast(QColor.fromRgb(color), behind) for color in often)
+
+
+def text_of(widget: QWidget) -> str:
+    if isinstance(widget, QTabBar):
+        return widget.tabText(0)
+    if isinstance(widget, QComboBox):
+        return widget.currentText()
+    if isinstance(widget, QToolButton):
+        is_icon = widget.toolButtonStyle() is Qt.ToolButtonStyle.ToolButtonIconOnly
+        return "" if is_icon else widget.text()
+    assert isinstance(widget, QLabel | QAbstractButton | QAbstractSpinBox)
+    return widget.text()
+
+
+def with_edit(window: MainWindow) -> None:
+    add_edit(window)
+    assert window.editor is not None
+    window.editor.edits.select(0)
+
+
+def with_proposal(window: MainWindow) -> None:
+    assert window.editor is not None
+    window.editor.problems.search()
+    window.editor.list_problems()
+    session = session_of(window)
+    add_edit(window)
+    window.editor.proposal.offer("A proposal", session.edits, "Fix")
+
+
+@pytest.mark.parametrize("state", [lambda _window: None, with_edit, with_proposal])
+def test_every_text_in_the_window_can_be_read(
+    bench: Bench, state: Callable[[MainWindow], None]
+) -> None:
+    window = bench.editing()
+    window.banner.show_message("Something that one should know")
+    window.status.showMessage("Done")
+    state(window)
+    run_events()
+    QApplication.processEvents()
+    picture = picture_of(window)
+    seen = 0
+    for kind in TEXTS:
+        for widget in window.findChildren(kind):
+            if not widget.isVisible() or widget.window() is not window or not text_of(widget):
+                continue
+            if widget.visibleRegion().isEmpty() or (isinstance(widget, QLabel) and widget.pixmap()):
+                continue
+            place = QRect(widget.mapTo(window, QPoint()), widget.size())
+            place &= window.rect()
+            found = contrast_in(picture, place)
+            assert found >= LEAST - 0.1, (found, widget.objectName(), text_of(widget))
+            seen += 1
+    assert seen > 30

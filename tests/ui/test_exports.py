@@ -1,0 +1,197 @@
+"""File > Export as: the dialog, and what is written."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtWidgets import QProgressDialog, QPushButton
+from pytestqt.qtbot import QtBot
+from support.character_files import write_glb
+from support.takes import make_livelink_csv
+from support.windows import Bench, add_edit, trigger
+
+from faceedit_app.editing import filming
+from faceedit_app.editing.exporting import Options, choose, out_formats
+from faceedit_app.editing.filming import Shot, View
+from faceedit_app.formats.opening import open_take
+from faceedit_app.media.film import Film
+from faceedit_app.media.film_writer import FilmFormat, film_format
+from faceedit_app.ui.page.export_dialog import ExportDialog
+from faceedit_app.ui.page.film_dialog import FilmDialog
+from faceedit_app.ui.start.window import MainWindow
+
+
+@pytest.fixture
+def dialog(qtbot: QtBot, tmp_path: Path) -> ExportDialog:
+    take = open_take(make_livelink_csv(tmp_path / "take.csv"))
+    dialog = ExportDialog(None, take, lambda _: tmp_path / "head.glb")
+    qtbot.addWidget(dialog)
+    return dialog
+
+
+def choose_format(dialog: ExportDialog, key: str) -> None:
+    keys = []
+    for index in range(dialog.format.count()):
+        dialog.format.setCurrentIndex(index)
+        keys.append(dialog.chosen.key)
+        if keys[-1] == key:
+            return
+    raise AssertionError(f"{key} is not offered: {keys}")
+
+
+def test_the_dialog_begins_with_the_layout_and_rate_of_the_take(dialog: ExportDialog) -> None:
+    assert dialog.chosen.key == "livelink"
+    assert dialog.options == Options()
+    assert "as the take came" in dialog.format.currentText()
+    assert dialog.format.count() == len(out_formats())
+
+
+def test_only_a_format_with_a_character_asks_for_one(dialog: ExportDialog, tmp_path: Path) -> None:
+    choose_format(dialog, "csv")
+    assert not dialog.choose.isEnabled()
+    assert not dialog.compact.isEnabled()
+    choose_format(dialog, "glb")
+    assert dialog.choose.isEnabled()
+    dialog.choose.click()
+    dialog.compact.click()
+    assert dialog.options == Options(None, tmp_path / "head.glb", True)
+    choose_format(dialog, "csv")
+    assert dialog.options.character is None
+
+
+def test_the_dialog_says_what_to_do_at_the_chosen_rate(dialog: ExportDialog) -> None:
+    choose_format(dialog, "glb")
+    assert "60 fps" in dialog.hints.text()
+    dialog.rate.setCurrentText("24 fps")
+    assert "24 fps" in dialog.hints.text()
+    assert dialog.options.rate == 24
+
+
+def test_what_is_on_screen_is_exported_as_a_character(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    out = bench.folder / "talk.glb"
+    bench.answers |= {"export_as": (choose(out), Options()), "export": out}
+    trigger(window, "export_as")
+    bench.qtbot.waitUntil(lambda: bool(bench.exported))
+    session = window.document.session
+    assert session is not None
+    np.testing.assert_array_equal(open_take(out).clip.arkit_weights(), session.weights)
+    assert window.isWindowModified()
+    path, lines = bench.exported[0]
+    assert path == out
+    assert any(line.startswith("Blender: ") for line in lines)
+    assert not bench.errors
+
+
+def test_a_character_that_cannot_be_read_is_told(bench: Bench) -> None:
+    window = bench.editing()
+    head = bench.folder / "head.glb"
+    write_glb(head, lambda name: f"shape {name[::-1]}")
+    out = bench.folder / "talk.glb"
+    bench.answers |= {"export_as": (choose(out), Options(character=head)), "export": out}
+    trigger(window, "export_as")
+    bench.qtbot.waitUntil(lambda: bool(bench.errors))
+    assert "head.glb" in bench.errors[0]
+    assert not out.exists()
+
+
+def test_the_recording_is_kept_when_it_is_replaced(bench: Bench) -> None:
+    before = bench.take.read_bytes()
+    window = bench.editing()
+    form = choose(Path("x.csv"), "csv")
+    bench.answers |= {"export_as": (form, Options(rate=30.0)), "export": bench.take}
+    bench.answers["overwrite"] = True
+    trigger(window, "export_as")
+    bench.qtbot.waitUntil(lambda: bool(bench.exported))
+    assert bench.take.with_name("take.csv.bak").read_bytes() == before
+    assert open_take(bench.take).clip.rate == 30
+
+
+# --- films ---------------------------------------------------------------------------------------
+
+MP4 = film_format(Path("x.mp4"))
+
+
+def film(bench: Bench, window: MainWindow, path: Path, shot: Shot, form: FilmFormat = MP4) -> None:
+    bench.answers |= {"film": (form, shot), "export": path}
+    trigger(window, "export_film")
+
+
+def test_the_film_dialog_offers_what_the_take_has(qtbot: QtBot) -> None:
+    plain, full = FilmDialog(None, 60.0, False, False), FilmDialog(None, 60.0, True, True)
+    qtbot.addWidget(plain)
+    qtbot.addWidget(full)
+    assert [plain.view.itemData(i) for i in range(plain.view.count())] == [View.FACE, View.BOTH]
+    assert full.view.itemData(2) == View.FILM
+    assert not plain.shot.has_sound
+    assert full.shot.has_sound
+    full.view.setCurrentIndex(1)
+    full.picture_size.setCurrentText("960 × 480")
+    assert full.shot == Shot(View.BOTH, (960, 480), form="mp4")
+
+
+def test_the_take_is_filmed_as_it_is_on_screen(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    path = bench.folder / "face.mp4"
+    film(bench, window, path, Shot(size=(64, 64), rate=10.0))
+    bench.qtbot.waitUntil(lambda: "Exported" in window.status.currentMessage(), timeout=20_000)
+    assert f"{path} (H.264" in window.status.currentMessage()
+    assert len(Film(path)) == 30
+    assert not window.commands.file.is_filming
+    assert not bench.errors
+
+
+def test_a_film_can_be_cancelled(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    gate, film_take = threading.Event(), filming.film_take
+
+    def waits(*arguments: Any) -> object:
+        gate.wait(20)
+        return film_take(*arguments)
+
+    monkeypatch.setattr(filming, "film_take", waits)
+    window = bench.editing()
+    path = bench.folder / "face.mp4"
+    film(bench, window, path, Shot(size=(64, 64)))
+    dialog = window.findChild(QProgressDialog)
+    assert isinstance(dialog, QProgressDialog)
+    button = dialog.findChild(QPushButton)
+    assert isinstance(button, QPushButton)
+    button.click()
+    gate.set()
+    bench.qtbot.waitUntil(
+        lambda: "Film cancelled" in window.status.currentMessage(), timeout=20_000
+    )
+    assert not path.exists()
+    assert not window.commands.file.is_filming
+
+
+def test_closing_asks_about_a_film_that_is_being_written(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gate = threading.Event()
+
+    def waits(*arguments: object) -> None:
+        gate.wait(20)
+
+    monkeypatch.setattr(filming, "film_take", waits)
+    window = bench.editing()
+    film(bench, window, bench.folder / "face.mp4", Shot(size=(64, 64)))
+    bench.answers["stop_film"] = False
+    assert not window.close()
+    bench.answers["stop_film"] = True
+    assert window.close()
+    gate.set()
+
+
+def test_a_film_that_cannot_be_written_is_told(bench: Bench) -> None:
+    window = bench.editing()
+    film(bench, window, bench.folder / "nowhere" / "face.mp4", Shot(size=(64, 64)))
+    bench.qtbot.waitUntil(lambda: bool(bench.errors), timeout=20_000)
+    assert "cannot be written" in bench.errors[0]
+    assert not window.commands.file.is_filming
