@@ -15,8 +15,8 @@ from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
 
-# How much a curve may miss what is missing for a moment only, as a share of that.
-TWITCH = 3.0
+# How much a calmed curve may miss what is missing for a moment only, as a share of that.
+TWITCH = 4.0
 # The take's own range is left, little by little, for a curve that misses its target by this much.
 MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.
@@ -38,6 +38,7 @@ class RegionRequest:
         quick: (N, C) mm, the quick part of the change of its own curves.
         tracked, wanted: (N, C) mm, its own curves as they are and as they should be.
         hold: (N, C) in 0..1, how firmly its own curves are asked for.
+        calm: (N, C) in 0..1, how far they are asked to be calm.
     """
 
     settings: Settings
@@ -51,6 +52,7 @@ class RegionRequest:
     tracked: Doubles
     wanted: Doubles
     hold: Doubles
+    calm: Doubles
 
     def equals(self, other: RegionRequest) -> bool:
         """Whether another request asks for exactly the same."""
@@ -164,13 +166,16 @@ class Combining:
         weights[where] = found
 
     def _passing(self, asked: RegionRequest, lengths: Doubles) -> Doubles:
-        """(N, C) mm: how much of what is missing comes and goes within a few frames.
+        """(N, C) mm: how far calmed curves may miss what is missing for a moment only.
 
-        Curves that were smoothed one by one are not always those of a face. Where they cannot be
+        Curves that are smoothed one by one are not always those of a face. Where they cannot be
         met together but by a twitch, they need not be.
         """
+        if not asked.calm.any():
+            return np.zeros_like(asked.hold)
         missing = asked.hold * (asked.wanted - lengths)
-        tolerance: Doubles = TWITCH * np.abs(missing - smoothed(missing, self._quick))
+        passing = np.abs(missing - smoothed(missing, self._quick))
+        tolerance: Doubles = TWITCH * asked.calm * passing
         return tolerance
 
     def _are_closures(self, wanted: Doubles, asked: Bools) -> Bools:

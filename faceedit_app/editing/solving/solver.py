@@ -207,7 +207,7 @@ class Solver:
             times, rate, tracked, self.medians, task.edits, self._companions, self._limit_arrays
         )
         inner = slice(rows.start - near.start, rows.stop - near.start)
-        mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
+        mine = asked.at(inner)
         weights = self.tracked[rows].astype(np.float64)
         influences = {}
         for name, part in self._in_order:
@@ -236,6 +236,7 @@ class Solver:
                     tracked=tracked[inner][:, own],
                     wanted=(tracked[inner] + change)[:, own],
                     hold=mine.hold[:, own],
+                    calm=mine.calm[:, own],
                 )
                 self._solve_region(task.chunk, name, weights, wanted)
             if settings.mode is Mode.PRESERVE:
