@@ -82,3 +82,4 @@ EYELIDS = _region(
 
 REGIONS: tuple[Region, ...] = (LOWER, UPPER, EYELIDS)
 MODELLED_CHANNELS: tuple[str, ...] = tuple(c for region in REGIONS for c in region.channels)
+ACCOMPANYING_CHANNELS: tuple[str, ...] = tuple(c for r in REGIONS for c in r.accompanying)

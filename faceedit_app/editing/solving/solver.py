@@ -117,6 +117,8 @@ class Solver:
         }
         self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
         self._layers: dict[tuple[str, float], LastLayer] = {}
+        for name in self._parts if engine else ():
+            self._last_layer(name, Settings())  # now, so that the first drag need not wait for it
         self.limits = self._limits()
         self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
         self.use_character(self._theirs)
