@@ -77,25 +77,27 @@ class Across:
         leader, follower: columns among the 52.
         gain: how far the follower goes with the leader in this take.
         low: the follower's smallest weight in the take.
-        controls: the controls that the follower moves.
+        leads, follows: the controls that the leader and the follower move.
     """
 
     leader: int
     follower: int
     gain: float
     low: float
-    controls: Indices
+    leads: Indices
+    follows: Indices
 
-    def join(self, weights: Doubles, tracked: Doubles, hold: Doubles) -> None:
+    def join(self, weights: Doubles, tracked: Doubles, hold: Doubles, calm: Doubles) -> None:
         """Move the follower with the leader, in place.
 
         Args:
             weights: (N, 52) edited.
             tracked: (N, 52).
-            hold: (N, C) in 0..1, how firmly each curve is asked for.
+            hold, calm: (N, C) in 0..1, see `Request`. Shaking is nothing to join in.
         """
         change = weights[:, self.leader] - tracked[:, self.leader]
-        free = 1.0 - hold[:, self.controls].max(axis=1, initial=0.0)
+        free = 1.0 - hold[:, self.follows].max(axis=1, initial=0.0)
+        free *= 1.0 - calm[:, self.leads].max(axis=1, initial=0.0)
         now = weights[:, self.follower]
         low, high = np.minimum(now, self.low), np.maximum(now, 1.0)
         moved = np.clip(now + self.gain * free * change, low, high)
@@ -125,8 +127,8 @@ def across(
             prior = _PRIOR_FRAMES * _SPREAD**2
             own = centred[:, a] @ centred[:, b] + prior * gain
             fitted = float(own / (centred[:, a] @ centred[:, a] + prior))
-            moves = np.flatnonzero(np.abs(distances.gradients[b]).any(axis=1))
-            found.append(Across(a, b, max(fitted, 0.0), float(low[b]), moves))
+            moves = [np.flatnonzero(distances.gradients[i].any(axis=1)) for i in (a, b)]
+            found.append(Across(a, b, max(fitted, 0.0), float(low[b]), *moves))
     return found
 
 

@@ -16,7 +16,7 @@ from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
 
 # How much a calmed curve may miss what is missing for a moment only, as a share of that.
-TWITCH = 4.0
+TWITCH = 1.0
 # The take's own range is left, little by little, for a curve that misses its target by this much.
 MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.
@@ -140,8 +140,9 @@ class Combining:
         part, naturalness = self._part, asked.settings.naturalness
         columns = part.columns[part.have]
         lengths = part.lengths(weights)
-        tolerance = self._passing(asked, lengths)[where]
-        hold, wanted = asked.hold[where], asked.wanted[where]
+        passing = self._passing(asked, lengths)[where]
+        tolerance = TWITCH * np.abs(passing)
+        hold, wanted = asked.hold[where], asked.wanted[where] - passing
         mask = hold > 0
         strength = asked.settings.reach * np.where(mask, hold, hold.max(axis=1, keepdims=True))
         aim = _Aim(
@@ -174,9 +175,8 @@ class Combining:
         if not asked.calm.any():
             return np.zeros_like(asked.hold)
         missing = asked.hold * (asked.wanted - lengths)
-        passing = np.abs(missing - smoothed(missing, self._quick))
-        tolerance: Doubles = TWITCH * asked.calm * passing
-        return tolerance
+        passing: Doubles = asked.calm * (missing - smoothed(missing, self._quick))
+        return passing
 
     def _are_closures(self, wanted: Doubles, asked: Bools) -> Bools:
         """(N,) the frames on which the lips are asked to shut."""

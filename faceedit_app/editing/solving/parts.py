@@ -54,6 +54,7 @@ class Sample:
 
     Attributes:
         weights: (N, 52) of each stretch.
+        frames: (N, 52) of each stretch, as tracked, at the take's own rate.
         curves: (N, C) mm of each stretch.
         low, high: (52,) the smallest and largest weights of the whole take.
         shortest, longest: (C,) mm, the same of its curves.
@@ -61,6 +62,7 @@ class Sample:
     """
 
     weights: list[Doubles]
+    frames: list[Doubles]
     curves: list[Doubles]
     low: Doubles
     high: Doubles
@@ -118,6 +120,7 @@ class Part:
             sample.low[self.columns],
             sample.high[self.columns],
             [block[:, self.columns] for block in sample.weights],
+            [block[:, self.columns] for block in sample.frames],
             self._prior,
             self.mirror,
             self._needed(slopes, moves[self.columns]),

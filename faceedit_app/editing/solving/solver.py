@@ -141,18 +141,20 @@ class Solver:
 
     def _measure(self) -> Sample:
         """The part of the take that its statistics are measured on."""
-        times, weights, curves = self.clip.times, [], []
+        times = self.clip.times
+        weights, frames, curves = [], [], []
         self._sampled = self.chunks.spread(SAMPLED)
         for chunk in self._sampled:
             first, last = (int(i) for i in self.chunks.own_ranges[chunk])
             rows = self.chunks.slice(chunk)
             near = slice(max(rows.start - 3, 0), rows.stop + 3)
             weights.append(to_grid(times[near], self.tracked[near], first, last))
+            frames.append(self.tracked[rows].astype(np.float64))
             curves.append(self.grid[first:last])
         low, high = self.tracked.min(axis=0), self.tracked.max(axis=0)
         shortest, longest = self.controls.min(axis=0), self.controls.max(axis=0)
         extremes = (each.astype(np.float64) for each in (low, high, shortest, longest))
-        return Sample(weights, curves, *extremes, self.clip.duration)
+        return Sample(weights, frames, curves, *extremes, self.clip.duration)
 
     def _last_layer(self, region: str, settings: Settings) -> LastLayer | None:
         """The take's own last layer of a region; None if it has no part in the answer."""
@@ -243,7 +245,7 @@ class Solver:
                 self._solve_region(task.chunk, name, weights, wanted)
             if settings.mode is Mode.PRESERVE:
                 for each in self._across:
-                    each.join(weights, self.tracked[rows], mine.hold)
+                    each.join(weights, self.tracked[rows], mine.hold, mine.calm)
         result = weights.astype(np.float32)
         if self._closing is not None and settings.closes:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}

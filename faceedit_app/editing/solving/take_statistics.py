@@ -38,7 +38,7 @@ class TakeStatistics:
         covariance: (K, K) of the weights; 0 for idle channels.
         wide: (K, K) the mean of the take's covariance and that of other performances, idle
             channels included, for what the take itself cannot answer.
-        fast: (K, K) covariance of quick movement (second differences at 25 fps), scaled to the
+        fast: (K, K) covariance of quick movement (second differences), scaled to the
             trace of `covariance`; 0 for idle channels.
     """
 
@@ -55,6 +55,7 @@ class TakeStatistics:
         low: Doubles,
         high: Doubles,
         blocks: list[Doubles],
+        frames: list[Doubles],
         prior: Doubles,
         mirror: Indices,
         needed: Bools,
@@ -65,6 +66,7 @@ class TakeStatistics:
         Args:
             low, high: (K,) over the whole take.
             blocks: stretches (N, K) of the take at 25 fps.
+            frames: the same at its own rate, at which shaking shows.
             prior: (K, K) covariance in other performances.
             mirror: (K,) the position of each channel's mirror image.
             needed: (K,) channels without which a curve cannot be answered; they count as used.
@@ -78,7 +80,7 @@ class TakeStatistics:
         even = _even(prior, mirror)
         own = _even(_covariance(weights), mirror)
         covariance = _shrunk(own, len(weights), even, PRIOR_FRAMES)
-        changes = [np.diff(block, 2, axis=0) for block in blocks if len(block) > 2]
+        changes = [np.diff(block, 2, axis=0) for block in frames if len(block) > 2]
         fast = covariance
         if changes:
             change = np.concatenate(changes)
