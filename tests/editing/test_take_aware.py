@@ -183,8 +183,8 @@ def test_a_smooth_lets_no_channel_shake_that_did_not() -> None:
     rises = after - before
     assert rises.max() < 0.002, ARKIT_CHANNELS[int(rises.argmax())]
     jaw = ARKIT_INDEX["jawOpen"]
-    assert after[jaw] < 0.6 * before[jaw]
-    assert roughness(session.achieved)[MOUTH] < 0.6 * roughness(session.tracked)[MOUTH]
+    assert after[jaw] < 0.8 * before[jaw]
+    assert roughness(session.achieved)[MOUTH] < 0.8 * roughness(session.tracked)[MOUTH]
 
 
 @pytest.mark.skipif(not (SHARED / "cases").exists(), reason="shared is absent")
