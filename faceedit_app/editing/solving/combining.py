@@ -90,10 +90,9 @@ class Combining:
         result, columns = weights.copy(), part.columns[part.have]
         most = self._most(weights[:, columns], asked)
         self._combine(result, asked, most)
-        if part.reach is not None and asked.settings.reach > 0:
-            where = np.flatnonzero(asked.hold.any(axis=1))
-            if len(where):
-                self._reach(result, asked, most, where)
+        where = np.flatnonzero(asked.hold.any(axis=1))
+        if part.reach is not None and asked.settings.reach > 0 and len(where):
+            self._go_on(part.reach, result, asked, most, where)
         return result[:, columns]
 
     def _most(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
@@ -133,9 +132,11 @@ class Combining:
         new = np.clip(answer, np.minimum(old, 0.0), most)
         weights[:, columns] = np.where(influence > 0, new, old)
         if "mouthClose" in part.region.channels:
-            _couple(weights, old, columns, (influence > 0).any(axis=1))
+            _couple(weights, old, columns, influence.max(axis=1) > 0)
 
-    def _reach(self, weights: Doubles, asked: RegionRequest, most: Doubles, where: Indices) -> None:
+    def _go_on(
+        self, reach: Reach, weights: Doubles, asked: RegionRequest, most: Doubles, where: Indices
+    ) -> None:
         """Bring the region's own controls the rest of the way to what was asked for, in place."""
         part, naturalness = self._part, asked.settings.naturalness
         columns = part.columns[part.have]
@@ -155,7 +156,7 @@ class Combining:
         )
         beyond = np.maximum(part.beyond(wanted, hold), aim.share)
         found = aim.here.copy()
-        found[:, columns] = aim.solve(part.reach, columns, part.bounds(beyond), naturalness)
+        found[:, columns] = aim.solve(reach, columns, part.bounds(beyond), naturalness)
         missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
         missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
         rest = np.flatnonzero(missing > np.minimum(aim.share, beyond))
@@ -163,7 +164,7 @@ class Combining:
             # What the take does not show, others do.
             bounds = part.bounds(np.maximum(beyond, missing)[rest])
             more = replace(aim, share=np.maximum(aim.share, missing)).at(rest)
-            found[np.ix_(rest, columns)] = more.solve(part.reach, columns, bounds, naturalness)
+            found[np.ix_(rest, columns)] = more.solve(reach, columns, bounds, naturalness)
         weights[where] = found
 
     def _passing(self, asked: RegionRequest, lengths: Doubles) -> Doubles:

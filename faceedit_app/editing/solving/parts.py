@@ -81,7 +81,11 @@ class Part:
             ones that the take uses.
         have: positions of the channels that may change, because the take has them.
         mirror: (K,) the position of each channel's mirror image.
+        sees: columns among the 52 that its result depends on.
+        expectation: what its curves do that are not asked for.
+        frowns: positions in `have` of channels that do not rise while lips are closed.
         reach: brings its own controls to a goal; None if it has none or no channel may change.
+        quick: (C, K) how far its channels go with a quick change of its controls, per mm.
     """
 
     def __init__(
@@ -102,7 +106,7 @@ class Part:
         self.listens_to = tuple(dict.fromkeys((*heard, *self.own)))
         self.layer_columns = np.array([CONTROL_INDEX[name] for name in heard], np.intp)
         self.heard_columns = np.array([CONTROL_INDEX[name] for name in self.listens_to], np.intp)
-        moves = sample.high - sample.low > IDLE
+        moves: Bools = np.asarray(sample.high - sample.low > IDLE)
         moves |= moves[[ARKIT_INDEX[mirrored_channel(c)] for c in ARKIT_CHANNELS]]
         more = [c for c in region.accompanying if c in may and moves[ARKIT_INDEX[c]]]
         self.channels = (*region.channels, *more)
@@ -131,9 +135,8 @@ class Part:
         self.expectation = self._expectation(slopes, sample)
         stays = [i for i in self.have if stem(self.channels[i]) in STAYS_IN_CLOSURES]
         self.frowns = np.flatnonzero(np.isin(self.have, stays))
-        moving = np.abs(self._distances.gradients).any(axis=(1, 2))
-        moving[self.columns] = True
-        self.sees = np.flatnonzero(moving)
+        moving = np.flatnonzero(self._distances.gradients.any(axis=(1, 2)))
+        self.sees = np.union1d(moving, self.columns)
         self.reach: Reach | None = None
         if len(self.own) and len(self.have):
             self.reach = self._new_reach()
@@ -171,7 +174,7 @@ class Part:
             return None
         rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
         slopes = distances.jacobian(rest)[1][0][np.ix_(self.heard_columns, self.columns)].T
-        moved = np.abs(slopes) > 0.1 * np.abs(slopes).max(initial=1e-9)
+        moved: Bools = np.abs(slopes) > 0.1 * np.abs(slopes).max(initial=1e-9)
         moved[~moved.any(axis=1)] = True
         return moved
 
@@ -209,8 +212,7 @@ class Part:
         slopes = self._slopes(pose)
         spread = slopes @ self._statistics.fast
         noise = _FAST_MM**2 * np.eye(len(slopes))
-        gain: Doubles = np.linalg.solve(spread @ slopes.T + noise, spread)
-        return gain
+        return np.asarray(np.linalg.solve(spread @ slopes.T + noise, spread), np.float64)
 
     def control_covariance(self) -> Doubles:
         """(C, C) mm²: the covariance of its own controls in performances, linearised at rest."""

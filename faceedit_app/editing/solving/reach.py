@@ -289,9 +289,9 @@ class _Frames:
 
     def at(self, rows: Indices | Bools) -> _Frames:
         """Some of the frames."""
-        arrays = (self.start, self.lower, self.upper, self.vectors, self.targets, self.noise)
-        arrays += (self.limit, self.share)
-        return _Frames(*(array[rows] for array in arrays))
+        arrays = (self.start, self.lower, self.upper, self.vectors)
+        more = (self.targets, self.noise, self.limit, self.share)
+        return _Frames(*(array[rows] for array in (*arrays, *more)))
 
     def bounded(self, change: Doubles, coupled: tuple[int, int] | None) -> Doubles:
         """The nearest allowed change."""

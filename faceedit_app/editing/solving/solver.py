@@ -151,10 +151,16 @@ class Solver:
             weights.append(to_grid(times[near], self.tracked[near], first, last))
             frames.append(self.tracked[rows].astype(np.float64))
             curves.append(self.grid[first:last])
-        low, high = self.tracked.min(axis=0), self.tracked.max(axis=0)
-        shortest, longest = self.controls.min(axis=0), self.controls.max(axis=0)
-        extremes = (each.astype(np.float64) for each in (low, high, shortest, longest))
-        return Sample(weights, frames, curves, *extremes, self.clip.duration)
+        return Sample(
+            weights,
+            frames,
+            curves,
+            low=self.tracked.min(axis=0).astype(np.float64),
+            high=self.tracked.max(axis=0).astype(np.float64),
+            shortest=self.controls.min(axis=0).astype(np.float64),
+            longest=self.controls.max(axis=0).astype(np.float64),
+            seconds=self.clip.duration,
+        )
 
     def _last_layer(self, region: str, settings: Settings) -> LastLayer | None:
         """The take's own last layer of a region; None if it has no part in the answer."""
@@ -212,7 +218,8 @@ class Solver:
         )
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = asked.at(inner)
-        weights = self.tracked[rows].astype(np.float64)
+        before = self.tracked[rows].astype(np.float64)
+        weights = before.copy()
         influences = {}
         for name, part in self._in_order:
             influence = part.influence(mine.influence)
@@ -245,7 +252,7 @@ class Solver:
                 self._solve_region(task.chunk, name, weights, wanted)
             if settings.mode is Mode.PRESERVE:
                 for each in self._across:
-                    each.join(weights, self.tracked[rows], mine.hold, mine.calm)
+                    each.join(weights, before, mine.hold, mine.calm)
         result = weights.astype(np.float32)
         if self._closing is not None and settings.closes:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}
