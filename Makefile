@@ -35,6 +35,7 @@ $(READY): pyproject.toml requirements.lock packaging/system-packages.sh
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
+	$(BIN)/python -m assets.builder.tracker
 	touch $(READY)
 
 # Pins what was tested: the versions of the present environment, without registry addresses.

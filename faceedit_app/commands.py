@@ -13,7 +13,13 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import __version__, character_commands, export_commands, word_commands
+from faceedit_app import (
+    __version__,
+    character_commands,
+    export_commands,
+    tracking_commands,
+    word_commands,
+)
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 from faceedit_app.core.texts import say
@@ -25,8 +31,9 @@ if TYPE_CHECKING:
 USAGE_ERROR = 2
 # The laboratory's commands, named here because the installed application leaves it out.
 LABORATORY = (
-    *("bench", "train", "evaluate", "evaluate-character", "evaluate-words"),
+    *("bench", "train", "evaluate", "evaluate-character", "evaluate-words", "evaluate-tracking"),
     *("experiment", "synthesize", "statistics"),
+    *("fuzz", "soak", "kill"),
 )
 
 app = typer.Typer(
@@ -41,6 +48,9 @@ app.add_typer(character_commands.app, name="character")
 app.command("words")(word_commands.words)
 app.command()(export_commands.convert)
 app.command()(export_commands.batch)
+app.command()(export_commands.live)
+app.command()(export_commands.record)
+app.command("track")(tracking_commands.track)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 CharacterOption = Annotated[
@@ -200,7 +210,7 @@ def render(
         if film_fps is not None:
             film_fps = checked_rate(output, film_fps)
         shot = (view, (width, height), film_fps, form, not silent)
-        export_commands.film(session, shown, output, shot, sound, film)
+        export_commands.film(session, output, shot, sound, film)
         return
     frame = session.take.clip.frame_at(time)
     write_png(output, snapshot(shown, session.weights[frame], width, height))

@@ -14,12 +14,17 @@ ENDINGS = FILM_ENDINGS + SOUND_ENDINGS
 _NEAR = 60.0  # seconds from the start of the take within which a clock may place a film
 # Suffixes that programs add to the name of a take: our export's, Live Link Face's, and those of
 # tools that read a film.
-_ADDED = ("_edited", "_cal", "_raw", "_neutral", "_blendshape_data")
+_ADDED = ("_edited", "_tracked", "_cal", "_raw", "_neutral", "_blendshape_data")
 
 
 def is_media(path: Path) -> bool:
     """Whether a file is a sound or a film by its ending."""
     return path.suffix.lower() in ENDINGS
+
+
+def is_film(path: Path) -> bool:
+    """Whether a file is a film by its ending."""
+    return path.suffix.lower() in FILM_ENDINGS
 
 
 def beside(take: Path) -> tuple[Path | None, Path | None]:

@@ -7,8 +7,12 @@ geometry from monocular video on mobile GPUs", 2019; the irises: Ablavatski et a
 
 from __future__ import annotations
 
+import contextlib
 import math
+import os
+import sys
 import zipfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -88,11 +92,13 @@ class FaceLandmarker:
         require("ai_edge_litert", extra="", package="ai-edge-litert")
         task = task or shipped(TASK)
         try:
+            if task.exists() and not task.is_file():  # a pipe may never end
+                raise ValueError(task)
             with zipfile.ZipFile(task) as archive:
                 networks = [_member(archive, name) for name in (_DETECTOR, _LANDMARKER)]
         except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
             raise FileError(task, "is not a face_landmarker.task", "download it again") from error
-        self._detector, self._landmarker = (_Network(content, threads) for content in networks)
+        self._detector, self._landmarker = (Network(content, threads) for content in networks)
         self._anchors = _anchors()
 
     def find(self, picture: Pixels) -> Doubles | None:
@@ -143,14 +149,15 @@ class FaceLandmarker:
         return Face(local, probability)
 
 
-class _Network:
+class Network:
     """One LiteRT network."""
 
     def __init__(self, content: bytes, threads: int) -> None:
         from ai_edge_litert.interpreter import Interpreter
 
-        self._interpreter = Interpreter(model_content=content, num_threads=threads)
-        self._interpreter.allocate_tensors()
+        with _silence():
+            self._interpreter = Interpreter(model_content=content, num_threads=threads)
+            self._interpreter.allocate_tensors()
         self._input = self._interpreter.get_input_details()[0]["index"]
         self._outputs = [output["index"] for output in self._interpreter.get_output_details()]
 
@@ -158,6 +165,20 @@ class _Network:
         self._interpreter.set_tensor(self._input, values.astype(np.float32))
         self._interpreter.invoke()
         return [self._interpreter.get_tensor(index) for index in self._outputs]
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Hold back what LiteRT says about itself on standard error, which nothing else turns off."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError, ValueError):  # there may be no standard error
+            sys.stderr.flush()
+            kept = os.dup(2)
+            stack.callback(os.close, kept)
+            nowhere = stack.enter_context(open(os.devnull, "wb"))
+            os.dup2(nowhere.fileno(), 2)
+            stack.callback(os.dup2, kept, 2)
+        yield
 
 
 def _member(archive: zipfile.ZipFile, name: str) -> bytes:

@@ -69,12 +69,9 @@ class Transcript:
     @cached_property
     def edges(self) -> tuple[float, ...]:
         """The times of all edges of words and phonemes, in order, each once."""
-        times = sorted(
-            time
-            for word in self.words
-            for part in (word, *word.phonemes)
-            for time in (part.start, part.end)
-        )
+        parts: list[Word | Phoneme] = [*self.words]
+        parts += [phoneme for word in self.words for phoneme in word.phonemes]
+        times = sorted(time for part in parts for time in (part.start, part.end))
         return tuple(time for i, time in enumerate(times) if not i or time - times[i - 1] > _SAME)
 
     def phonemes(self) -> Iterator[tuple[Word, Phoneme]]:

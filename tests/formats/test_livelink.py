@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from support.takes import livelink_names, make_livelink_csv, make_plain_csv
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats import livelink
 from faceedit_app.formats.opening import open_take, write_take
 from faceedit_app.formats.summary import summarize, summary_text
 
@@ -355,3 +357,20 @@ def test_the_summary_tells_what_a_user_asks_about_a_take(tmp_path: Path) -> None
 def test_the_format_is_told_by_content(tmp_path: Path) -> None:
     assert open_take(make_livelink_csv(tmp_path / "a.csv")).format == "Live Link Face CSV"
     assert open_take(make_plain_csv(tmp_path / "b.csv")).format == "CSV with times in seconds"
+
+
+def test_rotations_and_lost_frames_are_written(tmp_path: Path) -> None:
+    times = np.arange(14) / 25.0
+    lost = np.array([0, 6])
+    kept = np.delete(np.arange(14), lost)
+    weights = np.full((12, len(ARKIT_CHANNELS)), 0.25, np.float32)
+    clip = Clip(weights, ARKIT_CHANNELS, times[kept], 25.0)
+    rotations = (np.arange(12 * 9.0).reshape(12, 9) / 100).astype(np.float32)
+    path = tmp_path / "take.csv"
+    path.write_bytes(livelink.write_with(clip, rotations, times[lost]))
+    rows = [row.split(",") for row in path.read_text().splitlines()[1:]]
+    assert [number for number, row in enumerate(rows) if row[1] == "0"] == [0, 6]
+    assert rows[-1][-9:] == [f"{value:.10f}" for value in rotations[-1]]
+    take = open_take(path)
+    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(4, 1)]
+    assert "RightEyeRoll" in take.carried

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.faces import shipped_rig
-from support.places import SHARED
+from support.tracker import needs_tracker
 
 from faceedit_app.characters.making import Template
 from faceedit_app.characters.points import POINTS
@@ -16,8 +16,6 @@ from faceedit_app.characters.scans import Scan
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FileError
 from faceedit_app.scans.landmarks import find_landmarks, read_points
-
-TASK = SHARED / "tracker" / "face_landmarker.task"
 
 
 def test_points_are_read(tmp_path: Path) -> None:
@@ -41,29 +39,26 @@ def test_points_that_are_none_are_one_line(tmp_path: Path, content: str) -> None
     assert "\n" not in str(caught.value)
 
 
-def test_without_networks_and_points_it_says_what_to_do(
+@needs_tracker
+def test_networks_that_are_none_are_one_line(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     import trimesh
 
     trimesh.creation.icosphere(3).export(tmp_path / "ball.ply")
     command = ["character", "make", str(tmp_path / "ball.ply"), "-o", str(tmp_path / "a.glb")]
-    assert main([*command, "--landmarker", str(tmp_path / "none.task")]) == 2
-    assert "face_landmarker.task" in capfd.readouterr().err
     (tmp_path / "none.task").write_bytes(b"no zip")
     assert main([*command, "--landmarker", str(tmp_path / "none.task")]) == 2
     assert "download it again" in capfd.readouterr().err
     assert not (tmp_path / "a.glb").exists()
 
 
+@needs_tracker
 def test_a_face_is_found_however_its_file_is_turned(tmp_path: Path) -> None:
-    pytest.importorskip("ai_edge_litert", reason="LiteRT is not installed")
-    if not TASK.exists():
-        pytest.skip(f"{TASK} is not at hand")
     rig, template = shipped_rig(), Template.of(shipped_rig())
     turned = rig.neutral.astype(np.float64)[:, [0, 2, 1]] * (40.0, -40.0, 40.0)  # Z up
     scan = Scan(turned, rig.faces, rig.colors)
-    marks = find_landmarks(template, scan, tmp_path / "scan.ply", TASK)
+    marks = find_landmarks(template, scan, tmp_path / "scan.ply", None)
     assert len(marks.positions) > 350
     ours = marks.on(template.vertices, template.faces)
     theirs = marks.positions[:, [0, 2, 1]] * (25.0, 25.0, -25.0)

@@ -93,7 +93,7 @@ class Bench:
         monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
         for name in (
             *("open", "export", "save_edits", "load_edits", "save_project", "unsaved"),
-            *("overwrite", "export_as", "film", "stop_film"),
+            *("overwrite", "export_as", "film", "stop_film", "film_to_track", "save_take"),
         ):
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
         monkeypatch.setattr(loading, "load_character", shipped_rig)

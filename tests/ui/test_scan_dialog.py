@@ -65,7 +65,7 @@ def test_a_scan_becomes_the_character_that_is_shown(
     bench.qtbot.waitUntil(dialog.save.isEnabled, timeout=60_000)
     assert "mm from the scan" in dialog.status.text()
     dialog.expression.setCurrentText("Smile")
-    assert not dialog.result.is_empty
+    assert not dialog.character.is_empty
 
     start = dialog.points.place("chin").toPoint()
     stop = start - QPoint(0, 12)

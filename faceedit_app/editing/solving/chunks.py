@@ -154,11 +154,15 @@ class Chunks:
 
     def _under(self, spans: Sequence[Span]) -> list[int]:
         """The chunks with frames that edits affect, in order of time."""
-        found: set[int] = set()
-        for first, last in {span.affected for span in spans}:
-            if first < last:
-                found.update(range(self.of_frame(first), self.of_frame(last - 1) + 1))
-        return sorted(found)
+        rows = np.array([span.affected for span in spans])
+        first, last = rows[rows[:, 0] < rows[:, 1]].T
+        starts, stops = (np.searchsorted(self.rows, i, side="right") for i in (first, last - 1))
+        # Each run of chunks adds one at its first and takes one away after its last.
+        runs = np.zeros(len(self) + 1, np.intp)
+        np.add.at(runs, starts - 1, 1)
+        np.add.at(runs, stops, -1)
+        under: list[int] = np.flatnonzero(runs.cumsum()[:-1]).tolist()
+        return under
 
     def _seen(self, edits: Sequence[Edit], spans: Sequence[Span]) -> tuple[Bools, Indices]:
         """Which edits each chunk depends on (E, n), and the frames that it reads (n, 2).

@@ -42,6 +42,9 @@ from faceedit_app.editing.solving.take_statistics import IDLE
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
+# Changed weights are multiples of this. The last bits of a matrix product depend on the processor;
+# rounded, nearly all weights are the same on every one. It moves a jaw by less than a micrometre.
+DECIMALS = 5
 # Chunks that the statistics of a take are measured on: 12 are 100 s.
 SAMPLED = 12
 # Results of regions that are kept.
@@ -257,6 +260,7 @@ class Solver:
         if self._closing is not None and settings.closes:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}
             result = self._closing(result, share)
+        result = _rounded(result, self.tracked[rows])
         controls = self.distances.measure(result)
         # The last bits of a matrix product depend on the number of frames.
         same = (result == self.tracked[rows]).all(axis=1)
@@ -332,3 +336,14 @@ class Solver:
         while len(self._solved) > REMEMBERED:
             del self._solved[next(iter(self._solved))]  # the least recently used
         weights[:, part.columns[part.have]] = known[2]
+
+
+def _rounded(weights: Floats, tracked: Floats) -> Floats:
+    """(N, 52) float32: changed weights rounded, the others with the bits of the take."""
+    rounded = np.round(weights.astype(np.float64), DECIMALS).astype(np.float32)
+    result: Floats = np.where(weights == tracked, tracked, rounded)
+    jaw, lips = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
+    # Lips that are no more closed than the jaw is open stay so.
+    over = (result[:, lips] > result[:, jaw]) & (weights[:, lips] <= weights[:, jaw])
+    result[over, lips] = result[over, jaw]
+    return result

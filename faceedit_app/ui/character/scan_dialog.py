@@ -52,7 +52,7 @@ class ScanDialog(QDialog):
         self._build()
 
     def _build(self) -> None:
-        self.scan, self.result = ScanView(), Picture("The character")
+        self.scan, self.character = ScanView(), Picture("The character")
         self.points = PointsOverlay(self.scan)
         self.points.moved.connect(self._move)
         self.expression = Choice()
@@ -78,7 +78,7 @@ class ScanDialog(QDialog):
         grid.addWidget(caption("The scan: drag a point that is wrong"), 0, 0)
         grid.addWidget(self.expression, 0, 1)
         grid.addWidget(self.scan, 1, 0)
-        grid.addWidget(self.result, 1, 1)
+        grid.addWidget(self.character, 1, 1)
         column = QVBoxLayout(self)
         column.setSpacing(10)
         column.addLayout(grid)
@@ -137,7 +137,7 @@ class ScanDialog(QDialog):
 
     def _show_expression(self, name: str) -> None:
         if name in self._pictures:
-            self.result.show_picture(self._pictures[name])
+            self.character.show_picture(self._pictures[name])
 
     def _move(self, name: str, vertex: int) -> None:
         """A point was dragged to another vertex of the scan."""

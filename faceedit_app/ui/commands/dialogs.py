@@ -11,7 +11,7 @@ from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
-from faceedit_app.media import ENDINGS
+from faceedit_app.media import ENDINGS, FILM_ENDINGS
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
@@ -26,8 +26,9 @@ PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
 WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
 WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
+FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
+FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
-CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
 
@@ -37,6 +38,14 @@ class Unsaved(Enum):
     EXPORT = auto()
     SAVE = auto()
     DISCARD = auto()
+    CANCEL = auto()
+
+
+class Changed(Enum):
+    """What to do if another program has changed a file that is about to be replaced."""
+
+    REPLACE = auto()
+    ELSEWHERE = auto()
     CANCEL = auto()
 
 
@@ -76,7 +85,10 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    kinds = f"Takes and projects ({takes_pattern()} *{PROJECT_SUFFIX});;All files (*)"
+    kinds = (
+        f"Takes, projects and films ({takes_pattern()} *{PROJECT_SUFFIX} {FILM_PATTERNS});;"
+        "All files (*)"
+    )
     return _chosen(
         QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
     )
@@ -88,19 +100,17 @@ def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     return _save_name(parent, "Export", suggestion, kinds)
 
 
-def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
+def ask_export_as(
+    parent: QWidget, take: Take, character: Path | None
+) -> tuple[OutFormat, Options] | None:
     """How to export a take.
 
     Args:
-        folder: where to look for a character first.
+        character: the file of the character on screen; None = FaceEdit's own.
     """
     from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
 
-    def choose(dialog: QWidget) -> Path | None:
-        answer = QFileDialog.getOpenFileName(dialog, "Your character", str(folder), CHARACTERS)
-        return _chosen(answer)
-
-    dialog = ExportDialog(parent, take, choose)
+    dialog = ExportDialog(parent, take, character)
     return (dialog.chosen, dialog.options) if dialog.exec() else None
 
 
@@ -271,6 +281,17 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
     return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
 
 
+def ask_film_to_track(parent: QWidget, folder: Path) -> Path | None:
+    """Which film to track."""
+    return _chosen(QFileDialog.getOpenFileName(parent, "Track a film", str(folder), FILMS))
+
+
+def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write the take of a film."""
+    kinds = "Live Link Face CSV (*.csv);;All files (*)"
+    return _save_name(parent, "Save the tracked take as", suggestion, kinds)
+
+
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the picture of the face."""
     return _save_name(parent, "Save picture", suggestion, PICTURES)
@@ -309,6 +330,21 @@ def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), Unsaved.CANCEL)
+
+
+def ask_changed(parent: QWidget, name: str) -> Changed:
+    """What to do if another program, or window, has changed a file since it was read."""
+    message = f"{name} has been changed by another program, or in another window."
+    box = _question(parent, message, "If you replace it, those changes are lost.")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("Save under another name…", role.AcceptRole): Changed.ELSEWHERE,
+        box.addButton("Replace", role.DestructiveRole): Changed.REPLACE,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), Changed.CANCEL)
 
 
 def show_error(parent: QWidget | None, error: Exception | str) -> None:

@@ -7,18 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.media import is_film
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
+
+if TYPE_CHECKING:  # loaded with the first film
+    from faceedit_app.ui.commands.tracking import FilmTracking
 
 CHARACTER = "C&haracter"  # submenu
 
@@ -33,6 +38,7 @@ class FileCommands:
         self._exports = Exports(workspace, self._show_error)
         workspace.opener.opened.connect(self._remember)
         workspace.opener.failed.connect(self._show_error)
+        self._tracking: FilmTracking | None = None
 
     def _show_error(self, error: Exception) -> None:
         dialogs.show_error(self._window, error)
@@ -61,7 +67,13 @@ class FileCommands:
             self.open(path)
 
     def open(self, path: Path) -> None:
-        """Read a take or a project in the background; on an error the current one stays open."""
+        """Read a take or a project in the background; on an error the current one stays open.
+
+        The face in a film is tracked first.
+        """
+        if is_film(path):
+            self.track(path)
+            return
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return
@@ -71,6 +83,23 @@ class FileCommands:
             return dialogs.ask_take_of_project(self._window, message, likely, path.parent)
 
         projects.open_project(self._workspace, path, ask, self._show_error)
+
+    def ask_track(self) -> None:
+        """Track the face in a film that the user chooses."""
+        film = dialogs.ask_film_to_track(self._window, self._preferences.folder("media"))
+        if film is not None and self.may_close():
+            self._preferences.set_folder("media", film.resolve().parent)
+            self.track(film)
+
+    def track(self, film: Path) -> None:
+        """Track the face in a film and open the take; until then the present one stays open."""
+        from faceedit_app.ui.commands import tracking
+
+        take = dialogs.ask_save_take(self._window, tracking.suggested_take(film))
+        if take is not None:
+            # Kept until the next one: only its dialog knows it otherwise.
+            self._tracking = tracking.FilmTracking(self._workspace, film, take, self._show_error)
+            self._tracking.start()
 
     def _remember(self, path: Path) -> None:
         """Remember the take and its folder."""
@@ -110,6 +139,13 @@ class FileCommands:
 
     def _save(self, path: Path) -> bool:
         from faceedit_app.ui.commands import projects
+
+        if self._document.was_changed(path):
+            match dialogs.ask_changed(self._window, path.name):
+                case dialogs.Changed.ELSEWHERE:
+                    return self.save_as()
+                case dialogs.Changed.CANCEL:
+                    return False
 
         def save(path: Path) -> None:
             projects.save(self._workspace, path)
@@ -199,6 +235,8 @@ class FileCommands:
 MENU: Menu[FileCommands] = Menu("File", (
     Command("open", "&Open…", FileCommands.ask_open, ("Ctrl+O",),
             "Open a tracked take or a project", "open", needs_take=False),
+    Command("track_film", "&Track a film…", FileCommands.ask_track, (),
+            "Find the face in a film, and open its performance as a take", needs_take=False),
     Command("open_demo", "Open &demo take", FileCommands.open_demo, (),
             "Open the take that ships with FaceEdit", needs_take=False),
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),

@@ -51,6 +51,12 @@ class TakeCommands:
         if session is None:
             return
         clip, take = session.take.clip, session.take
+        if self._workspace.document.was_changed(take.path) or session.exported_over is not None:
+            self._workspace.warning.emit(
+                f"{take.path.name} has been replaced since it was opened, so its frame rate cannot "
+                "be changed now: save the project and open the take as it was"
+            )
+            return
         question = f"What is the frame rate of {take.path.name}?"
         rate = dialogs.ask_rate(self._workspace.window, question, len(clip), clip.rate)
         if rate is None or rate == clip.rate:
@@ -101,6 +107,20 @@ class TakeCommands:
         """Mirror the film, or show it as it is."""
         self._media.mirror(not self._media.mirrored)
 
+    @property
+    def has_landmarks(self) -> bool:
+        """Whether the take was tracked in its film."""
+        return self._media.overlay.exists
+
+    @property
+    def shows_landmarks(self) -> bool:
+        """Whether landmarks are shown over the film."""
+        return self._media.overlay.is_shown
+
+    def toggle_landmarks(self) -> None:
+        """Show the landmarks over the film, or hide them."""
+        self._media.overlay.toggle()
+
     # --- with a take -------------------------------------------------------------------------
 
     def follow(self, take: Take, placement: Placement | None) -> None:
@@ -142,6 +162,10 @@ MENU: Menu[TakeCommands] = Menu("Take", (
     Command("mirror_film", "&Mirror film", TakeCommands.mirror_film,
             tip="Flip the film, if its left and right do not match the face",
             enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),
+    Command("film_landmarks", "Show &landmarks over the film", TakeCommands.toggle_landmarks,
+            tip="Show where the tracker saw lips and lids, in the colours of their curves",
+            enabled=lambda do: do.has_film and do.has_landmarks,
+            checked=lambda do: do.shows_landmarks),
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
             tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
             starts_group=True),

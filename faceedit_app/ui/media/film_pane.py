@@ -16,6 +16,7 @@ from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import MUTED, PANEL
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import MARGIN
+from faceedit_app.ui.media.landmark_paint import paint_landmarks
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
@@ -48,6 +49,7 @@ class Screen(QWidget):
         media.film_changed.connect(self._load)
         media.placed.connect(self.follow)
         media.turned.connect(self.update)
+        media.overlay.changed.connect(self.update)
         timeline.playhead_moved.connect(self.follow)
         self.arrived.connect(self._show, Qt.ConnectionType.QueuedConnection)
         self.broken.connect(self._stop, Qt.ConnectionType.QueuedConnection)
@@ -132,7 +134,12 @@ class Screen(QWidget):
             painter.scale(-1, 1)
         pixels = self._picture
         image = QImage(pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32)
-        painter.drawImage(QRectF(left, top, wide, high), image)
+        shown = QRectF(left, top, wide, high)
+        painter.drawImage(shown, image)
+        film = self._film
+        places = None if film is None else self._media.overlay.at(film.path, self.index)
+        if places is not None:
+            paint_landmarks(painter, places, shown)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Show the film's menu."""

@@ -13,6 +13,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.formats.timecode import time_of_day
 from faceedit_app.media import beside, offset_by_clock
+from faceedit_app.ui.media.overlay import Overlay
 from faceedit_app.ui.state.background import Background
 
 if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file
@@ -63,6 +64,7 @@ class TakeMedia(QObject):
     Attributes:
         base: the placement of files found beside the take, used until the user changes it.
         is_held: sound or film is being dragged in time.
+        overlay: the landmarks that are shown over the film.
         mirrored: the film is shown mirrored; some phones record selfies that way.
 
     Signals:
@@ -87,6 +89,7 @@ class TakeMedia(QObject):
     def __init__(self, background: Background, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._background = background
+        self.overlay = Overlay(background, self)
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
         self.base = Placement()
@@ -121,6 +124,7 @@ class TakeMedia(QObject):
         """
         self.clear()
         self._began = began
+        self.overlay.follow(take.absolute())
         sound, film = beside(take.absolute())
         found = [path for path in (film, sound) if path is not None]
         heard = sound or film
@@ -164,6 +168,7 @@ class TakeMedia(QObject):
         self._job += 1
         self._found, self.base = "", Placement()
         self._kept.clear()
+        self.overlay.clear()
         self._put(None, None)
         self.mirror(False)
 

@@ -24,6 +24,7 @@ from faceedit_app.ui.media.waveform import SoundRow
 from faceedit_app.ui.media.words_row import WordsRow
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.first_steps import HintLayer, Step
+from faceedit_app.ui.page.overview import Overview
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.problems_list import ProblemsList
 from faceedit_app.ui.page.proposal_bar import ProposalBar
@@ -65,6 +66,8 @@ class Editor(QWidget):
         self.problems = ProblemsBar(document, timeline)
         self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
         self.curves.cover_legend(self.proposal)
+        self.overview = Overview(document, timeline)
+        self.curves.add_row(QWidget(), self.overview)
         self.sound = SoundRow(media, timeline)
         self.words = WordsRow(actions, document, timeline)
         self.film = FilmPane(media, timeline)
@@ -113,6 +116,7 @@ class Editor(QWidget):
         self.curves.edit_began.connect(self.edits.leave)
         self.curves.edit_made.connect(self.edits.select_new)
         self.curves.follow_chosen(lambda: self.edits.chosen_edit)
+        self.face.handles.hand = self.curves.hand
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)

@@ -68,7 +68,7 @@ class StartPage(QWidget):
         title = QLabel("Open a tracked face")
         title.setObjectName("title")
         lead = QLabel(
-            "Drop a Live Link Face CSV here, or choose one.\n"
+            "Drop a Live Link Face CSV or a film of a face here, or choose one.\n"
             "Then drag its curves: the face follows, and the rest stays as recorded."
         )
         lead.setObjectName("lead")

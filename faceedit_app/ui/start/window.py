@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.media import is_media
+from faceedit_app.media import is_film, is_media
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import Commands
 from faceedit_app.ui.commands.workspace import Workspace
@@ -123,6 +123,7 @@ class MainWindow(WindowBase):
             media.sound_changed,
             media.film_changed,
             media.turned,
+            media.overlay.changed,
             self.sound_player.changed,
         ):
             changed.connect(self.actions_.refresh)
@@ -138,7 +139,7 @@ class MainWindow(WindowBase):
         self, take: Path | None = None, demo: bool = False, character: Path | None = None
     ) -> None:
         """Start loading; call it once the window is on the screen."""
-        self.document.keeps_journal = True
+        self.document.keeps_journal = self.document.awaits_engine = True
         if not offer_recovery(self.workspace):
             if take is not None:
                 self.commands.file.open(take)
@@ -228,6 +229,7 @@ class MainWindow(WindowBase):
         self.settled.emit()
 
     def _continue_without_engine(self, error: Exception) -> None:
+        self.document.settle_engine()
         self.status.set_networks("missing", str(error))
         self.banner.show_message(
             f"The face model could not be loaded, so edits look less natural. {error}",
@@ -311,6 +313,10 @@ class MainWindow(WindowBase):
         """Open a take or a character, load edits, add sound or film."""
         media = [path for path in paths if is_media(path)]
         path = next((path for path in paths if path not in media), None)
+        film = next((path for path in media if is_film(path)), None)
+        if path is None and film is not None and self.document.session is None:
+            self.commands.file.track(film)
+            return
         self.commands.take.drop(media, opens_take=path is not None)
         if path is None:
             return

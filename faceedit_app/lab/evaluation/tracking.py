@@ -1,0 +1,267 @@
+"""How exactly films are tracked: on films of the character, rendered from takes.
+
+Three methods are compared: the weights of MediaPipe's own network, our fit of each picture by
+itself, and our fit over time.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import zipfile
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, LIP_OPENING
+from faceedit_app.core.names import canonical_channel
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import shipped_rig
+from faceedit_app.lab.evaluation.metrics import closures
+from faceedit_app.lab.evaluation.rendered_films import (
+    CONDITIONS,
+    Conditions,
+    Truth,
+    render_film,
+    truth_of,
+)
+from faceedit_app.tracking.face_model import FaceModel
+from faceedit_app.tracking.film_landmarks import FilmLandmarks, read_landmarks
+from faceedit_app.tracking.fit import FitSettings
+from faceedit_app.tracking.landmarker import TASK, FaceLandmarker, Network
+from faceedit_app.tracking.tracker import fit_landmarks
+
+NETWORK, EACH, FULL = "network", "each picture", "over time"
+METHODS = (NETWORK, EACH, FULL)
+_SHUT = 2.0  # mm between lips or lids that count as shut
+_FARTHEST_LAG = 4  # frames
+_FINE = 20  # steps in a frame when the lag is measured
+_STILL = 0.25  # mm per frame; slower lips are at rest
+
+# The landmarks that MediaPipe's blendshape network takes, in its order (mediapipe, Apache-2.0:
+# face_blendshapes_graph.cc, kLandmarksSubsetIdxs).
+# fmt: off
+_SUBSET = (
+    0, 1, 4, 5, 6, 7, 8, 10, 13, 14, 17, 21, 33, 37, 39, 40, 46, 52, 53, 54, 55, 58, 61, 63, 65, 66,
+    67, 70, 78, 80, 81, 82, 84, 87, 88, 91, 93, 95, 103, 105, 107, 109, 127, 132, 133, 136, 144,
+    145, 146, 148, 149, 150, 152, 153, 154, 155, 157, 158, 159, 160, 161, 162, 163, 168, 172, 173,
+    176, 178, 181, 185, 191, 195, 197, 234, 246, 249, 251, 263, 267, 269, 270, 276, 282, 283, 284,
+    285, 288, 291, 293, 295, 296, 297, 300, 308, 310, 311, 312, 314, 317, 318, 321, 323, 324, 332,
+    334, 336, 338, 356, 361, 362, 365, 373, 374, 375, 377, 378, 379, 380, 381, 382, 384, 385, 386,
+    387, 388, 389, 390, 397, 398, 400, 402, 405, 409, 415, 454, 466, 468, 469, 470, 471, 472, 473,
+    474, 475, 476, 477,
+)
+_NETWORK_CHANNELS = (
+    "_neutral", "browDownLeft", "browDownRight", "browInnerUp", "browOuterUpLeft",
+    "browOuterUpRight", "cheekPuff", "cheekSquintLeft", "cheekSquintRight", "eyeBlinkLeft",
+    "eyeBlinkRight", "eyeLookDownLeft", "eyeLookDownRight", "eyeLookInLeft", "eyeLookInRight",
+    "eyeLookOutLeft", "eyeLookOutRight", "eyeLookUpLeft", "eyeLookUpRight", "eyeSquintLeft",
+    "eyeSquintRight", "eyeWideLeft", "eyeWideRight", "jawForward", "jawLeft", "jawOpen", "jawRight",
+    "mouthClose", "mouthDimpleLeft", "mouthDimpleRight", "mouthFrownLeft", "mouthFrownRight",
+    "mouthFunnel", "mouthLeft", "mouthLowerDownLeft", "mouthLowerDownRight", "mouthPressLeft",
+    "mouthPressRight", "mouthPucker", "mouthRight", "mouthRollLower", "mouthRollUpper",
+    "mouthShrugLower", "mouthShrugUpper", "mouthSmileLeft", "mouthSmileRight", "mouthStretchLeft",
+    "mouthStretchRight", "mouthUpperUpLeft", "mouthUpperUpRight", "noseSneerLeft", "noseSneerRight",
+)
+# fmt: on
+
+
+@dataclass(frozen=True)
+class TrackingFigures:
+    """How one method does under one kind of conditions, over all takes.
+
+    Attributes:
+        conditions, method: their names.
+        error: (C,) mm, median absolute error of each control.
+        moved: (C,) mm, the same without the constant part of each film, which is the person's rest.
+        lips, lids: TPR and FPR of lips and lids that are shut, see `metrics.Closures`.
+        lag: frames by which the mouth's opening is late.
+        jitter: how much more the lips shake at rest than in truth, mm per frame².
+        lost: share of the pictures that are gaps.
+    """
+
+    conditions: str
+    method: str
+    error: tuple[float, ...]
+    moved: tuple[float, ...]
+    lips: tuple[float, float]
+    lids: tuple[float, float]
+    lag: float
+    jitter: float
+    lost: float
+
+
+def evaluate_tracking(
+    takes: Sequence[Path],
+    seconds: float = 6.0,
+    conditions: Sequence[Conditions] = CONDITIONS,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> list[TrackingFigures]:
+    """Render films of takes, track them, and compare.
+
+    Args:
+        takes: the takes.
+        seconds: of each, the liveliest stretch.
+        conditions: how the films are taken.
+        progress: films done, and films in all.
+
+    Raises:
+        FileError: a take cannot be read.
+        Unavailable: OpenGL, an encoder or LiteRT is missing.
+    """
+    rig = shipped_rig()
+    model, landmarker, network = FaceModel.of(rig), FaceLandmarker(threads=2), BlendshapeNetwork()
+    figures = []
+    for number, how in enumerate(conditions):
+        found: dict[str, list[tuple[Floats, Floats, float]]] = {method: [] for method in METHODS}
+        for index, take in enumerate(takes):
+            truth = truth_of(take, seconds, how.rate, rig)
+            film = _film(rig, truth, how, landmarker)
+            for method, weights, lost in _tracked(film, model, network):
+                found[method].append(
+                    (
+                        rig.arkit_distances.measure(weights),
+                        rig.arkit_distances.measure(truth.weights),
+                        lost,
+                    )
+                )
+            progress(number * len(takes) + index + 1, len(conditions) * len(takes))
+        figures += [_figures(how.name, method, found[method]) for method in METHODS]
+    return figures
+
+
+class BlendshapeNetwork:
+    """MediaPipe's network that gives weights from landmarks; we only compare with it."""
+
+    def __init__(self) -> None:
+        with zipfile.ZipFile(shipped(TASK)) as archive:
+            self._network = Network(archive.read("face_blendshapes.tflite"), 1)
+
+    def weights(self, points: Doubles) -> Floats:
+        """(T, 52) in ARKit's order from landmarks (T, 478, 3), pixels; 0 where there are none."""
+        weights = np.zeros((len(points), len(ARKIT_INDEX)), np.float32)
+        columns = [
+            (row, ARKIT_INDEX[channel])
+            for row, name in enumerate(_NETWORK_CHANNELS)
+            if (channel := canonical_channel(name)) is not None
+        ]
+        theirs, ours = zip(*columns, strict=True)
+        for frame in np.flatnonzero(np.isfinite(points[:, 0, 0])):
+            answer = self._network(points[frame, list(_SUBSET), :2][None])[0].ravel()
+            weights[frame, list(ours)] = answer[list(theirs)]
+        return weights
+
+
+def _film(rig: Rig, truth: Truth, how: Conditions, landmarker: FaceLandmarker) -> FilmLandmarks:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "film.mp4"
+        render_film(path, rig, truth, how)
+        return read_landmarks(path, landmarker)
+
+
+def _tracked(
+    film: FilmLandmarks, model: FaceModel, network: BlendshapeNetwork
+) -> list[tuple[str, Floats, float]]:
+    """Each method's name, weights (T, 52), and the share of lost pictures."""
+    each = fit_landmarks(film, model, FitSettings(smoothness=0.0))
+    full = fit_landmarks(film, model)
+    return [
+        (NETWORK, network.weights(film.points), float((film.probabilities == 0).mean())),
+        (EACH, each.weights.astype(np.float32), float((~each.sure).mean())),
+        (FULL, full.weights.astype(np.float32), float((~full.sure).mean())),
+    ]
+
+
+def _figures(
+    conditions: str, method: str, films: Sequence[tuple[Floats, Floats, float]]
+) -> TrackingFigures:
+    away = [found - truth for found, truth, _ in films]
+    error = np.median(np.abs(np.concatenate(away)), axis=0)
+    moved = np.median(np.abs(np.concatenate([a - np.median(a, axis=0) for a in away])), axis=0)
+    found = np.concatenate([film[0] for film in films]).astype(np.float64)
+    truth = np.concatenate([film[1] for film in films]).astype(np.float64)
+    opening = CONTROL_INDEX[LIP_OPENING]
+    return TrackingFigures(
+        conditions,
+        method,
+        tuple(error.tolist()),
+        tuple(moved.tolist()),
+        _shut(found, truth, [opening]),
+        _shut(found, truth, [CONTROL_INDEX[lid] for lid in LIDS]),
+        float(np.mean([lag(f[:, opening], t[:, opening]) for f, t, _ in films])),
+        _jitter(found[:, opening], truth[:, opening]),
+        float(np.mean([lost for _, _, lost in films])),
+    )
+
+
+def _shut(found: Doubles, truth: Doubles, columns: Sequence[int]) -> tuple[float, float]:
+    rates = closures(found[:, columns].ravel(), truth[:, columns].ravel(), [_SHUT])
+    return rates.tpr[0], rates.fpr[0]
+
+
+def lag(found: Doubles | Floats, truth: Doubles | Floats) -> float:
+    """Frames by which `found` (T,) is late, from the best correlation within a few frames."""
+    count = len(truth)
+    if count < 4 * _FARTHEST_LAG:
+        return 0.0
+    middle = np.arange(_FARTHEST_LAG, count - _FARTHEST_LAG)
+    shifts = np.arange(-_FARTHEST_LAG * _FINE, _FARTHEST_LAG * _FINE + 1) / _FINE
+    fits = []
+    for shift in shifts:
+        shifted = np.interp(middle + shift, np.arange(count), found)
+        fits.append(np.corrcoef(shifted, truth[middle])[0, 1] if np.ptp(shifted) > 0 else -1.0)
+    return float(shifts[int(np.argmax(fits))])
+
+
+def _jitter(found: Doubles, truth: Doubles) -> float:
+    """How much more `found` (T,) shakes than `truth` where the truth is at rest."""
+    still = np.abs(np.diff(truth)) < _STILL
+    rest = still[1:] & still[:-1]
+    if not rest.any():
+        return float("nan")
+    mine, theirs = (float(np.diff(x, n=2)[rest].std()) for x in (found, truth))
+    return mine - theirs
+
+
+def table(figures: Sequence[TrackingFigures]) -> str:
+    """The figures as a Markdown table."""
+    opening, lids = CONTROL_INDEX[LIP_OPENING], [CONTROL_INDEX[lid] for lid in LIDS]
+    others = [i for i in range(len(CONTROL_IDS)) if i not in (opening, *lids)]
+    rows = [
+        "| film | method | lips, mm | lids, mm | others, mm | others from rest, mm "
+        "| lips shut TPR / FPR | lids shut TPR / FPR | lag | jitter | lost |",
+        "|" + "---|" * 11,
+    ]
+    for one in figures:
+        error, moved = np.array(one.error), np.array(one.moved)
+        cells = [
+            one.conditions,
+            one.method,
+            f"{error[opening]:.2f}",
+            f"{error[lids].mean():.2f}",
+            f"{error[others].mean():.2f}",
+            f"{moved[others].mean():.2f}",
+            f"{one.lips[0]:.2f} / {one.lips[1]:.2f}",
+            f"{one.lids[0]:.2f} / {one.lids[1]:.2f}",
+            f"{one.lag:+.2f}",
+            f"{one.jitter:.2f}",
+            f"{one.lost:.0%}",
+        ]
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def as_json(figures: Sequence[TrackingFigures]) -> list[dict[str, Any]]:
+    """The figures, with the controls by name."""
+    out = []
+    for one in figures:
+        facts = asdict(one)
+        for key in ("error", "moved"):
+            facts[key] = dict(zip(CONTROL_IDS, facts[key], strict=True))
+        out.append(facts)
+    return out

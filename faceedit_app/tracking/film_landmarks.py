@@ -1,0 +1,177 @@
+"""Landmarks in every picture of a film."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from faceedit_app.core.arrays import Doubles, Pixels, Times
+from faceedit_app.core.errors import FileError
+from faceedit_app.media.container import check, film_stream, opened
+from faceedit_app.media.film import Film
+from faceedit_app.tracking.landmarker import LANDMARKS, Face, FaceLandmarker, Square
+
+_SLOWEST = 8.0  # pictures per second; speech has closures of a tenth of a second
+_FEWEST = 8
+_LARGEST = 4096  # pixels of the longest side
+_PICTURES = ("image2", "gif", "apng", "webp_pipe", "_pipe")
+_NEAR = 0.75  # of a face's size; where it is looked for after it was lost
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far tracking is, for the user.
+
+    Attributes:
+        pass_: what is being done.
+        done, of: pictures.
+        picture: (H, W, 4) BGRA, the one just seen, if any.
+        points: (478, 2) its landmarks in pixels, if it shows a face.
+    """
+
+    pass_: str
+    done: int
+    of: int
+    picture: Pixels | None = None
+    points: Doubles | None = None
+
+
+Report = Callable[[Progress], None]
+
+
+@dataclass(frozen=True)
+class FilmLandmarks:
+    """The landmarks of one face in a film.
+
+    Attributes:
+        path: the film.
+        times: (F,) seconds from the first picture.
+        rate: pictures per second.
+        timecode: of the first picture, as the film writes it, if it has one.
+        size: width and height of the pictures that were looked at, pixels.
+        points: (F, 478, 3) as `Face.points`; NaN where the face was not found.
+        probabilities: (F,) as `Face.probability`; 0 where it was not found.
+    """
+
+    path: Path
+    times: Times
+    rate: float
+    timecode: str | None
+    size: tuple[int, int]
+    points: Doubles
+    probabilities: Doubles
+
+
+def read_landmarks(
+    path: Path,
+    landmarker: FaceLandmarker,
+    report: Report = lambda progress: None,
+    stopped: Callable[[], bool] | None = None,
+    face: tuple[float, float] | None = None,
+) -> FilmLandmarks:
+    """Find one face in every picture of a film and follow it.
+
+    Args:
+        path: the film.
+        landmarker: finds faces.
+        report: is called after each picture.
+        stopped: asked after each picture; True gives up.
+        face: a place on the face to follow, as shares of the picture's width and height; None =
+            the largest.
+
+    Raises:
+        FileError: it is not a film, is too slow or too large, or shows no face.
+        Unavailable: PyAV is not installed.
+        Abandoned: `stopped` returned True.
+    """
+    _check_kind(path)
+    film = Film(path, stopped)
+    if len(film) < _FEWEST or film.rate < _SLOWEST:
+        film.close()
+        what = (
+            f"has {len(film)} pictures" if len(film) < _FEWEST else f"has {film.rate:.2g} a second"
+        )
+        raise FileError(
+            path, f"{what}, too few for a take", f"use a film with {_SLOWEST:g} or more a second"
+        )
+    points = np.full((len(film), LANDMARKS, 3), np.nan)
+    probabilities = np.zeros(len(film))
+    follower: _Follower | None = None
+    try:
+        for index in range(len(film)):
+            check(stopped)
+            picture = film.picture(index)
+            image = Image.fromarray(np.ascontiguousarray(picture[..., 2::-1]))
+            if follower is None:
+                width, height = image.size
+                place = None if face is None else (face[0] * width, face[1] * height)
+                follower = _Follower(landmarker, place)
+            found = follower.step(image)
+            if found is not None:
+                points[index], probabilities[index] = found.points, found.probability
+            seen = None if found is None else found.points[:, :2]
+            report(Progress("Finding the face", index + 1, len(film), picture, seen))
+    finally:
+        film.close()
+    if not probabilities.any():
+        raise FileError(path, "shows no face", "use a film in which a face looks at the camera")
+    return FilmLandmarks(
+        path, film.times, film.rate, film.timecode, image.size, points, probabilities
+    )
+
+
+def _check_kind(path: Path) -> None:
+    """Refuse photos, animated pictures and films that are too large."""
+    with opened(path) as container:
+        names = container.format.name.split(",")
+        stream = film_stream(container)
+        if any(name.endswith(_PICTURES) for name in names):
+            raise FileError(path, "is a picture, not a film", "use a film, such as an MP4")
+        side = max(stream.width, stream.height)
+        if side > _LARGEST:
+            raise FileError(
+                path,
+                f"has pictures of {stream.width} x {stream.height} pixels",
+                f"make it smaller, {_LARGEST} pixels at most",
+            )
+
+
+class _Follower:
+    """Follows one face from picture to picture, and looks for it when it was lost."""
+
+    def __init__(self, landmarker: FaceLandmarker, place: tuple[float, float] | None) -> None:
+        self._landmarker, self._place = landmarker, place
+        self._square: Square | None = None  # where the face is in the next picture
+        self._last: Square | None = None  # where it was before it was lost
+
+    def step(self, image: Image.Image) -> Face | None:
+        """The face in the next picture, or None."""
+        face = None
+        if self._square is not None:
+            face = self._landmarker.landmarks(image, self._square)
+        if face is None:
+            face = self._look(image)
+        self._square = None if face is None else Square.around(face.points)
+        self._last = self._square or self._last
+        return face
+
+    def _look(self, image: Image.Image) -> Face | None:
+        squares = self._landmarker.faces(image)
+        last = self._last
+        if last is not None:  # the same face again, not another one
+            squares = [s for s in squares if s.distance_to(last.x, last.y) < _NEAR * last.size]
+        elif self._place is not None:
+            x, y = self._place
+            squares.sort(key=lambda square: square.distance_to(x, y))
+        if not squares:
+            return None
+        face = self._landmarker.landmarks(image, squares[0])
+        if face is None or not math.isfinite(face.probability):
+            return None
+        # Once more in the square around the landmarks, which is more exact.
+        return self._landmarker.landmarks(image, Square.around(face.points)) or face

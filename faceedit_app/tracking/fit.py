@@ -1,0 +1,241 @@
+"""From landmarks to weights: all pictures of a film together, by maximum a posteriori.
+
+The weights w of all pictures minimise
+
+    sum of |seen - (rest + moves w)|² over landmarks, lips and lids  (what the film shows)
+  + |w|² + |w|                                   (few channels and small weights are likely)
+  + sum of a robust loss of each weight's acceleration               (faces move smoothly)
+
+with 0 <= w <= 1, by L-BFGS-B (Zhu, Byrd, Lu and Nocedal, "Algorithm 778", 1997). The loss is
+pseudo-Huber (Charbonnier et al., 1997): quadratic for the shaking of landmarks, so that it is
+smoothed away, and linear for what is faster, so that blinks and closures stay. It looks both ways
+in time, and so it has no lag.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import Bounds, minimize
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING
+from faceedit_app.tracking.face_model import FaceModel
+from faceedit_app.tracking.person import Person, gap_of
+from faceedit_app.tracking.pose import Poses, fit_poses
+
+_BLOCK, _MARGIN = 1500, 50  # pictures fitted at once, and what is fitted with them on either side
+_ROUNDS = 3  # of pose and weights in turn
+_OTHERS = 0.3  # how much skin that moves shows of the pose, once it is known how it moves
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """How the weights are found.
+
+    Attributes:
+        landmark: mm, how far a landmark is off.
+        rows: how many landmarks tell as much as one, since their errors are alike.
+        gap, lid: mm, how far the distance between shut lips, and between lids, is off.
+        gap_share: what is added to that for lips, as a share of the distance.
+        sparse: how likely a channel is unused, in standard deviations of `weight`.
+        weight: how large weights are.
+        acceleration: 1/s² above which a change of a weight is meant, and not shaking.
+        smoothness: weight of the smooth prior; 0 fits each picture by itself.
+    """
+
+    landmark: float = 0.6
+    rows: float = 8.0
+    gap: float = 0.35
+    lid: float = 0.15
+    gap_share: float = 0.3
+    sparse: float = 1.0
+    weight: float = 0.25
+    acceleration: float = 40.0
+    smoothness: float = 20.0
+
+
+DEFAULT = FitSettings()
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What a fit found.
+
+    Attributes:
+        weights: (T, 52) in ARKit's order, 0..1.
+        poses: of the head.
+        residuals: (T,) mm, root mean square over the landmarks.
+    """
+
+    weights: Doubles
+    poses: Poses
+    residuals: Doubles
+
+
+def fit_weights(
+    model: FaceModel,
+    person: Person,
+    seen: Doubles,
+    times: Times,
+    trust: Doubles,
+    settings: FitSettings = DEFAULT,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Fit:
+    """Fit the weights of all pictures, in blocks that overlap.
+
+    Args:
+        model, person: the landmarks on the rig and of this person.
+        seen: (T, n, 3) pixels, see `fit_poses`.
+        times: (T,) seconds.
+        trust: (T,) 0..1, how much each picture counts.
+        settings: the priors.
+        progress: called before each block with the pictures done and all; may raise to stop.
+    """
+    parts = []
+    for start in range(0, len(seen), _BLOCK):
+        progress(start, len(seen))
+        first, last = max(start - _MARGIN, 0), start + _BLOCK + _MARGIN
+        some = slice(first, last)
+        fit = _fit_block(model, person, seen[some], times[some], trust[some], settings)
+        own = slice(start - first, start - first + _BLOCK)
+        poses = Poses(fit.poses.turns[own], fit.poses.scales[own], fit.poses.shifts[own])
+        parts.append(Fit(fit.weights[own], poses, fit.residuals[own]))
+    if len(parts) == 1:
+        return parts[0]
+    poses = Poses(
+        np.concatenate([part.poses.turns for part in parts]),
+        np.concatenate([part.poses.scales for part in parts]),
+        np.concatenate([part.poses.shifts for part in parts]),
+    )
+    return Fit(
+        np.concatenate([part.weights for part in parts]),
+        poses,
+        np.concatenate([part.residuals for part in parts]),
+    )
+
+
+def _fit_block(
+    model: FaceModel,
+    person: Person,
+    seen: Doubles,
+    times: Times,
+    trust: Doubles,
+    settings: FitSettings,
+) -> Fit:
+    problem = _Problem(model, times, trust, settings)
+    poses = fit_poses(seen, person.rest, model.steady)
+    flat = seen
+    weights = np.zeros((len(seen), len(ARKIT_INDEX)))
+    every = model.steady + _OTHERS * (model.weights == 1.0)
+    for turn in range(_ROUNDS):
+        shape = person.rest + np.einsum("tk,knx->tnx", weights, model.moves)
+        for _ in range(2):
+            flat = person.lens.flatten(seen, poses, shape)
+            poses = fit_poses(flat, shape, every if turn else model.steady)
+        placed = poses.on_face(flat[..., :2], shape[..., 2])
+        weights = problem.solve(placed - person.rest[:, :2], _gaps(model, person, placed), weights)
+    shape = person.rest + np.einsum("tk,knx->tnx", weights, model.moves)
+    away = poses.on_face(flat[..., :2], shape[..., 2]) - shape[..., :2]
+    share = model.weights / model.weights.sum()
+    return Fit(weights, poses, np.sqrt(np.einsum("n,tnx->t", share, away**2)))
+
+
+def _gaps(model: FaceModel, person: Person, placed: Doubles) -> Doubles:
+    """(T, 3) mm: how far apart lips and lids are to be on the rig."""
+    offsets = np.abs(model.controls.offsets[:, 1])
+    columns = []
+    for control in (LIP_OPENING, *LIDS):
+        index = CONTROL_INDEX[control]
+        gap = gap_of(model, placed, control)
+        if control == LIP_OPENING:
+            columns.append(offsets[index] + np.maximum(gap - person.touch, 0.0))
+        else:
+            shut, rest = person.lids[LIDS.index(control)]
+            # Half of what their eyes are larger than the rig's is a person's own, half how wide
+            # they hold them: a film cannot show which.
+            open_ = offsets[index] + np.clip(0.5 * (rest - offsets[index]), -1.0, 1.0)
+            columns.append(open_ * np.clip((gap - shut) / (rest - shut), 0.0, 1.5))
+    return np.stack(columns, axis=1)
+
+
+class _Problem:
+    """The objective, with all that does not change from round to round."""
+
+    def __init__(
+        self, model: FaceModel, times: Times, trust: Doubles, settings: FitSettings
+    ) -> None:
+        self._settings, self._trust = settings, trust
+        scale = np.sqrt(model.weights / settings.rows) / settings.landmark
+        self._scale = np.repeat(scale, 2)
+        rows = model.moves[..., :2].reshape(len(ARKIT_INDEX), -1) * self._scale
+        controls = [CONTROL_INDEX[control] for control in (LIP_OPENING, *LIDS)]
+        upward = np.sign(model.controls.offsets[controls, 1]).astype(np.float64)
+        self._rest = np.abs(model.controls.offsets[controls, 1]).astype(np.float64)
+        self._gap_rows = model.controls.gradients[:, controls, 1].astype(np.float64) * upward
+        self._rows = rows
+        self._hessian = rows @ rows.T
+        stiff = (self._gap_rows[:, 0] / settings.gap) ** 2
+        stiff = stiff + ((self._gap_rows[:, 1:] / settings.lid) ** 2).sum(axis=1)
+        self._ridge = 1.0 / settings.weight**2
+        # Preconditions: a unit of each variable costs the same.
+        self._unit = 1.0 / np.sqrt(np.diag(self._hessian) + stiff + self._ridge)
+        before, after = np.diff(times)[:-1, None], np.diff(times)[1:, None]
+        self._before, self._after = before, after
+        self._span = (before + after) / 2.0
+
+    def solve(self, moved: Doubles, gaps: Doubles, start: Doubles) -> Doubles:
+        """The weights (T, 52) from moved landmarks (T, n, 2) and gaps (T, 3), mm."""
+        pull = (moved.reshape(len(moved), -1) * self._scale) @ self._rows.T
+        spread = np.array([self._settings.gap, self._settings.lid, self._settings.lid])
+        spread = spread + gaps * (self._settings.gap_share, 0.0, 0.0)
+        exact = self._trust[:, None] / spread**2
+        wanted = gaps - self._rest
+        unit, shape = self._unit, start.shape
+        sparse = self._settings.sparse / self._settings.weight
+
+        def cost(flat: Doubles) -> tuple[float, Doubles]:
+            weights = flat.reshape(shape) * unit
+            bent = weights @ self._hessian
+            value = float(self._trust @ ((0.5 * bent - pull) * weights).sum(axis=1))
+            slope = self._trust[:, None] * (bent - pull) + self._ridge * weights + sparse
+            value += 0.5 * self._ridge * float((weights**2).sum()) + sparse * float(weights.sum())
+            off = weights @ self._gap_rows - wanted
+            value += 0.5 * float((exact * off**2).sum())
+            slope += (exact * off) @ self._gap_rows.T
+            smooth, bend = self._smoothness(weights)
+            return value + smooth, ((slope + bend) * unit).ravel()
+
+        bounds = Bounds(0.0, np.tile(1.0 / unit, len(start)))
+        found = minimize(
+            cost,
+            (start / unit).ravel(),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=bounds,
+            options={"maxiter": 400, "maxcor": 12, "ftol": 1e-9, "gtol": 1e-4},
+        )
+        weights: Doubles = np.clip(found.x.reshape(shape) * unit, 0.0, 1.0)
+        close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
+        weights[:, close] = np.minimum(weights[:, close], weights[:, jaw])
+        return weights
+
+    def _smoothness(self, weights: Doubles) -> tuple[float, Doubles]:
+        """The prior on accelerations, and its gradient."""
+        bend = np.zeros_like(weights)
+        strength = self._settings.smoothness
+        if len(weights) < 3 or strength == 0.0:
+            return 0.0, bend
+        steps = np.diff(weights, axis=0)
+        curve = (steps[1:] / self._after - steps[:-1] / self._before) / self._span
+        limit = self._settings.acceleration
+        root = np.sqrt(1.0 + (curve / limit) ** 2)
+        value = strength * float((self._span * (root - 1.0)).sum())
+        slope = strength * curve / (limit**2 * root)  # times span, divided by it below
+        bend[2:] += slope / self._after
+        bend[:-2] += slope / self._before
+        bend[1:-1] -= slope * (1.0 / self._after + 1.0 / self._before)
+        return value, bend

@@ -1,0 +1,177 @@
+"""`faceedit track`: from films to takes."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Optional
+
+import typer
+
+from faceedit_app.core.errors import FaceEditError, FileError
+
+if TYPE_CHECKING:
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.tracking.tracker import Tracked
+
+
+def track(
+    film: Annotated[Path, typer.Argument(help="A film of a face, or a folder of films.")],
+    output: Annotated[
+        Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
+        typer.Option("-o", "--output", help="The take (Live Link Face CSV), or a folder for them."),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second of the take; default: the film's."),
+    ] = None,
+    face: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(
+            metavar="X,Y",
+            help="A place on the face to follow, as shares of width and height; default: the "
+            "largest face.",
+        ),
+    ] = None,
+    report: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Folder for film and face side by side, as picture and MP4."),
+    ] = None,
+    edits: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="With --report: edits (JSON) for a third column, the edited face."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> int:
+    """Track the face in a film: write the take that a phone would have recorded."""
+    from faceedit_app.editing.opening import shipped_rig
+    from faceedit_app.formats.opening import checked_rate
+
+    place = None if face is None else _place(face)
+    if edits is not None and report is None:
+        raise FaceEditError("--edits shows edits in the report: give --report DIR as well")
+    if fps is not None:
+        fps = checked_rate(film, fps)
+    rig, code, facts = shipped_rig(), 0, []
+    for path, take in _jobs(film, output):
+        try:
+            found = _track_one(path, take, rig, fps, place, None if as_json else _Line(path))
+        except FileError as error:
+            if film.is_file():
+                raise
+            print(f"faceedit: {error}", file=sys.stderr)
+            code = 2
+            continue
+        facts.append(_facts(found, take))
+        if not as_json:
+            print(_text(facts[-1]))
+        if report is not None:
+            folder = report / path.stem if film.is_dir() else report
+            for written in _report(folder, found, take, rig, edits, fps):
+                if not as_json:
+                    print(written)
+    if as_json:
+        print(json.dumps(facts if film.is_dir() else facts[0], indent=2))
+    return code
+
+
+def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
+    """The films and the takes to write."""
+    from faceedit_app.media import FILM_ENDINGS
+
+    if not film.is_dir():
+        take = output or film.with_name(f"{film.stem}_tracked.csv")
+        return [(film, take / f"{film.stem}.csv" if take.is_dir() else take)]
+    films = sorted(path for path in film.iterdir() if path.suffix.lower() in FILM_ENDINGS)
+    if not films:
+        raise FileError(film, "has no films", f"put {', '.join(FILM_ENDINGS)} files into it")
+    folder = output or film
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)
+    return [(path, folder / f"{path.stem}_tracked.csv") for path in films]
+
+
+def _track_one(
+    path: Path,
+    take: Path,
+    rig: Rig,
+    fps: float | None,
+    place: tuple[float, float] | None,
+    line: _Line | None,
+) -> Tracked:
+    from faceedit_app.tracking.tracker import track_film, write_take
+
+    tracked = track_film(path, rig, line or (lambda progress: None), face=place)
+    if line is not None:
+        line.clear()
+    backup = write_take(tracked, take, fps)
+    if backup is not None:
+        print(f"{take}: the file that was there is now {backup}", file=sys.stderr)
+    return tracked
+
+
+def _report(
+    folder: Path, tracked: Tracked, take: Path, rig: Rig, edits: Path | None, fps: float | None
+) -> tuple[Path, Path]:
+    from faceedit_app.editing.opening import load_engine, open_session
+    from faceedit_app.tracking.side_by_side import write_report
+
+    edited = None
+    if edits is not None:
+        if fps is not None:
+            raise FaceEditError("--edits needs the film's own frame rate: leave --fps out")
+        session = open_session(take, rig, load_engine(rig))
+        session.load_edits(edits)
+        edited = session.weights
+    return write_report(folder, tracked, rig, edited)
+
+
+def _facts(tracked: Tracked, take: Path) -> dict[str, Any]:
+    sure = tracked.sure
+    return {
+        "film": str(tracked.landmarks.path),
+        "take": str(take),
+        "frames": int(sure.sum()),
+        "lost": int((~sure).sum()),
+        "fps": round(tracked.landmarks.rate, 3),
+        "confidence": round(float(tracked.confidence[sure].mean()), 3),
+        "notes": list(tracked.notes),
+    }
+
+
+def _text(facts: dict[str, Any]) -> str:
+    lines = [
+        f"{facts['take']}: {facts['frames']} frames at {facts['fps']:g} fps from {facts['film']}, "
+        f"confidence {facts['confidence']:.0%}"
+    ]
+    return "\n".join([*lines, *(f"  {note}" for note in facts["notes"])])
+
+
+def _place(text: str) -> tuple[float, float]:
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise FaceEditError(f"--face {text}: must be X,Y, such as 0.3,0.4") from None
+    if not (0 <= x <= 1 and 0 <= y <= 1):
+        raise FaceEditError(f"--face {text}: both must be from 0 to 1")
+    return x, y
+
+
+class _Line:
+    """Shows progress in one line of a terminal."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._shown = path, ""
+
+    def __call__(self, progress: Any) -> None:
+        text = f"{self._path.name}: {progress.pass_}, {progress.done} of {progress.of}"
+        if sys.stderr.isatty() and text != self._shown:
+            print(f"\r{text.ljust(len(self._shown))}", end="", file=sys.stderr, flush=True)
+            self._shown = text
+
+    def clear(self) -> None:
+        """Make room for what is printed next."""
+        if self._shown:
+            print("\r" + " " * len(self._shown), end="\r", file=sys.stderr, flush=True)
+            self._shown = ""

@@ -1,0 +1,117 @@
+"""Tracking a film from the window: progress, then the take beside its film."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.media import beside
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state import loading
+
+if TYPE_CHECKING:  # these bring much along
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.tracking.tracker import Tracked
+    from faceedit_app.ui.media.tracking_dialog import TrackingDialog
+
+
+def suggested_take(film: Path) -> Path:
+    """A name for the take of a film that does not exist yet, beside it."""
+    for name in (f"{film.stem}.csv", f"{film.stem}_tracked.csv"):
+        if not film.with_name(name).exists():
+            return film.with_name(name)
+    return film.with_name(f"{film.stem}_tracked.csv")
+
+
+class FilmTracking:
+    """Tracks one film in the background, while a dialog shows how far it is.
+
+    Args:
+        workspace: the window's state.
+        film: the film.
+        take: the take to write.
+        failed: is given the error of a film that cannot be tracked; the open take stays.
+    """
+
+    def __init__(
+        self, workspace: Workspace, film: Path, take: Path, failed: Callable[[Exception], None]
+    ) -> None:
+        from faceedit_app.ui.media.tracking_dialog import TrackingDialog
+
+        self._workspace, self._film, self._take, self._failed = workspace, film, take, failed
+        self._face: tuple[float, float] | None = None
+        self._again = False  # another face was chosen: begin again
+        self.dialog: TrackingDialog = TrackingDialog(workspace.window, film)
+        self.dialog.face_chosen.connect(self._choose)
+
+    def start(self) -> None:
+        """Show the dialog and begin."""
+        self.dialog.open()
+        self._run()
+
+    def _run(self) -> None:
+        dialog, face, rig = self.dialog, self._face, self._workspace.rig
+
+        def work() -> Tracked:
+            from faceedit_app.tracking.landmark_file import write_landmarks
+            from faceedit_app.tracking.tracker import track_film, write_take
+
+            tracked = track_film(
+                self._film,
+                rig or loading.load_character(),
+                dialog.report,
+                dialog.is_stopped,
+                face,
+            )
+            write_take(tracked, self._take)
+            write_landmarks(tracked, self._take)
+            return tracked
+
+        self._workspace.background.run(work, self._done, self._ended)
+
+    def _choose(self, x: float, y: float) -> None:
+        self._face, self._again = (x, y), True
+
+    def _ended(self, error: Exception) -> None:
+        """It failed, was cancelled, or another face was chosen."""
+        from faceedit_app.media.container import Abandoned
+
+        if isinstance(error, Abandoned):
+            if self._again:
+                self._again = False
+                self.dialog.restart()
+                self._run()
+            else:
+                self.dialog.close()
+                self._workspace.message.emit(f"{self._film.name} was not tracked")
+            return
+        self.dialog.close()
+        if not isinstance(error, FaceEditError):
+            raise error
+        self._failed(error)
+
+    def _done(self, tracked: Tracked) -> None:
+        from faceedit_app.media.container import has_sound
+
+        self.dialog.close()
+        workspace, film = self._workspace, self._film
+        begins = float(tracked.clip.times[0])  # in the film; before it there is no face
+
+        def prepare(session: EditSession) -> None:
+            if begins > 0 or beside(self._take.absolute())[1] != film.absolute():
+                entry = MediaFile(film.absolute(), -begins)
+                placement = Placement(entry if has_sound(film) else None, entry)
+                session.begin_with(replace(session.state, media=placement))
+                session.mark_saved()
+
+        def opened() -> None:
+            for note in tracked.notes:
+                workspace.warning.emit(note)
+            frames = int(tracked.sure.sum())
+            workspace.message.emit(f"Tracked {frames} frames of {film.name}: {self._take}")
+
+        workspace.opener.open(self._take, prepare, opened)

@@ -1,0 +1,36 @@
+"""Tracking is measured on films whose weights are known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.face_films import speaking
+from support.tracker import needs_tracker
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
+from faceedit_app.formats import livelink
+from faceedit_app.lab.evaluation.rendered_films import Conditions
+from faceedit_app.lab.evaluation.tracking import FULL, METHODS, evaluate_tracking, lag, table
+
+
+@pytest.mark.parametrize("late", [-1.5, 0.0, 0.7])
+def test_the_lag_of_a_curve_is_found(late: float) -> None:
+    at = np.arange(80.0)
+    assert lag(np.sin((at - late) / 4.0), np.sin(at / 4.0)) == pytest.approx(late, abs=0.1)
+
+
+@needs_tracker
+def test_our_fit_is_better_than_the_networks_weights(tmp_path: Path) -> None:
+    clip = Clip(speaking(40), ARKIT_CHANNELS, np.arange(40) / 25.0, 25.0)
+    (tmp_path / "take.csv").write_bytes(livelink.write(clip))
+    figures = evaluate_tracking([tmp_path / "take.csv"], 1.6, [Conditions("small", size=320)])
+    assert [one.method for one in figures] == list(METHODS)
+    network, _, full = figures
+    assert full.method == FULL
+    assert np.mean(full.error[-2:]) < np.mean(network.error[-2:])
+    assert abs(full.lag) < 0.5
+    assert full.lost == 0.0
+    assert table(figures).count("\n") == 4

@@ -1,0 +1,203 @@
+"""From a film to a take, on films of the character whose weights are known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from support.face_films import RATE, SIZE, face_pictures, make_face_film, speaking
+from support.faces import shipped_rig
+from support.films import make_film, make_wav
+from support.tracker import needs_tracker
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.errors import FileError
+from faceedit_app.formats.opening import open_take
+from faceedit_app.media.container import Abandoned
+from faceedit_app.tracking.film_landmarks import Progress
+from faceedit_app.tracking.tracker import Tracked, track_film, write_take
+
+pytestmark = needs_tracker
+
+
+def controls_of(weights: NDArray[np.floating]) -> NDArray[np.float32]:
+    return shipped_rig().arkit_distances.measure(weights.astype(np.float32))
+
+
+@pytest.fixture(scope="module")
+def pictures() -> list[NDArray[np.uint8]]:
+    return face_pictures(speaking())
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory, pictures: list[NDArray[np.uint8]]) -> Path:
+    return make_face_film(tmp_path_factory.mktemp("film") / "face.mp4", pictures)
+
+
+@pytest.fixture(scope="module")
+def tracked(film: Path) -> Tracked:
+    return track_film(film, shipped_rig())
+
+
+def test_curves_follow_the_film(tracked: Tracked) -> None:
+    truth, found = controls_of(speaking()), controls_of(tracked.weights)
+    for control in ("mouth_opening", "left_eyelid", "right_eyelid"):
+        index = CONTROL_INDEX[control]
+        assert np.corrcoef(truth[:, index], found[:, index])[0, 1] > 0.95, control
+
+
+def test_lips_shut_and_eyes_close_when_they_do_in_the_film(tracked: Tracked) -> None:
+    truth, found = controls_of(speaking()), controls_of(tracked.weights)
+    opening = CONTROL_INDEX["mouth_opening"]
+    shut = truth[:, opening] < 1.5
+    assert found[shut, opening].max() < 2.5
+    assert found[truth[:, opening] > 6.0, opening].min() > 3.0
+    lid = CONTROL_INDEX["left_eyelid"]
+    assert abs(int(found[:, lid].argmin()) - int(truth[:, lid].argmin())) <= 1
+    assert found[:, lid].min() < 1.5
+
+
+def test_a_still_head_is_not_turned(tracked: Tracked) -> None:
+    assert np.degrees(np.abs(tracked.head - np.median(tracked.head, axis=0))).max() < 2.0
+
+
+def test_a_turned_head_turns_the_take(tmp_path: Path) -> None:
+    turned = np.radians(18.0)
+    still = np.zeros((12, len(ARKIT_INDEX)), np.float32)
+    parts = [*face_pictures(still), *face_pictures(still, yaw=turned)]
+    found = track_film(make_face_film(tmp_path / "turn.mp4", parts), shipped_rig())
+    yaw = found.head[:, 0]
+    # Seen from its left, the head has turned to its right, which is positive.
+    assert np.degrees(np.median(yaw[12:]) - np.median(yaw[:12])) == pytest.approx(18.0, abs=4.0)
+
+
+def test_the_same_film_gives_the_same_bytes(film: Path, tracked: Tracked) -> None:
+    assert track_film(film, shipped_rig()).to_livelink() == tracked.to_livelink()
+
+
+def test_the_take_opens_with_the_times_of_the_film(tmp_path: Path, tracked: Tracked) -> None:
+    write_take(tracked, tmp_path / "take.csv")
+    take = open_take(tmp_path / "take.csv")
+    assert take.clip.rate == RATE
+    np.testing.assert_allclose(take.clip.times, tracked.landmarks.times, atol=1e-4)
+    np.testing.assert_allclose(take.clip.arkit_weights(), tracked.weights, atol=1e-6)
+    assert "HeadYaw" in take.carried
+    assert "LeftEyePitch" in take.carried
+
+
+def test_a_take_can_have_another_frame_rate(tmp_path: Path, tracked: Tracked) -> None:
+    write_take(tracked, tmp_path / "take.csv", fps=60.0)
+    clip = open_take(tmp_path / "take.csv").clip
+    assert clip.rate == 60.0
+    assert clip.duration == pytest.approx(len(speaking()) / RATE, abs=0.02)
+
+
+def test_varying_times_are_kept(tmp_path: Path, pictures: list[NDArray[np.uint8]]) -> None:
+    times = np.cumsum([0.0, *np.tile([0.03, 0.05], len(pictures))[: len(pictures) - 1]])
+    path = make_face_film(tmp_path / "phone.mp4", pictures, times.tolist())
+    np.testing.assert_allclose(track_film(path, shipped_rig()).landmarks.times, times, atol=2e-4)
+
+
+def test_pictures_without_the_face_are_a_gap(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    hidden = list(pictures)
+    hidden[8:14] = [np.full((SIZE, SIZE, 3), 90, np.uint8)] * 6
+    found = track_film(make_face_film(tmp_path / "gone.mp4", hidden), shipped_rig())
+    assert not found.sure[8:14].any()
+    assert found.sure[:8].all()
+    assert found.sure[15:].all()
+    assert found.notes
+    write_take(found, tmp_path / "take.csv")
+    clip = open_take(tmp_path / "take.csv").clip
+    assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(7, 6)]
+
+
+def test_the_largest_face_is_tracked_or_the_one_that_was_chosen(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    still = face_pictures(np.zeros((len(pictures), len(ARKIT_INDEX)), np.float32), size=240)
+    both = []
+    for large, small in zip(pictures, still, strict=True):
+        picture = np.zeros((SIZE, SIZE + 240, 3), np.uint8)
+        picture[:, :SIZE], picture[:240, SIZE:] = large, small
+        both.append(picture)
+    path = make_face_film(tmp_path / "two.mp4", both)
+    opening = CONTROL_INDEX["mouth_opening"]
+    largest = controls_of(track_film(path, shipped_rig()).weights)[:, opening]
+    chosen = controls_of(track_film(path, shipped_rig(), face=(0.8, 0.3)).weights)[:, opening]
+    assert np.ptp(largest) > 4.0
+    assert np.ptp(chosen) < 2.0
+
+
+def test_progress_shows_every_picture_and_can_be_stopped(film: Path) -> None:
+    seen: list[Progress] = []
+    with pytest.raises(Abandoned):
+        track_film(film, shipped_rig(), seen.append, lambda: len(seen) >= 5)
+    assert [progress.done for progress in seen] == [1, 2, 3, 4, 5]
+    assert seen[-1].picture is not None
+    assert seen[-1].points is not None
+
+
+def _numbers(path: Path) -> Path:
+    return make_film(path / "numbers.mp4")
+
+
+def _slow(path: Path) -> Path:
+    return make_film(path / "slow.mp4", frames=12, rate=2)
+
+
+def _short(path: Path) -> Path:
+    return make_film(path / "short.mp4", frames=3)
+
+
+def _sound(path: Path) -> Path:
+    return make_wav(path / "sound.wav")
+
+
+def _broken(path: Path) -> Path:
+    (path / "broken.mp4").write_bytes(b"no film" * 50)
+    return path / "broken.mp4"
+
+
+def _photo(path: Path) -> Path:
+    from PIL import Image
+
+    Image.new("RGB", (64, 64)).save(path / "photo.png")
+    return path / "photo.png"
+
+
+def _gif(path: Path) -> Path:
+    from PIL import Image
+
+    frames = [Image.new("RGB", (64, 64), (i, 0, 0)) for i in range(20)]
+    frames[0].save(path / "moving.gif", save_all=True, append_images=frames[1:], duration=40)
+    return path / "moving.gif"
+
+
+def _huge(path: Path) -> Path:
+    return make_face_film(path / "huge.mp4", [np.zeros((4320, 7680, 3), np.uint8)] * 2)
+
+
+@pytest.mark.parametrize(
+    ("make", "problem"),
+    [
+        (_numbers, "shows no face"),
+        (_slow, "too few"),
+        (_short, "too few"),
+        (_sound, "has no pictures"),
+        (_broken, "cannot be read"),
+        (_photo, "is a picture"),
+        (_gif, "is a picture"),
+        (_huge, "7680 x 4320"),
+        (lambda path: path / "nowhere.mp4", "is missing"),
+    ],
+)
+def test_what_cannot_be_tracked_is_one_line(tmp_path: Path, make: object, problem: str) -> None:
+    assert callable(make)
+    with pytest.raises(FileError, match=problem) as caught:
+        track_film(make(tmp_path), shipped_rig())
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,134 @@
+"""Tracking a film from the window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtTest import QTest
+from support.face_films import face_pictures, make_face_film, speaking
+from support.films import make_film
+from support.media import editor_of, settle
+from support.tracker import needs_tracker
+from support.windows import Bench, drop, open_path, session_of, trigger
+
+from faceedit_app import tracking
+from faceedit_app.tracking import tracker
+from faceedit_app.ui.commands.tracking import suggested_take
+from faceedit_app.ui.media.tracking_dialog import TrackingDialog
+from faceedit_app.ui.start.window import MainWindow
+
+pytestmark = needs_tracker
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A second of the character speaking; rendered before a window replaces the renderer."""
+    return make_face_film(tmp_path_factory.mktemp("film") / "face.mp4", face_pictures(speaking(25)))
+
+
+@pytest.fixture
+def own(film: Path, tmp_path: Path) -> Path:
+    """The film in a folder of this test."""
+    path = tmp_path / film.name
+    path.write_bytes(film.read_bytes())
+    return path
+
+
+def dialog_of(window: MainWindow) -> TrackingDialog:
+    found = window.findChildren(TrackingDialog)
+    assert found
+    return found[-1]
+
+
+def tracked(bench: Bench, window: MainWindow, take: Path) -> None:
+    """Wait until the take is open, with its film."""
+    bench.qtbot.waitUntil(lambda: window.document.path == take, timeout=60_000)
+    settle(bench, window)
+
+
+def test_a_film_becomes_a_take_beside_its_film(bench: Bench, own: Path) -> None:
+    window = bench.window()
+    take = own.with_name("face.csv")
+    bench.answers |= {"film_to_track": own, "save_take": take}
+    trigger(window, "track_film")
+    tracked(bench, window, take)
+    assert not dialog_of(window).isVisible()
+    assert len(session_of(window).take.clip) == 25
+    assert window.media.film is not None
+    assert window.media.film.path == own
+    assert not bench.errors
+    bench.qtbot.waitUntil(lambda: window.media.overlay.exists)
+    screen = editor_of(window).film.screen_
+    bench.qtbot.waitUntil(lambda: screen.index == screen.wanted)
+    shown = screen.grab().toImage()
+    trigger(window, "film_landmarks")
+    assert screen.grab().toImage() != shown
+
+
+def test_a_film_dropped_on_the_empty_window_is_tracked(bench: Bench, own: Path) -> None:
+    window = bench.window()
+    bench.answers["save_take"] = own.with_name("elsewhere.csv")
+    drop(window, own)
+    tracked(bench, window, own.with_name("elsewhere.csv"))
+    # The take has another name: the film is added all the same.
+    bench.qtbot.waitUntil(lambda: window.media.film is not None)
+
+
+def test_cancel_keeps_the_open_take(bench: Bench, own: Path) -> None:
+    window = bench.editing()
+    take = own.with_name("face.csv")
+    bench.answers |= {"film_to_track": own, "save_take": take}
+    trigger(window, "track_film")
+    QTest.keyClick(dialog_of(window), Qt.Key.Key_Escape)
+    bench.qtbot.waitUntil(lambda: "not tracked" in window.status.currentMessage(), timeout=60_000)
+    assert open_path(window) == bench.take
+    assert not take.exists()
+
+
+def test_a_film_without_a_face_is_one_message(bench: Bench, tmp_path: Path) -> None:
+    window = bench.editing()
+    bench.answers |= {
+        "film_to_track": make_film(tmp_path / "n.mp4"),
+        "save_take": tmp_path / "n.csv",
+    }
+    trigger(window, "track_film")
+    bench.qtbot.waitUntil(lambda: bool(bench.errors), timeout=30_000)
+    assert "shows no face" in bench.errors[0]
+    assert open_path(window) == bench.take
+    assert not (tmp_path / "n.csv").exists()
+
+
+def test_a_click_on_the_picture_tracks_the_face_there(
+    bench: Bench, own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    faces: list[Any] = []
+    real = tracker.track_film
+
+    def noted(*given: Any) -> Any:
+        faces.append(given[4])
+        return real(*given)
+
+    monkeypatch.setattr(tracking.tracker, "track_film", noted)
+    window = bench.window()
+    take = own.with_name("face.csv")
+    bench.answers |= {"film_to_track": own, "save_take": take}
+    trigger(window, "track_film")
+    dialog = dialog_of(window)
+    bench.qtbot.waitUntil(lambda: dialog.bar.value() > 0, timeout=30_000)
+    picture = dialog.picture
+    middle = QPointF(picture.width() / 2, picture.height() / 2).toPoint()
+    QTest.mouseClick(picture, Qt.MouseButton.LeftButton, pos=middle)
+    tracked(bench, window, take)
+    assert faces[0] is None
+    if len(faces) > 1:  # else it was done before the click
+        np.testing.assert_allclose(faces[1], (0.5, 0.5), atol=0.02)
+
+
+def test_the_name_of_a_take_that_exists_is_not_suggested(tmp_path: Path) -> None:
+    assert suggested_take(tmp_path / "me.mov") == tmp_path / "me.csv"
+    (tmp_path / "me.csv").touch()
+    assert suggested_take(tmp_path / "me.mov") == tmp_path / "me_tracked.csv"
