@@ -63,7 +63,7 @@ def read_map(path: Path) -> CharacterMap | None:
         raise FileError(path, "is not JSON", _REMEDY) from error
     try:
         return _parsed(path, stored)
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise FileError(path, "is not a character map", _REMEDY) from error
 
 

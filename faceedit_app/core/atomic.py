@@ -8,9 +8,15 @@ import itertools
 import os
 import shutil
 import tempfile
+import time
 from pathlib import Path
 
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.filelock import lock, try_lock
+
+_SUFFIX = ".faceedit-new"
+_LONGEST_NAME = 255  # bytes, on most file systems
+_YOUNG = 5.0  # seconds; a younger temporary file may not be locked yet
 
 BACKUP_SUFFIX = ".bak"
 
@@ -19,19 +25,28 @@ def write_atomically(path: Path | str, content: bytes) -> None:
     """Replace the content of `path`: temporary file in the same folder, fsync, rename.
 
     A reader sees the old file or the new one, never a part of it. After an error the old file is
-    untouched and no temporary file remains.
+    untouched and no temporary file remains; one that was left by a process that was killed is
+    removed by the next write into its folder.
 
     Raises:
-        FileError: the folder is missing or read-only, or the disk is full.
+        FileError: the folder is missing or read-only, the disk is full, or the system does not
+            allow the name.
     """
+    try:
+        os.fsencode(path)
+    except UnicodeEncodeError:
+        path, problem = Path(path), "cannot be written (the name is not valid here)"
+        raise FileError(path, problem, "choose another name") from None
     path = Path(os.path.realpath(path))  # follow a link to its target
     if path.exists() and not path.is_file():  # a rename would replace /dev/null
         raise FileError(path, "cannot be written (it is not a file)", "choose another name")
     temporary: Path | None = None
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        handle, name = tempfile.mkstemp(_SUFFIX, _prefix(path), path.parent)
         temporary = Path(name)
         with os.fdopen(handle, "wb") as file:
+            with contextlib.suppress(OSError):  # not on every file system
+                lock(file.fileno())
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
@@ -46,6 +61,28 @@ def write_atomically(path: Path | str, content: bytes) -> None:
         raise FileError(
             path, f"cannot be written ({reason})", "choose another folder or free some space"
         ) from error
+    remove_leftovers(path.parent)
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove the temporary files in a folder whose writers were killed."""
+    with contextlib.suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if not (entry.name.startswith(".") and entry.name.endswith(_SUFFIX)):
+                continue
+            with contextlib.suppress(OSError):
+                if time.time() - entry.stat(follow_symlinks=False).st_mtime < _YOUNG:
+                    continue
+                with open(entry.path, "r+b") as file:
+                    is_left = try_lock(file.fileno())
+                if is_left:
+                    os.unlink(entry.path)
+
+
+def _prefix(path: Path) -> str:
+    """The beginning of a temporary name, short enough if the name itself is a long one."""
+    room = _LONGEST_NAME - len(_SUFFIX) - 16
+    return os.fsdecode(os.fsencode(f".{path.name}")[:room]) + "."
 
 
 def keep_backup(path: Path | str) -> Path:

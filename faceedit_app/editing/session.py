@@ -13,21 +13,28 @@ from psygnal import Signal
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
+from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import clean_text
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe, describe_edits
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import MOST_EDITS, Edit, Op
 from faceedit_app.editing.edits.media import Placement, sound_moved
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
-from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_of
+from faceedit_app.editing.files.fingerprint import (
+    Fingerprint,
+    fingerprint_of,
+    fingerprint_of_content,
+    is_same_file,
+)
 from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.solving.answerable import Lack
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState, Steps
-from faceedit_app.formats.opening import write_take
+from faceedit_app.formats.opening import encoded_take
 from faceedit_app.formats.take import Take
 from faceedit_app.words.transcript import Transcript
 
@@ -57,14 +64,20 @@ class EditSession:
         changed(): the kept state is shown, after a commit, cancel, undo or redo, or after the
             engine has changed.
         stepped(EditState): the kept state has changed; sent before `changed`, for the journal.
+        exporting(Fingerprint): the take's own file is about to be replaced by the edited take.
+
+    Attributes:
+        exported_over: the fingerprint of what was exported over the take's file, if anything was.
     """
 
     previewed = Signal()
     changed = Signal()
     stepped = Signal(EditState)
+    exporting = Signal(Fingerprint)
 
     def __init__(self, take: Take, rig: Rig, engine: Engine | None = None) -> None:
         self.take, self.rig = take, rig
+        self.exported_over: Fingerprint | None = None
         self.shown_rig = rig
         self._solver = Solver(take.clip, rig, engine)
         self._steps = Steps()
@@ -395,9 +408,12 @@ class EditSession:
         Raises:
             FileError: it cannot be written, or is such a take; an existing file is then untouched.
         """
-        weights = self.clip_weights()
+        content = encoded_take(path, self.take, self.clip_weights())
         backup = make_way(Path(path), self.take.path, overwrite)
-        write_take(path, self.take, weights)
+        if is_same_file(Path(path), self.take.path):
+            self.exported_over = fingerprint_of_content(content)
+            self.exporting.emit(self.exported_over)
+        write_atomically(path, content)
         self._steps.seal()  # so that Undo can return to what is in the file
         return backup
 
@@ -419,6 +435,10 @@ class EditSession:
         """Add the edits of a file as one step.
 
         Raises:
-            FileError: it cannot be read or is not an edits file.
+            FileError: it cannot be read, is not an edits file, or has too many edits.
         """
-        self.add(*read_edits(path), name="Load edits")
+        edits = read_edits(path)
+        if len(self.edits) + len(edits) > MOST_EDITS:
+            problem = f"has {len(edits):,} edits, a take can have {MOST_EDITS:,} in all"
+            raise FileError(path, problem, "delete some of them")
+        self.add(*edits, name="Load edits")

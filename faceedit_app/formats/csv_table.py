@@ -17,9 +17,11 @@ import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.errors import FileError
-from faceedit_app.formats.files import BOM, REPAIR, check_text, shown
+from faceedit_app.formats.files import BOM, CHOOSE_TAKE, REPAIR, check_text, shown
 
 _HEAD = 1 << 20  # bytes; enough for a header and a row
+_MOST_LINES = 6_000_000  # more than a day at 60 fps
+_MOST_COLUMNS = 10_000
 _DELIMITERS = (b",", b";", b"\t")
 # What programs write in place of a missing number.
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
@@ -198,9 +200,13 @@ def read_table(path: Path, content: bytes) -> Table:
         FileError: it is empty or not text.
     """
     check_text(path, content)
+    if content.count(b"\n") + content.count(b"\r") > 2 * _MOST_LINES:  # each may end with two
+        raise FileError(path, f"has over {_MOST_LINES:,} lines", "split the take into shorter ones")
     lines = tuple(content.splitlines(keepends=True))
     header = next(i for i, line in enumerate(lines) if line.removeprefix(BOM).strip())
     text = lines[header].removeprefix(BOM).rstrip(b"\r\n")
+    if text.count(b",") + text.count(b";") + text.count(b"\t") > _MOST_COLUMNS:
+        raise FileError(path, f"has over {_MOST_COLUMNS:,} columns", CHOOSE_TAKE, header + 1)
     delimiter, cells = split_header(text)
     if cells is None:
         raise FileError(path, "a quoted cell does not end on its line", REPAIR, header + 1)

@@ -56,6 +56,15 @@ def write_take(path: Path | str, take: Take, weights: Floats) -> None:
     Raises:
         FileError: the file cannot be written, or a weight is not a finite number.
     """
+    write_atomically(path, encoded_take(path, take, weights))
+
+
+def encoded_take(path: Path | str, take: Take, weights: Floats) -> bytes:
+    """What `write_take` writes; `path` is for messages.
+
+    Raises:
+        FileError: a weight is not a finite number.
+    """
     if weights.shape != take.clip.weights.shape:
         raise ValueError(f"weights {weights.shape} for a clip {take.clip.weights.shape}")
     wrong = np.argwhere(~np.isfinite(weights))
@@ -66,4 +75,4 @@ def write_take(path: Path | str, take: Take, weights: Floats) -> None:
             f"was not written: {channel} at frame {frame} is not a number",
             "undo the last edit and export again",
         )
-    write_atomically(path, take.source.encode(take.clip.weights, weights.astype(np.float32)))
+    return take.source.encode(take.clip.weights, weights.astype(np.float32))

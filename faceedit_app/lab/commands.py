@@ -1,4 +1,4 @@
-"""The laboratory's commands: bench, train, evaluate, experiment, synthesize, statistics."""
+"""The laboratory's commands: bench, train, evaluate, experiment, attacks and more."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from rich.progress import Progress
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import DEMO_TAKE, shipped
+from faceedit_app.core.texts import say
 
 # typer reads the annotations at run time, where `X | None` is not yet understood by all versions.
 OptionalPath = Optional[Path]  # noqa: UP045
@@ -106,7 +107,10 @@ def evaluate(
     ] = None,
     exclude: ExcludeOption = None,
 ) -> None:
-    """Measure the networks on takes: errors, closures, smoothness, and a benchmark of edits."""
+    """Measure what users get on takes of people, and the networks on their own.
+
+    Synthesised takes do not count as people; the references may learn from them.
+    """
     require("torch", extra="training")
     from faceedit_app.lab.evaluation.evaluate import evaluate_takes
     from faceedit_app.lab.evaluation.report import summary_lines, write_report
@@ -196,7 +200,9 @@ def evaluate_tracking(
 
 
 def experiment(
-    name: Annotated[str, typer.Argument(help="Its name, or all; a wrong name lists them.")],
+    names: Annotated[
+        list[str], typer.Argument(help="Names, or all; a wrong name lists them.", metavar="NAME...")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")] = Path(
         "docs/evaluation"
     ),
@@ -213,7 +219,7 @@ def experiment(
 ) -> None:
     """Repeat the paper's experiments and ours; each writes its part of the report."""
     require("torch", extra="training")
-    from faceedit_app.lab.evaluation.experiments import run_experiment
+    from faceedit_app.lab.evaluation.experiments import run_experiments
     from faceedit_app.lab.evaluation.setting import Setting
 
     with Progress(console=Console(stderr=True)) as progress:
@@ -225,7 +231,7 @@ def experiment(
             epochs,
             progress,
         )
-        for path in run_experiment(name, setting):
+        for path in run_experiments(names, setting):
             print(path)
 
 
@@ -272,9 +278,83 @@ def bench(
     quick: Annotated[
         bool, typer.Option("--quick", help="Few repetitions and short takes: a trial run.")
     ] = False,
+    as_table: Annotated[
+        bool, typer.Option("--table", help="Print the rows of docs/performance.md.")
+    ] = False,
 ) -> None:
     """Measure the window on this machine: drags, wide edits, playback, start."""
     from faceedit_app.lab.bench.report import QUICK, BenchPlan, run, text
+    from faceedit_app.lab.bench.table import table
 
     found = run(QUICK if quick else BenchPlan(), lambda what: print(f"{what}…", file=sys.stderr))
-    print(json.dumps(found, indent=2) if as_json else text(found))
+    if as_json:
+        print(json.dumps(found, indent=2))
+    else:
+        print(table(found) if as_table else text(found))
+
+
+SeedOption = Annotated[int, typer.Option(min=0, help="Same seed: same attack.")]
+KeepOption = Annotated[Path, typer.Option("--keep", help="Folder for what goes wrong.")]
+
+
+def fuzz(
+    samples: Annotated[
+        Paths, typer.Argument(metavar="[FILE]...", help="Valid files to damage as well.")
+    ] = None,
+    inputs: Annotated[int, typer.Option(min=1, help="Damaged files in all.")] = 10_000,
+    seed: SeedOption = 1,
+    keep: KeepOption = Path("fuzz-failures"),
+) -> int:
+    """Feed damaged files to every reader: each is read rightly or refused in one line."""
+    from faceedit_app.lab.attacks.fuzz import fuzz as attack
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Fuzzing", total=inputs)
+        found = attack(
+            inputs, seed, keep, samples or (), lambda done: progress.update(bar, completed=done)
+        )
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.failures))
+
+
+def soak(
+    take: Annotated[
+        OptionalPath, typer.Argument(help="A take; default: the demo take. It is not changed.")
+    ] = None,
+    minutes: Annotated[float, typer.Option(min=0.05, help="How long.")] = 10.0,
+    seed: SeedOption = 1,
+) -> int:
+    """Use the window at random, without a display, and check what it shows and exports."""
+    from faceedit_app.lab.attacks.soak import soak as attack
+
+    path = take if take is not None else shipped(DEMO_TAKE)
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Soaking", total=60.0 * minutes)
+        found = attack(
+            path, 60.0 * minutes, seed, advance=lambda s: progress.update(bar, completed=s)
+        )
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.problems))
+
+
+def kill(
+    times: Annotated[int, typer.Option(min=1, help="Kills in all.")] = 100,
+    seed: SeedOption = 1,
+) -> int:
+    """Kill the window at random moments; every finished gesture must be recovered."""
+    from faceedit_app.lab.attacks.kill import kill as attack
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("Killing", total=times)
+        found = attack(times, seed, lambda done: progress.update(bar, completed=done))
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.problems))
+
+
+def _verdict(seed: int, failures: int) -> int:
+    """Print how an attack ended; returns the exit code."""
+    if not failures:
+        say(f"Nothing is wrong (seed {seed})")
+        return 0
+    say(f"{failures} wrong (seed {seed})")
+    return 1

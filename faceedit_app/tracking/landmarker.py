@@ -92,6 +92,8 @@ class FaceLandmarker:
         require("ai_edge_litert", extra="", package="ai-edge-litert")
         task = task or shipped(TASK)
         try:
+            if task.exists() and not task.is_file():  # a pipe may never end
+                raise ValueError(task)
             with zipfile.ZipFile(task) as archive:
                 networks = [_member(archive, name) for name in (_DETECTOR, _LANDMARKER)]
         except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:

@@ -141,7 +141,8 @@ def draw_landmarks(image: Image.Image, points: Doubles) -> Image.Image:
 
 
 def _sound(film: Path) -> Soundtrack | None:
-    return Soundtrack(read_sound(film)) if has_sound(film) else None
+    sound = read_sound(film) if has_sound(film) else None
+    return None if sound is None else Soundtrack(sound)
 
 
 def _moments(shown: Shown, rig: Rig) -> list[int]:

@@ -100,6 +100,9 @@ def test_the_whole_map_says_what_is_used_already(tmp_path: Path) -> None:
         '{"faceedit_character_map": 1, "points": {"chin": {"part": "Head", "vertex": 99999}}}',
         '{"faceedit_character_map": 1, "points": {"chin": {"part": "Nobody", "vertex": 1}}}',
         "[" * 100_000,
+        '{"faceedit_character_map": 1, "channels": {"jawOpen": {"shape": "a", "weight": 1'
+        + "0" * 400
+        + "}}}",
     ],
 )
 def test_a_map_that_is_wrong_is_one_line(tmp_path: Path, content: str) -> None:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import os
 import stat
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
 
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import remove_leftovers, write_atomically
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.filelock import lock
 
 
 def test_a_file_is_replaced_and_nothing_is_left_beside_it(tmp_path: Path) -> None:
@@ -51,3 +55,47 @@ def test_a_failure_leaves_the_old_file_and_says_so_in_one_line(
 def test_a_missing_folder_is_told(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="cannot be written"):
         write_atomically(tmp_path / "nowhere" / "take.csv", b"")
+
+
+def test_what_a_killed_write_left_is_removed_by_the_next_one(tmp_path: Path) -> None:
+    killed = """
+import os, signal, sys
+from faceedit_app.core.atomic import remove_leftovers, write_atomically
+os.fsync = lambda file: os.kill(os.getpid(), signal.SIGKILL)
+write_atomically(sys.argv[1], b"x" * 1000)
+"""
+    path = tmp_path / "take.csv"
+    path.write_bytes(b"old")
+    subprocess.run([sys.executable, "-c", killed, str(path)], check=False)
+    (left,) = tmp_path.glob(".*")
+    assert path.read_bytes() == b"old"
+    long_ago = time.time() - 60
+    os.utime(left, (long_ago, long_ago))
+    write_atomically(tmp_path / "other.csv", b"new")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["other.csv", "take.csv"]
+
+
+def test_a_temporary_file_that_is_being_written_is_left_alone(tmp_path: Path) -> None:
+    busy = tmp_path / ".take.csv.abcdefgh.faceedit-new"
+    with busy.open("wb") as file:
+        lock(file.fileno())
+        os.utime(busy, (0, 0))
+        remove_leftovers(tmp_path)
+        assert busy.exists()
+    remove_leftovers(tmp_path)
+    assert not busy.exists()
+
+
+def test_a_name_of_255_bytes_can_be_written(tmp_path: Path) -> None:
+    path = tmp_path / ("ä" * 125 + ".json")
+    write_atomically(path, b"content")
+    assert path.read_bytes() == b"content"
+
+
+def test_a_name_that_is_not_utf8_is_written_or_refused(tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b"caf\xe9.csv")
+    write_atomically(path, b"content")
+    assert path.read_bytes() == b"content"
+    with pytest.raises(FileError, match="the name is not valid here"):
+        write_atomically(tmp_path / "\ud83d.csv", b"content")
+    assert len([*tmp_path.iterdir()]) == 1

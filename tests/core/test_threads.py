@@ -6,8 +6,11 @@ import os
 import platform
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+
+from faceedit_app.core.resources import DEMO_TAKE, shipped
 
 EXPORT = """
 import hashlib, sys, tempfile
@@ -48,9 +51,12 @@ def exported(order: str, **variables: str) -> str:
     return done.stdout.strip()
 
 
-@pytest.mark.skipif(
+X86 = pytest.mark.skipif(
     platform.machine().lower() not in ("x86_64", "amd64"), reason="the kernels are those of x86"
 )
+
+
+@X86
 @pytest.mark.parametrize("kernels", ["Haswell", "Prescott"])
 def test_export_has_the_same_bytes_on_any_number_of_threads(kernels: str) -> None:
     # On one thread, the last bits of these kernels' products are not those of two or four.
@@ -61,3 +67,39 @@ def test_export_has_the_same_bytes_on_any_number_of_threads(kernels: str) -> Non
         for order, threads in zip((*ORDERS, *ORDERS), (1, 2, 4, 2, 4, 1), strict=True)
     }
     assert len(set(found.values())) == 1, found
+
+
+def faceedit(*arguments: str | Path, **variables: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "faceedit_app", *map(str, arguments)],
+        env=os.environ | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=200,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@X86
+@pytest.mark.timeout(500)
+def test_window_and_command_line_export_the_same_bytes(tmp_path: Path) -> None:
+    take, exports = shipped(DEMO_TAKE), dict[str, bytes]()
+    homes = {name: str(tmp_path) for name in ("HOME", "XDG_STATE_HOME", "XDG_CONFIG_HOME")}
+    for kernels, in_window, on_command_line in (("Haswell", "4", "1"), ("Prescott", "1", "2")):
+        folder = tmp_path / kernels
+        folder.mkdir()
+        chosen = homes | {"OPENBLAS_CORETYPE": kernels}
+        window = {"FACEEDIT_SMOKE": str(folder), "QT_QPA_PLATFORM": "offscreen"}
+        faceedit(take, **chosen, **window, OPENBLAS_NUM_THREADS=in_window)
+        output = folder / "applied.csv"
+        edits = ("apply", take, folder / "edits.json", "-o", output)
+        faceedit(*edits, **chosen, OPENBLAS_NUM_THREADS=on_command_line)
+        exports[kernels] = output.read_bytes()
+        assert (folder / "edited.csv").read_bytes() == exports[kernels], kernels
+        assert exports[kernels] != take.read_bytes()
+    cells = [[line.split(b",") for line in export.splitlines()] for export in exports.values()]
+    differ = [(a, b) for rows in zip(*cells, strict=True) for a, b in zip(*rows, strict=True)]
+    different = [abs(float(a) - float(b)) for a, b in differ if a != b]
+    assert len(different) <= 10, "between processors, only rounding may differ"
+    assert max(different, default=0.0) < 1.1e-5

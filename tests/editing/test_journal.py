@@ -12,11 +12,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support.speech import said
 
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.editing.files import journal as journal_module
 from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.journal import Journal, pending_journals
 from faceedit_app.editing.steps import EditState
@@ -30,6 +32,7 @@ def edit(number: int) -> Edit:
 
 A, B, C = edit(1), edit(2), edit(3)
 DRAWN = Edit(("mouth_width",), Op.DRAW, 1.0, 2.0, 0.1, name="ü", points=((1.0, 3.0), (2.0, 4.0)))
+WORDS = said(("map", "M AE P"))
 STATES = [
     EditState((A,)),
     EditState((A, B)),
@@ -46,6 +49,10 @@ STATES = [
     EditState((A, B), media=Placement(film=MediaFile(Path("/b.mov"), -1.0))),
     EditState((A, B), media=Placement()),
     EditState((A, B)),
+    EditState((A, B), words=WORDS),
+    EditState((A,), words=WORDS),
+    EditState((A,), words=WORDS.with_edge(0.52, 0.5)),
+    EditState((A,)),
 ]
 
 
@@ -279,3 +286,31 @@ def test_journal_is_lines_that_people_can_read(tmp_path: Path) -> None:
     assert [e["start"] for e in first["edits"]] == [1.0]
     assert (second["at"], second["drop"], len(second["add"])) == (1, 0, 1)
     journal.close()
+
+
+def test_a_long_journal_is_shortened_and_loses_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal_module, "_LONG", 4000)
+    journal = Journal(DEMO, folder=tmp_path)
+    states = [STATES[number % len(STATES)] for number in range(200)]
+    longest = 0
+    for number, state in enumerate(states):
+        journal.record(state)
+        longest = max(longest, journal.path.stat().st_size)
+        assert journal.note == ""
+        if number % 20 == 0:
+            copy = tmp_path / "copy" / "crashed.jsonl"
+            copy.parent.mkdir(exist_ok=True)
+            copy.write_bytes(journal.path.read_bytes())
+            assert pending_journals(copy.parent)[0].state == state
+    assert longest < 10_000
+    assert pending_journals(tmp_path) == [], "it still runs"
+    assert [path.name for path in tmp_path.glob("*.new")] == []
+    left = tmp_path / "left.new"
+    left.write_bytes(b"")
+    os.utime(left, (0, 0))
+    assert pending_journals(tmp_path) == []
+    assert not left.exists()
+    journal.close()
+    assert [*tmp_path.glob("*.jsonl")] == []

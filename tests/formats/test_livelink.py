@@ -365,7 +365,7 @@ def test_rotations_and_lost_frames_are_written(tmp_path: Path) -> None:
     kept = np.delete(np.arange(14), lost)
     weights = np.full((12, len(ARKIT_CHANNELS)), 0.25, np.float32)
     clip = Clip(weights, ARKIT_CHANNELS, times[kept], 25.0)
-    rotations = np.arange(12 * 9.0).reshape(12, 9) / 100
+    rotations = (np.arange(12 * 9.0).reshape(12, 9) / 100).astype(np.float32)
     path = tmp_path / "take.csv"
     path.write_bytes(livelink.write_with(clip, rotations, times[lost]))
     rows = [row.split(",") for row in path.read_text().splitlines()[1:]]

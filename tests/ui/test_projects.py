@@ -228,9 +228,17 @@ def test_recovery_of_a_take_that_has_changed_since_says_so(
     bench.take.write_bytes(bench.take.read_bytes().replace(b"12:00:00", b"12:00:01"))
     monkeypatch.setattr(journal, "journal_folder", lambda: folder)
     monkeypatch.setattr(dialogs, "ask_recover", lambda *_: Recover.RECOVER)
+    asked: list[str] = []
+
+    def use_it(_parent: object, message: str, likely: list[Path], _folder: Path) -> Path:
+        asked.append(message)
+        return likely[0]
+
+    monkeypatch.setattr(dialogs, "ask_take_of_project", use_it)
     window = bench.window()
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
-    bench.qtbot.waitUntil(lambda: "has changed since" in window.banner.text.text())
+    assert "has changed since" in asked[0]
+    bench.qtbot.waitUntil(lambda: "is not the take" in window.banner.text.text())
     assert len(session_of(window).edits) == 1
     bench.answers["unsaved"] = Unsaved.DISCARD
     assert window.close()

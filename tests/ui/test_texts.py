@@ -45,7 +45,7 @@ def test_names_of_columns_and_edits_are_not_rich_text(bench: Bench) -> None:
     take = replace(session.take, notes=(HOSTILE,))
     window.status.set_take(take)
     assert visible(window.status.remarks.toolTip()) == HOSTILE
-    model = EditsModel(window.document)
+    model = EditsModel(window.document, window.timeline)
     add_edit(window)
     session.rename(0, HOSTILE)
     tip = model.data(model.index(0), Qt.ItemDataRole.ToolTipRole)

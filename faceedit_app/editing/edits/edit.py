@@ -23,6 +23,7 @@ from faceedit_app.core.fields import (
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
 MOST_POINTS = 200_000
+MOST_EDITS = 10_000  # of one take; with more, a drag could not be followed
 
 
 class Op(StrEnum):
@@ -272,7 +273,7 @@ def edits_from(fields: Fields, name: str = "edits") -> tuple[Edit, ...]:
         FieldError: an edit is wrong; the text says which one and how.
     """
     edits = []
-    for number, entry in enumerate(fields.items(name), start=1):
+    for number, entry in enumerate(fields.items(name, most=MOST_EDITS), start=1):
         try:
             edits.append(from_json(entry))
         except ValueError as error:

@@ -56,12 +56,26 @@ def fingerprint_of(take: Take) -> Fingerprint:
     The file is not read again: it may have been removed or overwritten since. A take that is
     written unchanged has the same bytes.
     """
-    content = take.source.encode(take.clip.weights, take.clip.weights)
+    return fingerprint_of_content(take.source.encode(take.clip.weights, take.clip.weights))
+
+
+def fingerprint_of_content(content: bytes) -> Fingerprint:
+    """The fingerprint of a file with this content."""
     return Fingerprint(len(content), hashlib.sha256(content).hexdigest())
+
+
+def is_same_file(one: Path, other: Path) -> bool:
+    """Whether two paths name the same file, or would if it existed."""
+    try:
+        return one.samefile(other)
+    except (OSError, ValueError):
+        return os.path.realpath(one) == os.path.realpath(other)
 
 
 def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> Path | None:
     """Search folders and their subfolders for a file: by its name first, then by its ending.
+
+    Copies whose names have something added, such as `take.csv.bak`, are found as well.
 
     Args:
         wanted: its fingerprint.

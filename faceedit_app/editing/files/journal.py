@@ -23,19 +23,22 @@ import platformdirs
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import MOST_BYTES, Fields, parse
+from faceedit_app.core.filelock import lock, try_lock
 from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
 from faceedit_app.editing.edits.media import placement_from
 from faceedit_app.editing.edits.media import to_json as placement_to_json
-from faceedit_app.editing.files.filelock import lock, try_lock
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint, fingerprint_from
-from faceedit_app.editing.files.project import settings_from
+from faceedit_app.editing.files.project import exported_over_from, settings_from
 from faceedit_app.editing.steps import EditState
 from faceedit_app.words.transcript import to_json as words_to_json
 from faceedit_app.words.transcript import transcript_from
 
 VERSION = 1
 _SUFFIX = ".jsonl"
+_NEW_SUFFIX = ".new"
+_LONG = 32 * 2**20  # bytes; a longer journal is written again without what no longer matters
 _PATIENCE = 1.0  # seconds to wait for a slow disk when closing
+_CREATE = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 _YOUNG = 60.0  # seconds; the session of a younger empty journal may be starting
 
 
@@ -55,6 +58,8 @@ class Journal:
         project: the project that it was opened from, if any.
         folder: where journals are; None = `journal_folder()`.
         fps: the take's frame rate, if the user had to give it.
+        opened: the fingerprint of the take as it was opened; None = that of the file now.
+        exported_over: the fingerprint of what was exported over the take, if anything was.
     """
 
     def __init__(
@@ -63,15 +68,19 @@ class Journal:
         project: Path | None = None,
         folder: Path | None = None,
         fps: float | None = None,
+        opened: Fingerprint | None = None,
+        exported_over: Fingerprint | None = None,
     ) -> None:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{_SUFFIX}"
         self._take, self._project, self._fps = take.absolute(), project, fps
-        self._print: Fingerprint | None = None  # as opened: the file may be overwritten
-        with contextlib.suppress(FileError):
-            self._print = fingerprint(take)
+        self._print, self._exported_over = opened, exported_over
+        if opened is None:
+            with contextlib.suppress(FileError):
+                self._print = fingerprint(take)
         self._file: int | None = None
         self._length = 0  # bytes that are complete lines
+        self._longest = _LONG
         self._last: EditState | None = None  # the state after those lines
         self._step = 0
         self._wake, self._closed = threading.Event(), False
@@ -84,8 +93,7 @@ class Journal:
         self._last, self._length = None, 0
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-            self._file = os.open(self.path, flags, 0o600)
+            self._file = os.open(self.path, _CREATE, 0o600)
             lock(self._file)
         except OSError as error:
             self._remove()
@@ -110,25 +118,67 @@ class Journal:
             self._remove()
             if not self._open():
                 return
+        if self._length > self._longest:
+            self._shorten()
         last = self._last
         entry: dict[str, Any] = {"step": self._step + 1}
         if last is None:
-            entry["edits"] = [to_json(edit) for edit in state.edits]
+            entry |= _whole(state)
         else:
             first, end, old_end = _difference(last.edits, state.edits)
             entry |= {"at": first, "drop": old_end - first}
             entry["add"] = [to_json(edit) for edit in state.edits[first:end]]
-        if last is None or last.settings != state.settings:
-            entry["settings"] = asdict(state.settings)
-        if (last.media if last is not None else None) != state.media:
-            entry["media"] = placement_to_json(state.media)
-        if (last.words if last is not None else None) is not state.words:
-            entry["words"] = words_to_json(state.words)
+            if last.settings != state.settings:
+                entry["settings"] = asdict(state.settings)
+            if last.media != state.media:
+                entry["media"] = placement_to_json(state.media)
+            if last.words is not state.words:
+                entry["words"] = words_to_json(state.words)
         if self._append(entry):
             self._last, self._step = state, self._step + 1
             self._wake.set()
         else:
             self._last = None  # write all edits again if the disk comes back
+
+    def exporting(self, content: Fingerprint) -> None:
+        """Note that the take is about to be exported over: its edits must not be applied to that.
+
+        Args:
+            content: the fingerprint of what will be written.
+        """
+        self._exported_over = content
+        if self._file is not None and not self._closed:
+            self._append({"exported_over": asdict(content)})
+            self._wake.set()
+
+    def _shorten(self) -> None:
+        """Replace the file by one that holds only the state after its last line.
+
+        A crash meanwhile leaves the old file. So does a failure, and it is not tried again soon.
+        """
+        self._longest = 2 * self._length
+        if self._last is None:
+            return
+        new = self.path.with_suffix(_NEW_SUFFIX)
+        content = _line(self._head()) + _line({"step": self._step} | _whole(self._last))
+        try:
+            file = os.open(new, _CREATE, 0o600)
+        except OSError:
+            return
+        try:
+            lock(file)
+            _write(file, content)
+            os.fsync(file)
+            new.replace(self.path)
+        except OSError:  # Windows does not replace a file that is open
+            os.close(file)
+            with contextlib.suppress(OSError):
+                new.unlink()
+            return
+        old, self._file, self._length = self._file, file, len(content)
+        self._longest = max(_LONG, 2 * self._length)
+        if old is not None:
+            os.close(old)
 
     def saved(self, project: Path | None = None) -> None:
         """Forget the gestures so far: they are saved."""
@@ -166,17 +216,17 @@ class Journal:
             head["fingerprint"] = asdict(self._print)
         if self._fps is not None:
             head["fps"] = self._fps
+        if self._exported_over is not None:
+            head["exported_over"] = asdict(self._exported_over)
         return head
 
     def _append(self, entry: dict[str, Any]) -> bool:
         assert self._file is not None
-        line = json.dumps(entry, separators=(",", ":")).encode() + b"\n"
+        line = _line(entry)
         try:
             os.ftruncate(self._file, self._length)  # remove what a failed write may have left
             os.lseek(self._file, self._length, os.SEEK_SET)
-            written = 0
-            while written < len(line):
-                written += os.write(self._file, line[written:])
+            _write(self._file, line)
         except OSError as error:
             self._fail(error)
             return False
@@ -199,6 +249,29 @@ class Journal:
     def _fail(self, error: OSError) -> None:
         reason = (error.strerror or str(error)).lower()
         self.note = f"Edits are not being backed up ({reason}: {self.path.parent}); save often"
+
+
+def _line(entry: dict[str, Any]) -> bytes:
+    return json.dumps(entry, separators=(",", ":")).encode() + b"\n"
+
+
+def _write(file: int, content: bytes) -> None:
+    written = 0
+    while written < len(content):
+        written += os.write(file, content[written:])
+
+
+def _whole(state: EditState) -> dict[str, Any]:
+    """The entry of a state that does not depend on the one before it."""
+    entry: dict[str, Any] = {
+        "edits": [to_json(edit) for edit in state.edits],
+        "settings": asdict(state.settings),
+    }
+    if state.media is not None:
+        entry["media"] = placement_to_json(state.media)
+    if state.words is not None:
+        entry["words"] = words_to_json(state.words)
+    return entry
 
 
 def _difference(old: Sequence[Edit], new: Sequence[Edit]) -> tuple[int, int, int]:
@@ -226,6 +299,7 @@ class Pending:
         gestures: the number of gestures since the last save.
         when: the time of the last gesture, in seconds since the epoch.
         fps: the take's frame rate, if the user had to give it.
+        exported_over: the fingerprint of what was exported over the take, if anything was.
     """
 
     path: Path
@@ -236,6 +310,7 @@ class Pending:
     gestures: int
     when: float
     fps: float | None = None
+    exported_over: Fingerprint | None = None
 
     def discard(self) -> None:
         """Delete its journal."""
@@ -265,7 +340,24 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
         elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # no gesture was made
             with contextlib.suppress(OSError):
                 path.unlink()
-    return sorted(found, key=lambda pending: pending.when, reverse=True)
+    for path in (folder or journal_folder()).glob(f"*{_NEW_SUFFIX}"):  # left by a crash
+        with contextlib.suppress(OSError):
+            if time.time() - path.stat().st_mtime > _YOUNG:
+                path.unlink()
+    found.sort(key=lambda pending: pending.when, reverse=True)
+    return [pending for k, pending in enumerate(found) if not _is_repeated(pending, found[:k])]
+
+
+def _is_repeated(pending: Pending, newer: Sequence[Pending]) -> bool:
+    """Whether a newer session has the same edits: it recovered them, and crashed as well.
+
+    Its journal is deleted then.
+    """
+    mine = pending.take, pending.fingerprint, pending.state
+    if mine not in [(other.take, other.fingerprint, other.state) for other in newer]:
+        return False
+    pending.discard()
+    return True
 
 
 def _read(path: Path, content: bytes, when: float) -> Pending | None:
@@ -281,12 +373,16 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         project = Path(head.path("project")) if head.has("project") else None
         print_ = fingerprint_from(head.fields("fingerprint")) if head.has("fingerprint") else None
         fps = head.number_or_none("fps", 1.0, 1000.0)
+        exported_over = exported_over_from(head)
     except ValueError:
         return None
     state, step, gestures = None, 0, 0
     for line in lines[1:]:
         try:
             entry = Fields(parse(line))
+            if entry.has("exported_over"):
+                exported_over = exported_over_from(entry)
+                continue
             state = _replay(state, step, entry)
             step = entry.whole("step")
         except ValueError:
@@ -294,7 +390,7 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         gestures += 1
     if state is None:
         return None
-    return Pending(path, take, print_, project, state, gestures, when, fps)
+    return Pending(path, take, print_, project, state, gestures, when, fps, exported_over)
 
 
 def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:

@@ -6,7 +6,7 @@ The format is described in docs/project_format.md.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -74,6 +74,7 @@ class Project:
         audio, film: the sound and film of the take, if any.
         fps: the take's frame rate, if the user had to give it.
         character: the user's character, if one is shown.
+        exported_over: the fingerprint of what was exported over the take, if anything was.
     """
 
     take: Path
@@ -84,6 +85,7 @@ class Project:
     film: MediaFile | None = None
     fps: float | None = None
     character: CharacterFile | None = None
+    exported_over: Fingerprint | None = None
 
 
 def write_project(path: Path | str, project: Project) -> None:
@@ -97,6 +99,8 @@ def write_project(path: Path | str, project: Project) -> None:
     take = {"path": _relative(project.take, path), **asdict(project.fingerprint)}
     if project.fps is not None:
         take["fps"] = project.fps
+    if project.exported_over is not None:
+        take["exported_over"] = asdict(project.exported_over)
     head = {
         "version": VERSION,
         "take": take,
@@ -157,6 +161,7 @@ def _from_document(fields: Fields, path: Path) -> Project:
         audio=_media(fields, "audio", path),
         film=_media(fields, "film", path),
         fps=take.number_or_none("fps", 1.0, 1000.0),
+        exported_over=exported_over_from(take),
         character=_character(fields, path),
     )
     take.finish()
@@ -178,6 +183,20 @@ def settings_from(fields: Fields) -> Settings:
     )
     fields.finish()
     return settings
+
+
+def exported_over_from(fields: Fields) -> Fingerprint | None:
+    """Read `exported_over`, if it is there.
+
+    Raises:
+        FieldError: it is wrong.
+    """
+    exported_over = fields.fields_or_none("exported_over")
+    if exported_over is None:
+        return None
+    found = fingerprint_from(exported_over)
+    exported_over.finish()
+    return found
 
 
 def _view(fields: Fields) -> ViewState:
@@ -240,6 +259,7 @@ class Whereabouts(StrEnum):
 
     FOUND = "found"  # in its place, unchanged
     CHANGED = "changed"  # in its place, with other content
+    EXPORTED = "exported"  # in its place, but the edits were exported over it
     MOVED = "moved"  # elsewhere, unchanged
     MISSING = "missing"  # not found
 
@@ -250,7 +270,7 @@ class Located:
 
     Attributes:
         where: see `Whereabouts`.
-        path: the file to open; None if it is missing.
+        path: the file to open; None if there is none that the edits can be applied to.
         others: other candidates: the unchanged take elsewhere, or files of the same name.
         message: one line for the user; empty if all is well.
     """
@@ -263,19 +283,44 @@ class Located:
 
 def locate_take(project: Project, path: Path | str) -> Located:
     """Look for a project's take: in its place, then near it and near the project at `path`."""
-    take, wanted = project.take, project.fingerprint
     home = Path(path).absolute().parent
-    folders = [take.parent, home, home.parent]
-    present = take.is_file()
+    return locate(project.take, project.fingerprint, project.exported_over, [home, home.parent])
+
+
+def locate(
+    take: Path,
+    wanted: Fingerprint | None,
+    exported_over: Fingerprint | None = None,
+    folders: Sequence[Path] = (),
+) -> Located:
+    """Look for the take that edits were made on: in its place, then near it.
+
+    Args:
+        take: its place.
+        wanted: its fingerprint; None if it is not known.
+        exported_over: the fingerprint of what was exported over it, if anything was: the same edits
+            must not be applied to that again.
+        folders: where else to look.
+    """
+    folders = [take.parent, *folders]
+    present, found = take.is_file(), None
     if present:
         try:
-            if fingerprint(take) == wanted:
-                return Located(Whereabouts.FOUND, take, (), "")
+            found = fingerprint(take)
         except FileError as error:
             return Located(Whereabouts.MISSING, None, (), str(error))
-    same = find_by_content(wanted, take.name, folders)
+        if found == wanted:
+            return Located(Whereabouts.FOUND, take, (), "")
+    same = find_by_content(wanted, take.name, folders) if wanted is not None else None
+    if present and found == exported_over:
+        message = f"{take.name} already holds these edits, because they were exported over it"
+        if same is not None:
+            message += f"; {same} is the take without them"
+            return Located(Whereabouts.MOVED, same, (), message)
+        message += "; show where the take without them is"
+        return Located(Whereabouts.EXPORTED, None, (), message)
     if present:
-        message = f"{take.name} has changed since the project was saved"
+        message = f"{take.name} has changed since these edits were made"
         if same is not None:
             message += f"; {same} is unchanged"
         return Located(Whereabouts.CHANGED, take, (same,) if same else (), message)

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QToolTip, QWidget
 
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROLS
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import BACKGROUND, TEXT
 
 _RADIUS = 5.0
@@ -85,6 +86,7 @@ class PointsOverlay(QWidget):
             region += QRect(middle - QPoint(_GRAB, _GRAB), middle + QPoint(_GRAB, _GRAB))
         self.setMask(region if not region.isEmpty() else QRegion(-2, -2, 1, 1))
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint a dot in its curve's colour for each point."""
         painter = QPainter(self)

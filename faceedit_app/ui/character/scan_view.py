@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.render import Camera
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL
 
 SIZE = 380  # pixels of a side
@@ -50,6 +51,7 @@ class Picture(QWidget):
         """Whether there is no picture yet."""
         return self._image is None
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint the picture."""
         painter = QPainter(self)

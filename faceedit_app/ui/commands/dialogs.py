@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from faceedit_app.editing.files.journal import Pending
     from faceedit_app.editing.filming import Shot
     from faceedit_app.formats.take import Take
+    from faceedit_app.live.protocols import Protocol
     from faceedit_app.media.film_writer import FilmFormat
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
@@ -29,7 +30,6 @@ WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
 FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
 FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
-CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
 
@@ -39,6 +39,14 @@ class Unsaved(Enum):
     EXPORT = auto()
     SAVE = auto()
     DISCARD = auto()
+    CANCEL = auto()
+
+
+class Changed(Enum):
+    """What to do if another program has changed a file that is about to be replaced."""
+
+    REPLACE = auto()
+    ELSEWHERE = auto()
     CANCEL = auto()
 
 
@@ -93,19 +101,17 @@ def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     return _save_name(parent, "Export", suggestion, kinds)
 
 
-def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
+def ask_export_as(
+    parent: QWidget, take: Take, character: Path | None
+) -> tuple[OutFormat, Options] | None:
     """How to export a take.
 
     Args:
-        folder: where to look for a character first.
+        character: the file of the character on screen; None = FaceEdit's own.
     """
     from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
 
-    def choose(dialog: QWidget) -> Path | None:
-        answer = QFileDialog.getOpenFileName(dialog, "Your character", str(folder), CHARACTERS)
-        return _chosen(answer)
-
-    dialog = ExportDialog(parent, take, choose)
+    dialog = ExportDialog(parent, take, character)
     return (dialog.chosen, dialog.options) if dialog.exec() else None
 
 
@@ -122,6 +128,27 @@ def ask_film(
 
     dialog = FilmDialog(parent, rate, has_sound, has_film)
     return (dialog.chosen, dialog.shot) if dialog.exec() else None
+
+
+def ask_live(parent: QWidget) -> tuple[Protocol, str, int] | None:
+    """Where to send the face: protocol, address and port."""
+    from faceedit_app.ui.page.live_dialog import LiveDialog
+
+    dialog = LiveDialog(parent)
+    return dialog.chosen if dialog.exec() else None
+
+
+def ask_record(parent: QWidget) -> tuple[Protocol, str, int] | None:
+    """What to record: protocol, the phone's address, and the port to listen on."""
+    from faceedit_app.ui.page.live_dialog import RecordDialog
+
+    dialog = RecordDialog(parent)
+    return dialog.chosen if dialog.exec() else None
+
+
+def ask_record_name(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write a recording."""
+    return _save_name(parent, "Record to", suggestion, "Takes (*.csv);;All files (*)")
 
 
 def ask_stop_film(parent: QWidget) -> bool:
@@ -331,6 +358,21 @@ def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), Unsaved.CANCEL)
+
+
+def ask_changed(parent: QWidget, name: str) -> Changed:
+    """What to do if another program, or window, has changed a file since it was read."""
+    message = f"{name} has been changed by another program, or in another window."
+    box = _question(parent, message, "If you replace it, those changes are lost.")
+    role = QMessageBox.ButtonRole
+    choices = {
+        box.addButton("Save under another name…", role.AcceptRole): Changed.ELSEWHERE,
+        box.addButton("Replace", role.DestructiveRole): Changed.REPLACE,
+    }
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), Changed.CANCEL)
 
 
 def show_error(parent: QWidget | None, error: Exception | str) -> None:

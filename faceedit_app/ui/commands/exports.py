@@ -32,6 +32,7 @@ class Exports:
         if place is None:
             return False
         path, overwrite = place
+        self._note_wait()
         try:
             document.export(path, overwrite)
         except FaceEditError as error:
@@ -48,20 +49,23 @@ class Exports:
         session = self._workspace.session
         if session is None:
             return
+        document = self._workspace.document
+        shown = document.character
         chosen = dialogs.ask_export_as(
-            self._workspace.window, session.take, self._workspace.preferences.folder("character")
+            self._workspace.window,
+            session.take,
+            shown.character.path if shown is not None else None,
         )
         if chosen is None:
             return
         form, options = chosen
-        if options.character is not None:
-            self._workspace.preferences.set_folder("character", options.character.parent)
         place = self._place("_edited", form.ending)
         if place is None:
             return
         path, overwrite = place
-        options = replace(options, overwrite=overwrite)
+        options = replace(options, overwrite=overwrite, character=shown)
         document = self._workspace.document
+        self._note_wait()
         document.work_off()
         take, weights = session.take, session.clip_weights()
 
@@ -102,12 +106,18 @@ class Exports:
                 return path, True
         return None
 
+    def _note_wait(self) -> None:
+        if self._workspace.document.awaits_engine:
+            self._workspace.message.emit("Waiting for the face model before exporting…")
+
     def _why_keep(self, path: Path) -> str:
         """Why a file should not be replaced; "" if it may be."""
         from faceedit_app.editing.files.originals import why_keep
 
         document = self._workspace.document
         assert document.path is not None
+        if document.was_changed(path):
+            return "has been changed by another program since it was opened"
         own = [document.project] if document.project is not None else []
         return why_keep(path, document.path, [*own, *self._workspace.preferences.recent()])
 

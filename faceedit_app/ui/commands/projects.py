@@ -9,12 +9,14 @@ from pathlib import Path
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
 from faceedit_app.editing.files.journal import Pending
 from faceedit_app.editing.files.project import (
     Located,
     Project,
     ViewState,
     Whereabouts,
+    locate,
     locate_character,
     locate_take,
     read_project,
@@ -76,24 +78,18 @@ def open_project(
         failed: is given the error of a project that cannot be read.
     """
 
-    def read() -> tuple[Project, Located]:
+    def read() -> tuple[Project, Fingerprint, Located]:
+        mark = fingerprint(path)
         project = read_project(path)
-        return project, locate_take(project, path)
+        return project, mark, locate_take(project, path)
 
-    def found(both: tuple[Project, Located]) -> None:
-        project, located = both
-        take = located.path
-        match located.where:
-            case Whereabouts.CHANGED | Whereabouts.MISSING:
-                # The unchanged take first: the other one may contain the edits already.
-                likely = [*located.others, *([take] if take is not None else [])]
-                take = ask(located.message, likely)
-            case Whereabouts.MOVED:
-                workspace.warning.emit(located.message)
+    def found(result: tuple[Project, Fingerprint, Located]) -> None:
+        project, mark, located = result
+        take = _chosen_take(workspace, located, ask)
         if take is None:
             workspace.opener.reading.emit("")
             return
-        _open_take(workspace, project, path, take, located.where is Whereabouts.FOUND)
+        _open_take(workspace, project, path, take, mark, located.where is Whereabouts.FOUND)
         workspace.preferences.add_recent(path)
 
     def report(error: Exception) -> None:
@@ -106,14 +102,36 @@ def open_project(
     workspace.background.run(read, found, report)
 
 
+def _chosen_take(
+    workspace: Workspace, located: Located, ask: Callable[[str, Sequence[Path]], Path | None]
+) -> Path | None:
+    """The take that edits are applied to; the user decides where that is in doubt."""
+    match located.where:
+        case Whereabouts.FOUND:
+            return located.path
+        case Whereabouts.MOVED:
+            workspace.warning.emit(located.message)
+            return located.path
+        case _:
+            # The unchanged take first: the other one may contain the edits already.
+            likely = [*located.others, *([located.path] if located.path is not None else [])]
+            return ask(located.message, likely)
+
+
 def _open_take(
-    workspace: Workspace, project: Project, path: Path, take: Path, is_as_it_was: bool
+    workspace: Workspace,
+    project: Project,
+    path: Path,
+    take: Path,
+    mark: Fingerprint,
+    is_as_it_was: bool,
 ) -> None:
     """Open the take of a project that has been read.
 
     Args:
         path: the project's file.
         take: the file that its edits are applied to.
+        mark: the fingerprint of the project's file.
         is_as_it_was: the take is where and as the project knows it: nothing needs to be saved.
     """
 
@@ -121,10 +139,13 @@ def _open_take(
         # What stands beside the take by chance is not the project's.
         media = Placement(project.audio, project.film)
         session.begin_with(replace(project.state, media=media))
+        if take == project.take:
+            session.exported_over = project.exported_over
         if is_as_it_was:
             session.mark_saved()
 
     def opened() -> None:
+        workspace.document.project_read(mark)
         restore_view(workspace, project.view)
         _open_character(workspace, project, path)
 
@@ -149,11 +170,38 @@ def _open_character(workspace: Workspace, project: Project, path: Path) -> None:
     workspace.open_character(found, workspace.warning.emit)
 
 
-def recover(workspace: Workspace, pending: Pending) -> None:
-    """Open the take of a session that ended in a crash, with its edits."""
+def recover(
+    workspace: Workspace, pending: Pending, ask: Callable[[str, Sequence[Path]], Path | None]
+) -> None:
+    """Open the take of a session that ended in a crash, with its edits.
+
+    Its journal stays until that has succeeded.
+
+    Args:
+        ask: as for `open_project`.
+    """
+
+    def look() -> Located:
+        home = [pending.project.parent] if pending.project is not None else []
+        return locate(pending.take, pending.fingerprint, pending.exported_over, home)
+
+    def found(located: Located) -> None:
+        take = _chosen_take(workspace, located, ask)
+        workspace.opener.reading.emit("")
+        if take is not None:
+            _open_recovered(workspace, pending, take)
+
+    workspace.opener.reading.emit(f"Looking for {pending.take.name}…")
+    workspace.background.run(look, found, workspace.opener.failed.emit)
+
+
+def _open_recovered(workspace: Workspace, pending: Pending, take: Path) -> None:
+    """Open a take with the edits of a session that crashed."""
 
     def prepare(session: EditSession) -> None:
         session.restore(pending.state)
+        if take == pending.take:
+            session.exported_over = pending.exported_over
 
     def opened() -> None:
         pending.discard()
@@ -163,6 +211,6 @@ def recover(workspace: Workspace, pending: Pending) -> None:
         )
         session = workspace.session
         if session is not None and session.fingerprint != pending.fingerprint:
-            workspace.warning.emit(f"{pending.take.name} has changed since these edits were made")
+            workspace.warning.emit(f"{take.name} is not the take that these edits were made on")
 
-    workspace.opener.open(pending.take, prepare, opened, pending.project, pending.fps)
+    workspace.opener.open(take, prepare, opened, pending.project, pending.fps)

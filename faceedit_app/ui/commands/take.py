@@ -52,6 +52,12 @@ class TakeCommands:
         if session is None:
             return
         clip, take = session.take.clip, session.take
+        if self._workspace.document.was_changed(take.path) or session.exported_over is not None:
+            self._workspace.warning.emit(
+                f"{take.path.name} has been replaced since it was opened, so its frame rate cannot "
+                "be changed now: save the project and open the take as it was"
+            )
+            return
         question = f"What is the frame rate of {take.path.name}?"
         rate = dialogs.ask_rate(self._workspace.window, question, len(clip), clip.rate)
         if rate is None or rate == clip.rate:

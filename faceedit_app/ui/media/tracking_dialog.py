@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.tracking.film_landmarks import Progress
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.media.landmark_paint import paint_landmarks
@@ -68,6 +69,7 @@ class _Picture(QWidget):
         left, top = (self.width() - size.width()) / 2, (self.height() - size.height()) / 2
         return QRectF(left, top, size.width(), size.height())
 
+    @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint the picture as large as fits."""
         painter = QPainter(self)

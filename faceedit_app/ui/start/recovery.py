@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 
@@ -12,11 +15,15 @@ def offer_recovery(workspace: Workspace) -> bool:
     from faceedit_app.editing.files.journal import pending_journals
     from faceedit_app.ui.commands import projects
 
+    def ask(message: str, likely: Sequence[Path]) -> Path | None:
+        folder = pending[0].take.parent
+        return dialogs.ask_take_of_project(workspace.window, message, likely, folder)
+
     pending = pending_journals()
     if pending:
         match dialogs.ask_recover(workspace.window, pending[0]):
             case dialogs.Recover.RECOVER:
-                projects.recover(workspace, pending[0])
+                projects.recover(workspace, pending[0], ask)
                 return True
             case dialogs.Recover.DISCARD:
                 pending[0].discard()

@@ -109,6 +109,8 @@ class MainWindow(WindowBase):
         media.failed.connect(self._show_error)
         media.missed.connect(lambda error: self.banner.show_message(str(error), str(error)))
         self.start_page.chosen.connect(self.commands.file.open_if_saved)
+        self.commands.file.live.changed.connect(self.status.set_live)
+        self.commands.file.live.changed.connect(self.actions_.refresh)
         self.keys.glancing.connect(self.commands.view.glance)
 
     def _refresh_actions(self) -> None:
@@ -139,7 +141,7 @@ class MainWindow(WindowBase):
         self, take: Path | None = None, demo: bool = False, character: Path | None = None
     ) -> None:
         """Start loading; call it once the window is on the screen."""
-        self.document.keeps_journal = True
+        self.document.keeps_journal = self.document.awaits_engine = True
         if not offer_recovery(self.workspace):
             if take is not None:
                 self.commands.file.open(take)
@@ -229,6 +231,7 @@ class MainWindow(WindowBase):
         self.settled.emit()
 
     def _continue_without_engine(self, error: Exception) -> None:
+        self.document.settle_engine()
         self.status.set_networks("missing", str(error))
         self.banner.show_message(
             f"The face model could not be loaded, so edits look less natural. {error}",

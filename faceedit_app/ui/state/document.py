@@ -15,6 +15,7 @@ if TYPE_CHECKING:  # the window is there before the solver and the networks are 
     from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
+    from faceedit_app.editing.files.fingerprint import Fingerprint
     from faceedit_app.editing.files.journal import Journal
     from faceedit_app.editing.files.project import CharacterFile, ViewState
     from faceedit_app.editing.session import EditSession
@@ -40,12 +41,14 @@ class Document(QObject):
         changed(): edits, settings, media or model changed, or a gesture was cancelled.
         saved(): the project was saved.
         character_changed(): another character is shown.
+        engine_settled(): the engine has been loaded, or cannot be.
     """
 
     opened = Signal()
     previewed = Signal()
     changed = Signal()
     saved = Signal()
+    engine_settled = Signal()
     character_changed = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -57,6 +60,8 @@ class Document(QObject):
         self.project: Path | None = None
         self.exported: Path | None = None
         self.keeps_journal = False
+        self.awaits_engine = False  # it is being loaded
+        self._project_mark: Fingerprint | None = None  # as it was read or saved last
         self._journal: Journal | None = None
 
     @property
@@ -75,6 +80,7 @@ class Document(QObject):
             self.session.previewed.disconnect(self._pass_on_preview)
             self.session.changed.disconnect(self._pass_on_change)
         self.session, self.path, self.project = session, session.take.path, project
+        self._project_mark = None
         self.exported = None
         session.previewed.connect(self._pass_on_preview)
         session.changed.connect(self._pass_on_change)
@@ -92,8 +98,15 @@ class Document(QObject):
         """Record every step from now on, and unsaved edits at once."""
         from faceedit_app.editing.files.journal import Journal
 
-        self._journal = Journal(session.take.path, self.project, fps=session.take.fps)
+        self._journal = Journal(
+            session.take.path,
+            self.project,
+            fps=session.take.fps,
+            opened=session.fingerprint,
+            exported_over=session.exported_over,
+        )
         session.stepped.connect(self._journal.record)
+        session.exporting.connect(self._journal.exporting)
         if not session.is_saved:
             self._journal.record(session.state)
 
@@ -107,6 +120,7 @@ class Document(QObject):
         if self._journal is not None:
             if self.session is not None:
                 self.session.stepped.disconnect(self._journal.record)
+                self.session.exporting.disconnect(self._journal.exporting)
             self._journal.close()
             self._journal = None
 
@@ -126,6 +140,12 @@ class Document(QObject):
         """Use the engine from now on."""
         self.engine = engine
         self.act(lambda session: session.use_engine(engine))
+        self.settle_engine()
+
+    def settle_engine(self) -> None:
+        """Note that the engine is loaded, or cannot be."""
+        self.awaits_engine = False
+        self.engine_settled.emit()
 
     def use_character(self, character: FittedCharacter | None) -> None:
         """Show the user's character from now on, and close lips and lids on it; None = ours."""
@@ -160,6 +180,30 @@ class Document(QObject):
 
     # --- files ---------------------------------------------------------------------------------
 
+    def was_changed(self, path: Path) -> bool:
+        """Whether another program has changed a file since this window read or wrote it.
+
+        True only for the open take and its project; a file that is gone has not changed.
+        """
+        from faceedit_app.editing.files.fingerprint import fingerprint, is_same_file
+
+        session = self.session
+        known: set[Fingerprint | None] = set()
+        if session is not None and is_same_file(path, session.take.path):
+            known = {session.fingerprint, session.exported_over}
+        elif self.project is not None and is_same_file(path, self.project):
+            known = {self._project_mark}
+        if not known - {None} or not path.is_file():
+            return False
+        try:
+            return fingerprint(path) not in known
+        except FaceEditError:
+            return False  # writing will say why
+
+    def project_read(self, mark: Fingerprint) -> None:
+        """Note the fingerprint of the open project as it was read."""
+        self._project_mark = mark
+
     def export(self, path: Path, overwrite: bool = False) -> Path | None:
         """Write the edited take; see `EditSession.export`.
 
@@ -174,7 +218,14 @@ class Document(QObject):
         return backup
 
     def work_off(self) -> None:
-        """Finish the answer to all edits, in slices, so that the window stays responsive."""
+        """Finish the answer to all edits, in slices, so that the window stays responsive.
+
+        If the engine that answers them is still being loaded, wait for it.
+        """
+        if self.awaits_engine:
+            waiting = QEventLoop()
+            self.engine_settled.connect(waiting.quit)
+            waiting.exec(_NO_INPUT)
         while self.session is not None and self.session.live.work(_SLICE):
             QCoreApplication.processEvents(_NO_INPUT)
 
@@ -184,6 +235,7 @@ class Document(QObject):
         Raises:
             FileError: it cannot be written; an existing file is then untouched.
         """
+        from faceedit_app.editing.files.fingerprint import fingerprint
         from faceedit_app.editing.files.project import Project, write_project
 
         session = self.session
@@ -193,8 +245,9 @@ class Document(QObject):
         # Of the take as opened: the file may be gone or overwritten by now.
         mark = session.fingerprint
         parts = (view, media.sound, media.film, session.take.fps, self._character_file())
-        project = Project(take, mark, session.state, *parts)
+        project = Project(take, mark, session.state, *parts, session.exported_over)
         write_project(path, project)
+        self._project_mark = fingerprint(path)
         session.mark_saved()
         self.project = path
         self._is_saved()

@@ -1,0 +1,1 @@
+"""Attacks on the application: damaged files, random gestures, and kill -9."""

@@ -1,0 +1,77 @@
+"""A window that works at random until it is killed, and says what it has finished.
+
+It prints a line of JSON before and after everything that must not be lost; `kill.py` reads them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import random
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+from PySide6.QtCore import QCoreApplication
+
+from faceedit_app.core.fields import to_text
+from faceedit_app.editing.edits.edit import to_json
+from faceedit_app.editing.files import journal
+from faceedit_app.editing.files.journal import pending_journals
+from faceedit_app.editing.files.project import ViewState
+from faceedit_app.editing.steps import EditState
+from faceedit_app.lab.attacks.monkey import Monkey, dialogs_cancelled
+from faceedit_app.lab.attacks.opened import open_window, session_of
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.dialogs import Recover
+from faceedit_app.ui.start.application import application
+
+PROJECT, EXPORTED = "work.faceedit", "exported.csv"
+
+
+def state_of(state: EditState) -> str:
+    """A short text that differs for different edits and settings."""
+    content = [to_text(to_json(edit)) for edit in state.edits] + [str(asdict(state.settings))]
+    return hashlib.sha256("\n".join(content).encode()).hexdigest()[:16]
+
+
+def _say(**what: object) -> None:
+    print(json.dumps(what), flush=True)
+
+
+def main(folder: Path, seed: int) -> None:
+    """Work on `folder/take.csv` until killed."""
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    application()
+    journal.journal_folder = lambda: folder / "journals"
+    with dialogs_cancelled():
+        dialogs.ask_recover = lambda *_: Recover.RECOVER
+        recovers = bool(pending_journals(folder / "journals"))
+        _say(starts=True)
+        window = open_window(folder / "take.csv", folder)
+        session, chance = session_of(window), random.Random(seed)
+        monkey = Monkey(window, chance)
+        _say(did="recover" if recovers else "open", state=state_of(session.state))
+        session.stepped.connect(lambda state: _say(did="step", state=state_of(state)))
+        while True:
+            monkey.act()
+            QCoreApplication.processEvents()
+            window.workspace.end_gestures()
+            if chance.random() < 0.05:
+                state = state_of(session.state)
+                _say(begins="save", state=state)
+                media = window.media.placement
+                window.document.save_project(folder / PROJECT, ViewState(), media)
+                _say(did="save", state=state)
+            if chance.random() < 0.05:
+                _say(begins="export", state=state_of(session.state))
+                window.document.export(folder / EXPORTED)
+                _say(did="export", state=state_of(session.state))
+            if len(session.edits) > 60:
+                while session.can_undo:
+                    session.undo()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), int(sys.argv[2]))

@@ -1,0 +1,98 @@
+"""Short attacks; `faceedit fuzz`, `soak` and `kill` run them for as long as one likes."""
+
+from __future__ import annotations
+
+import random
+import sys
+from pathlib import Path
+
+import pytest
+
+from faceedit_app.cli import main
+from faceedit_app.core.errors import FileError
+from faceedit_app.core.resources import DEMO_TAKE, shipped
+from faceedit_app.lab.attacks import fuzz as fuzzing
+from faceedit_app.lab.attacks.fuzz import Failure, Findings, fuzz
+from faceedit_app.lab.attacks.kill import kill
+from faceedit_app.lab.attacks.mutation import mutated
+from faceedit_app.lab.attacks.readers import Reader, all_readers, readers_of
+from faceedit_app.lab.attacks.soak import Soaked, soak
+
+
+def test_the_same_seed_damages_a_file_in_the_same_way() -> None:
+    content = shipped(DEMO_TAKE).read_bytes()[:5000]
+    copies = [mutated(content, random.Random(seed)) for seed in (1, 1, 2)]
+    assert copies[0] == copies[1] != copies[2]
+    assert sum(mutated(content, random.Random(seed)) != content for seed in range(50)) > 45
+
+
+def test_every_reader_reads_its_undamaged_file(tmp_path: Path) -> None:
+    readers = all_readers(tmp_path)
+    assert {"takes", "edits", "projects", "journals", "characters", "models", "films"} <= {
+        reader.name for reader in readers
+    }
+    for number, reader in enumerate(readers):
+        path = tmp_path / f"{number}{reader.ending}"
+        path.write_bytes(reader.content)
+        reader.read(path)
+    (own,) = readers_of(shipped(DEMO_TAKE))
+    assert own.content == shipped(DEMO_TAKE).read_bytes()
+
+
+def test_damaged_files_are_read_rightly_or_refused(tmp_path: Path) -> None:
+    found = fuzz(300, seed=4, keep=tmp_path)
+    assert not found.failures, found.lines()
+    assert sum((found.read + found.refused).values()) == 300
+    assert sum(found.refused.values()) > 50
+
+
+@pytest.mark.parametrize(
+    ("error", "result"),
+    [
+        (None, "read"),
+        (FileError("a", "is damaged", "copy it"), "refused"),
+        (KeyError("jawOpen"), "KeyError: \"'jawOpen'\""),
+        (MemoryError(), "MemoryError: ''"),
+    ],
+)
+def test_what_a_reader_raises_decides_about_an_input(
+    tmp_path: Path, error: Exception | None, result: str
+) -> None:
+    def read(_path: Path) -> None:
+        if error is not None:
+            raise error
+
+    assert fuzzing._result(Reader("takes", ".csv", b"", read), tmp_path) == result
+
+
+def test_a_failure_is_printed_with_its_seed_and_ends_in_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    failed = Findings(failures=[Failure(17, "takes", "KeyError", tmp_path / "fuzz_17_takes.csv")])
+    monkeypatch.setattr(fuzzing, "fuzz", lambda *_: failed)
+    assert main(["fuzz", "--seed", "5"]) == 1
+    said = capsys.readouterr().out
+    assert "input 17 (takes): KeyError" in said
+    assert "1 wrong (seed 5)" in said
+
+
+@pytest.mark.timeout(400)
+def test_random_gestures_show_what_is_exported(qapp: object) -> None:
+    found = soak(shipped(DEMO_TAKE), seconds=120, seed=3, gestures=80)
+    assert not found.problems, found.lines()
+    assert found.gestures >= 80
+    assert found.checks >= 2
+
+
+def test_growth_is_measured_once_the_memory_has_settled() -> None:
+    assert Soaked(memory=[100, 200, 300, 400]).growth == 0
+    assert Soaked(memory=[100.0] * 4 + [400.0] * 30).growth == 0
+    assert Soaked(memory=[100.0] * 4 + [400.0] * 10 + [500.0] * 10).growth == pytest.approx(0.25)
+
+
+@pytest.mark.timeout(400)
+@pytest.mark.skipif(sys.platform == "win32", reason="no kill -9")
+def test_a_window_that_is_killed_loses_no_finished_gesture() -> None:
+    found = kill(2, seed=1)
+    assert not found.problems, found.lines()
+    assert sum(found.kills.values()) == 2

@@ -1,0 +1,258 @@
+"""Edits are never applied twice, dropped silently, or answered by half of the program."""
+
+from __future__ import annotations
+
+import threading
+import uuid
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from support.faces import random_engine
+from support.windows import Bench, add_edit, session_of, trigger
+
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.files import journal
+from faceedit_app.editing.files.journal import Journal, pending_journals
+from faceedit_app.editing.steps import EditState
+from faceedit_app.formats.opening import open_take
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.dialogs import Changed, Recover
+from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state import loading
+
+WIDER = Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, 6.0)
+
+
+class Crash:
+    """Crashes and what the next start is asked.
+
+    Attributes:
+        asked: the messages of the question which take to use.
+        answer: the take that the user shows; None cancels.
+    """
+
+    def __init__(self, bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.bench = bench
+        # No other test's folder beside this one has the same take.
+        content = bench.take.read_bytes()
+        assert b"RightEyeRoll" in content
+        name = uuid.uuid4().hex.encode()
+        bench.take.write_bytes(content.replace(b"RightEyeRoll", name))
+        self.asked: list[str] = []
+        self.answer: Path | None = None
+        monkeypatch.setattr(dialogs, "ask_recover", lambda *_: Recover.RECOVER)
+        monkeypatch.setattr(dialogs, "ask_take_of_project", self._ask)
+
+    def _ask(self, _parent: object, message: str, likely: Sequence[Path], _in: Path) -> Path | None:
+        self.asked.append(message)
+        return self.answer
+
+    def kill(self, window: MainWindow) -> None:
+        """End a window as kill -9 would: its journal stays."""
+        (path,) = self.folder.glob("*.jsonl")
+        content = path.read_bytes()
+        window.document.session = None
+        window.close()
+        path.write_bytes(content)
+
+    @property
+    def folder(self) -> Path:
+        return self.bench.folder / "journals"
+
+    def start_again(self) -> MainWindow:
+        """The next start, once recovery is over."""
+        window = self.bench.window()
+        self.bench.qtbot.waitUntil(
+            lambda: bool(self.asked) or window.document.session is not None, timeout=15_000
+        )
+        return window
+
+
+@pytest.fixture
+def crash(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> Crash:
+    return Crash(bench, monkeypatch)
+
+
+def exported_over_then_edited(bench: Bench) -> MainWindow:
+    """A window whose edits were exported over their take, and then one more edit."""
+    window = bench.editing()
+    add_edit(window)
+    bench.answers |= {"export": bench.take, "overwrite": True}
+    trigger(window, "export")
+    add_edit(window, -2.0)
+    return window
+
+
+def lose_backup(bench: Bench) -> None:
+    """Delete the copy of the take that the export made."""
+    bench.take.with_name("take.csv.bak").unlink()
+
+
+def test_edits_that_were_exported_over_their_take_are_not_applied_to_it_again(
+    bench: Bench, crash: Crash
+) -> None:
+    crash.kill(exported_over_then_edited(bench))
+    lose_backup(bench)
+    window = crash.start_again()
+    assert "already holds these edits" in crash.asked[0]
+    assert window.document.session is None
+    assert len(pending_journals(crash.folder)) == 1, "they can still be recovered"
+
+
+def test_the_take_from_before_an_export_over_it_is_found_beside_it(
+    bench: Bench, crash: Crash
+) -> None:
+    window = exported_over_then_edited(bench)
+    shown = session_of(window).weights.copy()
+    crash.kill(window)
+    window = crash.start_again()
+    assert not crash.asked
+    assert window.document.path == bench.take.with_name("take.csv.bak")
+    assert "is the take without them" in window.banner.text.text()
+    assert (session_of(window).weights == shown).all()
+
+
+def test_a_project_is_not_applied_to_an_export_of_its_own(bench: Bench, crash: Crash) -> None:
+    window = exported_over_then_edited(bench)
+    project = bench.answers["save_project"] = bench.folder / "scene.faceedit"
+    trigger(window, "save")
+    window.close()
+    lose_backup(bench)
+    window = bench.window()
+    window.commands.file.open_if_saved(project)
+    bench.qtbot.waitUntil(lambda: bool(crash.asked or bench.errors), timeout=15_000)
+    assert not bench.errors
+    assert "already holds these edits" in crash.asked[0]
+    assert window.document.session is None
+
+
+def test_a_take_that_was_renamed_after_a_crash_is_found_by_its_content(
+    bench: Bench, crash: Crash
+) -> None:
+    window = bench.editing()
+    add_edit(window)
+    crash.kill(window)
+    renamed = bench.take.rename(bench.folder / "anna_07.csv")
+    window = crash.start_again()
+    assert window.document.path == renamed
+    assert len(session_of(window).edits) == 1
+
+
+def test_the_user_can_show_where_a_take_is_after_a_crash(
+    bench: Bench, crash: Crash, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    window = bench.editing()
+    add_edit(window)
+    crash.kill(window)
+    crash.answer = bench.take.rename(tmp_path_factory.mktemp("elsewhere") / "take.csv")
+    window = crash.start_again()
+    bench.qtbot.waitUntil(lambda: window.document.session is not None, timeout=15_000)
+    assert "is missing; show where" in crash.asked[0]
+    assert window.document.path == crash.answer
+    assert len(pending_journals(crash.folder)) == 0
+
+
+def test_edits_that_were_recovered_before_another_crash_are_offered_once(
+    bench: Bench, tmp_path: Path
+) -> None:
+    contents = []
+    for _ in range(2):
+        recording = Journal(bench.take, folder=tmp_path / "j")
+        recording.record(EditState((WIDER,)))
+        contents.append(recording.path.read_bytes())
+        recording.close()
+    for number, content in enumerate(contents):
+        (tmp_path / "j" / f"{number}.jsonl").write_bytes(content)
+    assert len(pending_journals(tmp_path / "j")) == 1
+    assert len([*(tmp_path / "j").iterdir()]) == 1
+
+
+@pytest.mark.parametrize("answer", [Changed.REPLACE, Changed.CANCEL, Changed.ELSEWHERE])
+def test_a_project_that_another_window_saved_is_not_replaced_silently(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, answer: Changed
+) -> None:
+    asked: list[str] = []
+
+    def ask(_parent: object, name: str) -> Changed:
+        asked.append(name)
+        return answer
+
+    monkeypatch.setattr(dialogs, "ask_changed", ask)
+    first = bench.editing()
+    add_edit(first)
+    path = bench.answers["save_project"] = bench.folder / "scene.faceedit"
+    trigger(first, "save")
+    second = bench.window()
+    second.commands.file.open_if_saved(path)
+    bench.qtbot.waitUntil(lambda: second.document.session is not None, timeout=15_000)
+    add_edit(second, 3.0)
+    trigger(second, "save")
+    assert not asked
+    of_second = path.read_bytes()
+    add_edit(first, -1.0)
+    if answer is Changed.ELSEWHERE:
+        bench.answers["save_project"] = bench.folder / "mine.faceedit"
+    trigger(first, "save")
+    assert asked == ["scene.faceedit"]
+    assert (path.read_bytes() == of_second) is (answer is not Changed.REPLACE)
+    assert first.isWindowModified() is (answer is Changed.CANCEL)
+    trigger(first, "save")
+    assert len(asked) == (2 if answer is Changed.CANCEL else 1)
+
+
+@pytest.mark.parametrize("overwrites", [True, False])
+def test_a_take_that_another_program_changed_is_not_replaced_silently(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, overwrites: bool
+) -> None:
+    reasons: list[str] = []
+
+    def ask(_parent: object, _path: Path, reason: str) -> bool:
+        reasons.append(reason)
+        bench.answers["export"] = None  # after a No, the user is asked for another name
+        return overwrites
+
+    monkeypatch.setattr(dialogs, "ask_overwrite", ask)
+    window = bench.editing()
+    add_edit(window)
+    changed = bench.take.read_bytes().replace(b"12:00:00", b"12:00:01")
+    bench.take.write_bytes(changed)
+    bench.answers["export"] = bench.take
+    trigger(window, "export")
+    assert reasons == ["has been changed by another program since it was opened"]
+    kept = bench.take.with_name("take.csv.bak") if overwrites else bench.take
+    assert kept.read_bytes() == changed
+
+
+def test_an_export_waits_for_the_networks(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded = threading.Event()
+
+    def load(_rig: object) -> object:
+        assert loaded.wait(15)
+        return random_engine()
+
+    monkeypatch.setattr(loading, "load_engine", load)
+    window = bench.window(start=False)
+    window.start(bench.take)
+    bench.qtbot.waitUntil(lambda: window.document.session is not None, timeout=15_000)
+    add_edit(window)
+    early = bench.answers["export"] = bench.folder / "early.csv"
+    window.workspace.message.connect(lambda _text: loaded.set())
+    trigger(window, "export")
+    assert session_of(window).has_engine
+    late = bench.answers["export"] = bench.folder / "late.csv"
+    trigger(window, "export")
+    assert early.read_bytes() == late.read_bytes()
+    assert (open_take(early).clip.weights != open_take(bench.take).clip.weights).any()
+
+
+def test_a_start_survives_any_journal(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = bench.folder / "journals"
+    folder.mkdir()
+    monkeypatch.setattr(journal, "journal_folder", lambda: folder)
+    for number, content in enumerate(
+        [b"[" * 100_000 + b"\n", b"[]\n{}\n", b'{"version":1,"take":7}\n', b"\xff\n", b"1e999\n"]
+    ):
+        (folder / f"{number}.jsonl").write_bytes(content + b'{"step":1}\n')
+    window = bench.editing()
+    assert window.document.session is not None
