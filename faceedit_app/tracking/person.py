@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, MOUTH_WIDTH
@@ -120,8 +121,9 @@ def _quiet(gaps: dict[str, Doubles]) -> Indices:
     unrest = (lips - lips.min()) / 5.0 + apart(gaps[MOUTH_WIDTH])
     unrest = unrest + 2.0 * sum(apart(gaps[lid]) for lid in LIDS)
     # Lips that are pressed for a b are shut as well: a face at rest stays as it is for a while.
-    steps = sum(np.abs(np.diff(gap, prepend=gap[0])) for gap in gaps.values())
-    unrest = unrest + np.convolve(steps, np.full(_WHILE, 1.0 / _WHILE), "same")
+    together = np.stack(list(gaps.values()))
+    steps = np.abs(np.diff(together, axis=1, prepend=together[:, :1])).sum(axis=0)
+    unrest = unrest + uniform_filter1d(steps, _WHILE, mode="nearest")
     count = max(_FEWEST, round(len(lips) * _NEUTRAL))
     return np.argsort(unrest, kind="stable")[:count].astype(np.intp)
 
