@@ -17,6 +17,7 @@ from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
 from faceedit_app.formats.converting import convert, resampled
+from faceedit_app.formats.csv_take import ROTATIONS
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
 
@@ -170,6 +171,8 @@ def export_take(
         backup = make_way(path, take.path, options.overwrite)
         clip = convert(path, take, kind, options.rate, weights)
         lost = () if same else take.carried
+        if kind.keeps_rotations and clip.rotations is not None:
+            lost = tuple(name for name in lost if name.lower() not in ROTATIONS)
     else:
         clip = resampled(replace(take.clip, weights=weights), options.rate)
         content = scene_content(
