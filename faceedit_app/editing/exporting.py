@@ -57,6 +57,11 @@ class OutFormat:
         """Whether it can store weights compactly."""
         return isinstance(self.kind, SceneFormat) and self.kind.is_compact
 
+    @property
+    def takes_any_rate(self) -> bool:
+        """Whether it can be written at another rate than the take's own."""
+        return isinstance(self.kind, SceneFormat) or self.kind.write is not None
+
     def hints(self, rate: float) -> list[str]:
         """What to do with the file in other programs, a sentence each."""
         shown = format_rate(rate)

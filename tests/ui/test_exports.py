@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PySide6.QtWidgets import QProgressDialog, QPushButton
 from pytestqt.qtbot import QtBot
+from support import recordings
 from support.character_files import write_glb
 from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, trigger
@@ -67,6 +68,19 @@ def test_the_dialog_says_what_to_do_at_the_chosen_rate(dialog: ExportDialog) -> 
     assert "60 fps" in dialog.hints.text()
     dialog.rate.setCurrentText("24 fps")
     assert "24 fps" in dialog.hints.text()
+    assert dialog.options.rate == 24
+
+
+def test_a_layout_that_cannot_be_made_keeps_its_rate(qtbot: QtBot, tmp_path: Path) -> None:
+    path = tmp_path / "take.txt"
+    path.write_text(recordings.facecap(recordings.face(60)))
+    dialog = ExportDialog(None, open_take(path))
+    qtbot.addWidget(dialog)
+    dialog.rate.setCurrentText("24 fps")
+    assert not dialog.rate.isEnabled()
+    assert dialog.options == Options()
+    choose_format(dialog, "csv")
+    assert dialog.rate.isEnabled()
     assert dialog.options.rate == 24
 
 
