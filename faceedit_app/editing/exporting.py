@@ -136,6 +136,15 @@ def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutF
     raise FaceEditError(f"{path}: no format with this ending can be written; use {known}")
 
 
+def by_ending(path: Path, take: Take) -> OutFormat | None:
+    """The format for a file by its ending; None = the take's own, also for an unknown ending."""
+    try:
+        form = choose(path, take=take)
+    except FaceEditError:
+        return None
+    return None if form == own_format(take) else form
+
+
 def own_format(take: Take) -> OutFormat | None:
     """The format that a take was opened from."""
     return next((OutFormat(f) for f in registry.FORMATS if f.name == take.kind), None)

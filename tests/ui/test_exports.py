@@ -101,6 +101,15 @@ def test_what_is_on_screen_is_exported_as_a_character(bench: Bench) -> None:
     assert not bench.errors
 
 
+def test_an_ending_of_another_format_means_that_format(bench: Bench) -> None:
+    window = bench.editing()
+    out = bench.folder / "talk.glb"
+    bench.answers["export"] = out
+    trigger(window, "export")
+    bench.qtbot.waitUntil(lambda: bool(bench.exported), timeout=20_000)
+    assert open_take(out).format == "GLB animation"
+
+
 def test_the_character_on_screen_plays_the_take(bench: Bench) -> None:
     window = bench.editing()
     head = open_character(write_glb(bench.folder / "head.glb", lambda name: f"Face_{name}"))
