@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from faceedit_app.characters.fitted import open_character
+from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
 from faceedit_app.core.errors import FaceEditError
@@ -68,6 +68,7 @@ class Take:
 
     def __init__(self, session: EditSession) -> None:
         self.session = session
+        self._character: FittedCharacter | None = None
 
     # --- what it holds -----------------------------------------------------------------------
 
@@ -126,6 +127,19 @@ class Take:
         """The places that are probably wrong, in order of time."""
         self.session.live.work()
         return find_problems(self.session)
+
+    def use_character(self, path: Path | str | None) -> Take:
+        """Use your character from now on, and close lips and lids on it where edits close them.
+
+        Args:
+            path: its file; None = FaceEdit's own.
+
+        Raises:
+            FaceEditError: it cannot be read, or is not a face.
+        """
+        self._character = None if path is None else open_character(path)
+        self.session.use_character(None if self._character is None else self._character.rig)
+        return self
 
     # --- edit --------------------------------------------------------------------------------
 
@@ -263,7 +277,6 @@ class Take:
         path: Path | str,
         format: str | None = None,
         fps: float | None = None,
-        character: Path | str | None = None,
         compact: bool = False,
         overwrite: bool = False,
     ) -> exporting.Exported:
@@ -273,7 +286,6 @@ class Take:
             path: the file to write.
             format: see `faceedit convert --help`; None = by the ending, the take's own first.
             fps: frames per second; None = the take's own.
-            character: the file of your character; None = FaceEdit's own.
             compact: store weights in 16 bits, for GLB.
             overwrite: allow a recording to be replaced; a copy of it is kept.
 
@@ -281,12 +293,8 @@ class Take:
             FaceEditError: it cannot be written.
         """
         path = Path(path)
-        keeps_layout = fps is None and character is None
-        own = self.session.take if keeps_layout else None
-        form = exporting.choose(path, format, own)
-        options = exporting.Options(
-            fps, None if character is None else Path(character), compact, overwrite
-        )
+        form = exporting.choose(path, format, self.session.take if fps is None else None)
+        options = exporting.Options(fps, self._character, compact, overwrite)
         return exporting.export_session(self.session, path, form, options)
 
     def film(
@@ -295,7 +303,6 @@ class Take:
         view: str = "face",
         size: tuple[int, int] = (1080, 1080),
         fps: float | None = None,
-        character: Path | str | None = None,
     ) -> filming.Filmed:
         """Film the edited take, with the sound found beside it.
 
@@ -304,7 +311,6 @@ class Take:
             view: `face`, `both` (tracked and edited) or `film` (the take's film and the face).
             size: width and height, pixels.
             fps: pictures per second; None = the take's frame rate.
-            character: the file of your character; None = FaceEdit's own.
 
         Raises:
             FaceEditError: it cannot be written, or this computer offers no OpenGL.
@@ -313,10 +319,14 @@ class Take:
             raise FaceEditError(f"{view}: must be {', '.join(filming.View)}")
         self.session.live.work()
         take = self.session.take
-        rig = self.session.rig if character is None else open_character(character).rig
         shot = filming.Shot(filming.View(view), size, fps)
         filmed = filming.film_take(
-            take, self.session.weights, rig, filming.media_of(take), Path(path), shot
+            take,
+            self.session.weights,
+            self.session.shown_rig,
+            filming.media_of(take),
+            Path(path),
+            shot,
         )
         assert filmed is not None  # nothing stops it
         return filmed

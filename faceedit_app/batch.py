@@ -16,6 +16,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,7 @@ class Recipe:
         edits: the file of a list of edits.
         form: the key of the format to write; "" = as the take came.
         rate: frames per second to write; None = the take's own.
-        character: the file of a character, for formats with one.
+        character: the file of a character, on which lips and lids close as well.
         fps: frames per second of takes that do not give them.
         models: the folder of a model; None = the one that ships.
     """
@@ -176,6 +177,8 @@ def perform(task: Task) -> Outcome:
         outcome = replace(outcome, sha256=fingerprint(task.source).sha256)
         models = None if recipe.models is None else Path(recipe.models)
         take = api.open(task.source, recipe.fps, models)
+        if recipe.character:
+            take.use_character(recipe.character)
         problems = len(take.problems())
         if recipe.fixes:
             take.fix(*recipe.fixes)
@@ -184,7 +187,7 @@ def perform(task: Task) -> Outcome:
         if recipe.edits:
             take.load_edits(recipe.edits)
         task.output.parent.mkdir(parents=True, exist_ok=True)
-        take.export(task.output, recipe.form or None, recipe.rate, recipe.character)
+        take.export(task.output, recipe.form or None, recipe.rate)
         return replace(
             outcome,
             written=task.output.name,
@@ -230,7 +233,9 @@ class Log:
         for line in self._file:
             with suppress(ValueError, TypeError):
                 entry = json.loads(line)
-                lists = {k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()}
+                lists: dict[str, Any] = {
+                    k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()
+                }
                 found[entry["name"]] = Outcome(**lists)
         return found
 
@@ -311,12 +316,12 @@ def run_on_cluster(tasks: list[Task], scheduler: str) -> Iterator[Outcome]:
     from dask import distributed
 
     try:
-        client = distributed.Client(scheduler, timeout=10)
+        client = distributed.Client(scheduler, timeout=10)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError) as error:
         raise FaceEditError(f"--scheduler {scheduler}: does not answer ({error})") from error
     with client:
         futures = {client.submit(perform, task, pure=False): task for task in tasks}
-        for future in distributed.as_completed(futures):
+        for future in distributed.as_completed(futures):  # type: ignore[no-untyped-call]
             if future.status == "finished":
                 yield future.result()
             else:

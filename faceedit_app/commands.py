@@ -48,6 +48,8 @@ app.add_typer(character_commands.app, name="character")
 app.command("words")(word_commands.words)
 app.command()(export_commands.convert)
 app.command()(export_commands.batch)
+app.command()(export_commands.live)
+app.command()(export_commands.record)
 app.command("track")(tracking_commands.track)
 
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
@@ -208,7 +210,7 @@ def render(
         if film_fps is not None:
             film_fps = checked_rate(output, film_fps)
         shot = (view, (width, height), film_fps, form, not silent)
-        export_commands.film(session, shown, output, shot, sound, film)
+        export_commands.film(session, output, shot, sound, film)
         return
     frame = session.take.clip.frame_at(time)
     write_png(output, snapshot(shown, session.weights[frame], width, height))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Optional
@@ -9,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Optional
 import typer
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
-    from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
 
@@ -60,9 +61,9 @@ def convert(
     options = exporting.Options(fps, character, compact, overwrite)
     written = exporting.export_take(opened, opened.clip.weights, output, chosen, options)
     clip = written.clip
-    print(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
+    say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     for line in (*written.remarks, *chosen.hints(clip.rate)):
-        print(f"  {line}")
+        say(f"  {line}")
 
 
 def batch(
@@ -90,7 +91,7 @@ def batch(
     ] = None,
     character: Annotated[
         Optional[Path],  # noqa: UP045
-        typer.Option("--character", help="For glb, fbx, usd: your character; default: FaceEdit's."),
+        typer.Option("--character", help="Your character: lips and lids close on it, too."),
     ] = None,
     models: Annotated[
         Optional[Path],  # noqa: UP045
@@ -111,8 +112,8 @@ def batch(
     from faceedit_app import batch as batches
     from faceedit_app import batch_report
 
-    if (fps is not None or character is not None) and form is None:
-        raise FaceEditError("--fps and --character need --format")
+    if fps is not None and form is None:
+        raise FaceEditError("--fps needs --format")
     recipe = replace(
         batches.parse_recipe(what),
         form=form or "",
@@ -131,13 +132,13 @@ def batch(
             def report(outcome: batches.Outcome, done: int, of: int) -> None:
                 bar.update(shown, completed=done)
                 said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
-                print(f"[{done}/{of}] {outcome.name}: {said}")
+                say(f"[{done}/{of}] {outcome.name}: {said}")
 
             outcomes = batches.run(tasks, log, jobs, scheduler, report)
     finally:
         log.close()
     _, page = batch_report.write_reports(output, outcomes)
-    print(f"{batch_report.summary(outcomes)}; see {page}")
+    say(f"{batch_report.summary(outcomes)}; see {page}")
     if any(outcome.error for outcome in outcomes):
         raise typer.Exit(1)
 
@@ -157,7 +158,6 @@ def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
 
 def film(
     session: EditSession,
-    rig: Rig,
     output: Path,
     shot: tuple[str, tuple[int, int], float | None, str | None, bool],
     sound: Path | None,
@@ -166,7 +166,6 @@ def film(
     """Film a take, and say how far it is.
 
     Args:
-        rig: the character to show.
         shot: view, size, rate, format, and whether to add the sound.
         sound, pictures: the take's sound and film; None = those found beside it.
     """
@@ -186,9 +185,94 @@ def film(
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(output.name, total=None)
         filmed = film_take(
-            session.take, session.weights, rig, media, output, chosen,
+            session.take, session.weights, session.shown_rig, media, output, chosen,
             lambda done, of: bar.update(task, completed=done, total=of),
         )  # fmt: skip
     assert filmed is not None  # nothing stops it
     rate = filmed.rate
-    print(f"{output}: {filmed.frames} pictures at {format_rate(rate)}, {filmed.codecs}")
+    say(f"{output}: {filmed.frames} pictures at {format_rate(rate)}, {filmed.codecs}")
+
+
+def live(
+    take: Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")],
+    host: Annotated[str, typer.Option(help="Where to send it.")] = "127.0.0.1",
+    port: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(help="The port there; default: the protocol's."),
+    ] = None,
+    protocol: Annotated[
+        str, typer.Option(help="livelink (Unreal) or vmc (VSeeFace, Warudo, Unity).")
+    ] = "livelink",
+    edits: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Edits (JSON) to apply first."),
+    ] = None,
+    loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end.")] = False,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second, if the take does not give them."),
+    ] = None,
+    models: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
+    ] = None,
+) -> None:
+    """Play a take into another program, in real time; Ctrl+C stops it."""
+    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+    from faceedit_app.editing.streaming import play
+    from faceedit_app.live.protocols import Sender, find_protocol
+
+    chosen = find_protocol(protocol, sends=True)
+    rig = shipped_rig()
+    session = open_session(take, rig, load_engine(rig, models) if edits else None, fps)
+    if edits:
+        session.load_edits(edits)
+    session.live.work()
+    sender = Sender(chosen, host, chosen.port if port is None else port)
+    try:
+        say(f"Sending {take.name} as {chosen.name} to {host}:{sender.address[1]}")
+        say(f"  {chosen.hints[0]}.")
+        play(session, sender, loop)
+    finally:
+        sender.close()
+
+
+def record(
+    output: Annotated[Path, typer.Argument(help="The new take: a Live Link Face CSV.")],
+    protocol: Annotated[str, typer.Option(help="livelink, vmc or ifacialmocap.")] = "livelink",
+    host: Annotated[str, typer.Option(help="The address to listen on.")] = "0.0.0.0",
+    port: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(help="The port to listen on; default: the protocol's."),
+    ] = None,
+    phone: Annotated[
+        str, typer.Option(help="For ifacialmocap: the phone's address, which the app shows.")
+    ] = "",
+    seconds: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(help="Stop after so many seconds; default: at Ctrl+C."),
+    ] = None,
+) -> None:
+    """Record a take from a phone, or from another program."""
+    import threading
+
+    from faceedit_app.editing.recording import Recorder
+    from faceedit_app.live.protocols import find_protocol, own_address
+
+    chosen = find_protocol(protocol)
+    recorder = Recorder(output, chosen, host, port, phone)
+    try:
+        address = own_address() if host == "0.0.0.0" else host
+        say(f"Listening for {chosen.name} on {address}:{recorder.address[1]}; Ctrl+C stops")
+        say(f"  {chosen.hints[1]}.")
+        with suppress(KeyboardInterrupt):
+            threading.Event().wait(seconds)
+    finally:
+        has_frames = recorder.stop()
+    if recorder.error is not None:
+        raise recorder.error
+    if not has_frames:
+        raise FaceEditError(
+            f"Nothing was received ({recorder.ignored} packets were not understood)"
+        )
+    say(f"{output}: {recorder.frames} frames, {recorder.seconds:.2f} s")

@@ -46,10 +46,13 @@ def track(
 ) -> int:
     """Track the face in a film: write the take that a phone would have recorded."""
     from faceedit_app.editing.opening import shipped_rig
+    from faceedit_app.formats.opening import checked_rate
 
     place = None if face is None else _place(face)
     if edits is not None and report is None:
         raise FaceEditError("--edits shows edits in the report: give --report DIR as well")
+    if fps is not None:
+        fps = checked_rate(film, fps)
     rig, code, facts = shipped_rig(), 0, []
     for path, take in _jobs(film, output):
         try:
@@ -112,7 +115,7 @@ def _report(
     folder: Path, tracked: Tracked, take: Path, rig: Rig, edits: Path | None, fps: float | None
 ) -> tuple[Path, Path]:
     from faceedit_app.editing.opening import load_engine, open_session
-    from faceedit_app.tracking.side_by_side import write_report
+    from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
 
     edited = None
     if edits is not None:
@@ -121,7 +124,9 @@ def _report(
         session = open_session(take, rig, load_engine(rig))
         session.load_edits(edits)
         edited = session.weights
-    return write_report(folder, tracked, rig, edited)
+    folder.mkdir(parents=True, exist_ok=True)
+    shown = Shown.of_tracked(tracked, edited)
+    return write_side_by_side(folder / "side_by_side.mp4", shown, rig)
 
 
 def _facts(tracked: Tracked, take: Path) -> dict[str, Any]:

@@ -72,6 +72,8 @@ UNWANTED = [
     # pyrender's letters and demonstration shapes.
     "pyrender/fonts/*",
     "pyrender/models/*",
+    # For dictation; words that are typed need none.
+    "pocketsphinx/model/*.lm.bin",
 ]
 
 # The graphics driver of the user's machine is loaded into the application, and needs these in the

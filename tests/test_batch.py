@@ -186,7 +186,7 @@ def _ends_at_bad(task: Task) -> Outcome:
         (["none", "nowhere"], "is not a folder"),
         (["none", "empty"], "holds no takes"),
         (["none", "out"], "choose another folder for results"),
-        (["none", "takes", "--fps", "30"], "need --format"),
+        (["none", "takes", "--fps", "30"], "--fps needs --format"),
         (["none", "takes", "--format", "bvh"], "must be one of livelink"),
         (["none", "takes", "--jobs", "0"], "--jobs"),
     ],

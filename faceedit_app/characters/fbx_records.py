@@ -51,11 +51,11 @@ def _add(out: bytearray, record: Record) -> None:
 
 
 def _value(value: Any) -> bytes:
+    if isinstance(value, np.int64):
+        return b"L" + struct.pack("<q", int(value))
     match value:
         case bool():
             return b"C" + struct.pack("<?", value)
-        case np.int64():
-            return b"L" + struct.pack("<q", value)
         case int():
             return b"I" + struct.pack("<i", value)
         case float():

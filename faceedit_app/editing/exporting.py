@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from faceedit_app.characters.fitted import open_character
+from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.rig import Rig
 from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.editing.session import EditSession
@@ -67,13 +68,13 @@ class Options:
 
     Attributes:
         rate: frames per second; None = the take's own.
-        character: the file of the user's character, for formats with one; None = FaceEdit's own.
+        character: the user's character or its file, for formats with one; None = FaceEdit's own.
         compact: store weights in 16 bits, for formats that can.
         overwrite: allow a recording to be replaced; a copy of it is kept.
     """
 
     rate: float | None = None
-    character: Path | None = None
+    character: FittedCharacter | Path | None = None
     compact: bool = False
     overwrite: bool = False
 
@@ -171,10 +172,17 @@ def export_take(
         lost = () if same else take.carried
     else:
         clip = resampled(replace(take.clip, weights=weights), options.rate)
-        character = open_character(options.character) if options.character else shipped_rig()
-        content = scene_content(kind, clip, character, take.path.stem, options.compact)
+        content = scene_content(
+            kind, clip, _opened(options.character), take.path.stem, options.compact
+        )
         backup = make_way(path, take.path, options.overwrite)
         write_atomically(path, content)
         lost = take.carried
     remarks = (f"left out because they are not channels: {', '.join(lost)}",) if lost else ()
     return Exported(path, form, clip, remarks, backup)
+
+
+def _opened(character: FittedCharacter | Path | None) -> FittedCharacter | Rig:
+    if character is None:
+        return shipped_rig()
+    return open_character(character) if isinstance(character, Path) else character

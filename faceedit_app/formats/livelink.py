@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
-from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text, read_table
@@ -30,6 +30,7 @@ FORMAT = "Live Link Face CSV"
 _SWAPPED = {"jawLeft": "jawRight", "mouthLeft": "mouthRight"}
 _SWAPPED |= {right: left for left, right in _SWAPPED.items()}
 _ORDER = [_SWAPPED.get(name, name) for name in ARKIT_CHANNELS]
+_PLACES = [ARKIT_INDEX[name] for name in _ORDER]
 _ROTATIONS = [
     part + axis for part in ("Head", "LeftEye", "RightEye") for axis in ("Yaw", "Pitch", "Roll")
 ]
@@ -65,10 +66,10 @@ def write(clip: Clip) -> bytes:
     The timecode begins at the clip's, if it has one, else at 0. Lost frames are left out, as the
     application does.
     """
-    return write_with(clip, np.zeros((len(clip), len(_ROTATIONS))))
+    return write_with(clip, np.zeros((len(clip), len(_ROTATIONS)), np.float32))
 
 
-def write_with(clip: Clip, rotations: Doubles, lost: Times | None = None) -> bytes:
+def write_with(clip: Clip, rotations: Floats, lost: Times | None = None) -> bytes:
     """A clip with rotations, and with rows for the frames in which the face was lost.
 
     Args:
@@ -76,16 +77,30 @@ def write_with(clip: Clip, rotations: Doubles, lost: Times | None = None) -> byt
         rotations: (T, 9) radians: yaw, pitch and roll of the head, the left and the right eye.
         lost: (L,) times of lost frames, seconds on the clip's clock.
     """
-    names = [name[0].upper() + name[1:] for name in _ORDER]
-    header = ",".join(["Timecode", "BlendshapeCount", *names, *_ROTATIONS])
-    count = len(names) + len(_ROTATIONS)
-    weights = clip.arkit_weights()[:, [ARKIT_INDEX[name] for name in _ORDER]]
     begin = start_of_day(clip.timecodes) if clip.timecodes else 0.0
-    rows = []
-    for time, values in zip(
-        clip.times.tolist(), np.concatenate([weights, rotations], axis=1).tolist(), strict=True
-    ):
-        rows.append((time, ",".join([str(count), *(f"{value:.10f}" for value in values)])))
-    rows += [(time, "0") for time in ([] if lost is None else lost.tolist())]
-    lines = [f"{write_timecode(begin + time, DEFAULT_BASE)},{row}" for time, row in sorted(rows)]
-    return ("\n".join([header, *lines]) + "\n").encode()
+    frames = zip((begin + clip.times).tolist(), clip.arkit_weights(), rotations, strict=True)
+    lines = [(time, frame_line(time, row, turns)) for time, row, turns in frames]
+    for time in [] if lost is None else (begin + lost).tolist():
+        lines.append((time, f"{write_timecode(time, DEFAULT_BASE)},0\n"))
+    return "".join([header_line(), *(line for _, line in sorted(lines))]).encode()
+
+
+def header_line() -> str:
+    """The first line, with its end."""
+    names = [name[0].upper() + name[1:] for name in _ORDER]
+    return ",".join(["Timecode", "BlendshapeCount", *names, *_ROTATIONS]) + "\n"
+
+
+def frame_line(second: float, weights: Floats, rotations: Floats | None = None) -> str:
+    """The line of a frame, with its end.
+
+    Args:
+        second: of the day.
+        weights: (52,) in ARKit order.
+        rotations: (9,) yaw, pitch and roll of the head, the left and the right eye, in radians;
+            None = 0.
+    """
+    turns = np.zeros(len(_ROTATIONS)) if rotations is None else rotations
+    cells = [*weights[_PLACES].tolist(), *turns.tolist()]
+    numbers = ",".join(f"{value:.10f}" for value in cells)
+    return f"{write_timecode(second, DEFAULT_BASE)},{len(cells)},{numbers}\n"

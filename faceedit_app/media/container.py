@@ -98,6 +98,16 @@ def find_sound(container: InputContainer) -> AudioStream | None:
     return next((s for s in usable if s.codec_context.channels), None)
 
 
+def has_sound(path: Path) -> bool:
+    """Whether a media file has sound.
+
+    Raises:
+        FileError: it cannot be read.
+    """
+    with opened(path) as container:
+        return bool(container.streams.audio)
+
+
 def film_stream(container: InputContainer) -> VideoStream:
     """The first video stream that is not a cover picture.
 

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache, partial
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +20,8 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.networks.region import RegionAnswer, read_region
 
 ENDING = ".onnx"
+CORES = os.cpu_count() or 1
+PATIENCE = 0.0015  # seconds to wait for another thread; a region takes about one millisecond
 
 
 def load_region(folder: Path, region: Region, rig: Rig) -> RegionAnswer:
@@ -36,6 +44,20 @@ def load_region(folder: Path, region: Region, rig: Rig) -> RegionAnswer:
             "use that character, or a model made for this one",
         )
     return model
+
+
+@cache
+def _helpers() -> ThreadPoolExecutor:
+    """The threads beside the calling one."""
+    return ThreadPoolExecutor(min(CORES, len(REGIONS)) - 1, thread_name_prefix="networks")
+
+
+def _result(other: Future[Doubles], part: Callable[[], Doubles]) -> Doubles:
+    """What another thread computes, or the same computed here."""
+    if not other.cancel():
+        with suppress(TimeoutError):
+            return other.result(PATIENCE)
+    return part()
 
 
 @dataclass(frozen=True)
@@ -78,6 +100,32 @@ class Engine:
         Returns:
             (N, K) weights of the region's channels, not limited to 0..1.
         """
+        return self.answers((region,), curves, naturalness)[region]
+
+    def answers(
+        self, regions: Sequence[str], curves: Doubles, naturalness: float
+    ) -> dict[str, Doubles]:
+        """The answers of several regions, side by side on the cores that there are.
+
+        Each region's networks run on one thread, so the answers have the same bits on any number
+        of cores. What another core has not begun, or does not finish soon, is computed here: cores
+        that other programs keep busy cost little.
+
+        Args:
+            regions: `Region.id`s.
+            curves, naturalness: see `answer`.
+
+        Returns:
+            (N, K) weights by region.
+        """
+        work = [partial(self._answer, region, curves, naturalness) for region in regions]
+        others = [_helpers().submit(part) for part in work[1:]] if CORES > 1 else []
+        found = [work[0]()] if work else []
+        for part, other in zip_longest(work[1:], others):
+            found.append(part() if other is None else _result(other, part))
+        return dict(zip(regions, found, strict=True))
+
+    def _answer(self, region: str, curves: Doubles, naturalness: float) -> Doubles:
         model = self.models[region]
         heard = curves[:, model.columns].astype(np.float32, order="C")
         if missing := -len(curves) % model.description.scale:

@@ -2,9 +2,9 @@
 
 The weights w of all pictures minimise
 
-    sum of |seen - (rest + moves w)|² over landmarks, lips and lids      (what the film shows)
-  + |w|²                                                                 (small weights are likely)
-  + sum of a robust loss of each weight's acceleration                   (faces move smoothly)
+    sum of |seen - (rest + moves w)|² over landmarks, lips and lids  (what the film shows)
+  + |w|² + |w|                                   (few channels and small weights are likely)
+  + sum of a robust loss of each weight's acceleration               (faces move smoothly)
 
 with 0 <= w <= 1, by L-BFGS-B (Zhu, Byrd, Lu and Nocedal, "Algorithm 778", 1997). The loss is
 pseudo-Huber (Charbonnier et al., 1997): quadratic for the shaking of landmarks, so that it is
@@ -14,6 +14,7 @@ in time, and so it has no lag.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,6 +83,7 @@ def fit_weights(
     times: Times,
     trust: Doubles,
     settings: FitSettings = DEFAULT,
+    progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Fit:
     """Fit the weights of all pictures, in blocks that overlap.
 
@@ -91,9 +93,11 @@ def fit_weights(
         times: (T,) seconds.
         trust: (T,) 0..1, how much each picture counts.
         settings: the priors.
+        progress: called before each block with the pictures done and all; may raise to stop.
     """
     parts = []
     for start in range(0, len(seen), _BLOCK):
+        progress(start, len(seen))
         first, last = max(start - _MARGIN, 0), start + _BLOCK + _MARGIN
         some = slice(first, last)
         fit = _fit_block(model, person, seen[some], times[some], trust[some], settings)

@@ -14,6 +14,7 @@ from faceedit_app.tracking.pose import Lens, Poses, fit_poses
 
 _NEUTRAL = 1 / 15  # share of the pictures that count as neutral
 _FEWEST = 3
+_MOST = 1500  # pictures, spread over the film, that show enough of a person
 _DEPTH = 0.5  # how far the landmarks' depth is believed
 _TOUCH = 3.0  # percentile of the distance between the lips at which they touch
 _OPEN = 70.0  # percentile of the distance between the lids at which an eye is at rest
@@ -51,6 +52,7 @@ def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -
         middle: (2,) the middle of the picture, pixels, with the second axis upwards.
     """
     used = np.flatnonzero(good)
+    used = used[:: max(len(used) // _MOST, 1)]
     lens, poses = _lens(model, seen[used], middle)
     some = lens.flatten(seen[used], poses, model.rest)
     placed = _placed(some, poses)

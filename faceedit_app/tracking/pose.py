@@ -49,7 +49,8 @@ class Poses:
         flat = (seen - self.shifts[:, None]) / self.scales[:, None, None]
         flat = flat - self.turns[:, None, :2, 2] * np.broadcast_to(depth, flat.shape[:2])[..., None]
         back = np.linalg.inv(self.turns[:, :2, :2])
-        return np.einsum("tij,tnj->tni", back, flat)
+        placed: Doubles = np.einsum("tij,tnj->tni", back, flat)
+        return placed
 
 
 @dataclass(frozen=True)

@@ -127,18 +127,27 @@ def track_film(
     """
     model = FaceModel.of(rig)
     seen = read_landmarks(path, FaceLandmarker(threads=2), report, stopped, face)
-    report(Progress("Fitting the character", 0, 1))
+
+    def fitting(done: int, of: int) -> None:
+        check(stopped)
+        report(Progress("Fitting the character", done, of))
+
+    tracked = fit_landmarks(seen, model, settings, fitting)
     check(stopped)
-    tracked = fit_landmarks(seen, model, settings)
-    check(stopped)
-    report(Progress("Fitting the character", 1, 1))
     return tracked
 
 
 def fit_landmarks(
-    film: FilmLandmarks, model: FaceModel, settings: FitSettings = DEFAULT
+    film: FilmLandmarks,
+    model: FaceModel,
+    settings: FitSettings = DEFAULT,
+    progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Tracked:
     """Fit the character to landmarks.
+
+    Args:
+        film, model, settings: what was seen, where it is on the character, and how it is fitted.
+        progress: as in `fit_weights`.
 
     Raises:
         FileError: too few pictures show a face.
@@ -154,7 +163,7 @@ def fit_landmarks(
     middle = 0.5 * np.array(film.size) * (1.0, -1.0)
     person = find_person(model, seen, film.probabilities[found] > 0.9, middle)
     trust = np.clip(film.probabilities[found], 0.05, 1.0)
-    fit = fit_weights(model, person, seen, film.times[found], trust, settings)
+    fit = fit_weights(model, person, seen, film.times[found], trust, settings, progress)
     count = len(film.times)
     weights, head, confidence = np.zeros((count, 52)), np.zeros((count, 3)), np.zeros(count)
     weights[found], head[found] = fit.weights, fit.poses.angles

@@ -157,13 +157,22 @@ def _check_amount(words: int, seconds: float) -> None:
 
 def _mono(samples: Samples, rate: int) -> Samples:
     """(N,) int16 at 16 kHz."""
-    mixed = samples if samples.ndim == 1 else samples.astype(np.float32).mean(axis=1)
-    if rate != RATE:
-        from scipy.signal import resample_poly
+    if samples.ndim == 1:
+        samples = samples[:, None]
+    if rate == RATE and samples.shape[1] == 1:
+        return samples[:, 0]
+    from av import AudioFrame, AudioResampler  # with a sound, it is there already
 
-        common = int(np.gcd(rate, RATE))
-        mixed = resample_poly(mixed.astype(np.float32), RATE // common, rate // common)
-    return np.clip(np.rint(mixed), -32768, 32767).astype(np.int16)
+    frame = AudioFrame.from_ndarray(
+        np.ascontiguousarray(samples).reshape(1, -1),
+        format="s16",
+        layout="mono" if samples.shape[1] == 1 else "stereo",
+    )
+    frame.sample_rate = rate
+    resampler = AudioResampler("s16", "mono", RATE)
+    parts = [part.to_ndarray().ravel() for part in resampler.resample(frame)]
+    parts += [part.to_ndarray().ravel() for part in resampler.resample(None)]
+    return np.concatenate(parts).astype(np.int16)
 
 
 class _Aligner:

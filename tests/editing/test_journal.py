@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support.speech import said
 
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -31,6 +32,7 @@ def edit(number: int) -> Edit:
 
 A, B, C = edit(1), edit(2), edit(3)
 DRAWN = Edit(("mouth_width",), Op.DRAW, 1.0, 2.0, 0.1, name="ü", points=((1.0, 3.0), (2.0, 4.0)))
+WORDS = said(("map", "M AE P"))
 STATES = [
     EditState((A,)),
     EditState((A, B)),
@@ -47,6 +49,10 @@ STATES = [
     EditState((A, B), media=Placement(film=MediaFile(Path("/b.mov"), -1.0))),
     EditState((A, B), media=Placement()),
     EditState((A, B)),
+    EditState((A, B), words=WORDS),
+    EditState((A,), words=WORDS),
+    EditState((A,), words=WORDS.with_edge(0.52, 0.5)),
+    EditState((A,)),
 ]
 
 

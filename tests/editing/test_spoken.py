@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from support.speech import mumbling_clip, said
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.edits.media import MediaFile, Placement
-from faceedit_app.editing.files.journal import Journal, pending_journals
 from faceedit_app.editing.help.articulation import articulate
 from faceedit_app.editing.help.problems import Kind, find_problems
 from faceedit_app.editing.help.sound_presets import sound_presets
@@ -170,23 +168,6 @@ def test_an_edge_is_dragged_as_one_step(session: EditSession) -> None:
     session.undo()
     assert session.words == WORDS
     assert session.undo_name == steps
-
-
-def test_words_are_recovered_after_a_crash(session: EditSession, tmp_path: Path) -> None:
-    take = tmp_path / "take.csv"
-    take.write_text("a take\n")
-    journal = Journal(take, folder=tmp_path)
-    session.stepped.connect(journal.record)
-    session.add(*closing_edits(session), name="closures")
-    session.say(WORDS.with_edge(0.52, 0.5))
-    session.say(None)
-    session.undo()
-    assert journal._file is not None
-    os.close(journal._file)  # as a crash would
-    journal._file = None
-    (pending,) = pending_journals(tmp_path)
-    assert pending.state == session.state
-    assert pending.state.words == WORDS.with_edge(0.52, 0.5)
 
 
 def test_an_export_does_not_save_the_words(session: EditSession, tmp_path: Path) -> None:

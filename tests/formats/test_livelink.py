@@ -360,14 +360,17 @@ def test_the_format_is_told_by_content(tmp_path: Path) -> None:
 
 
 def test_rotations_and_lost_frames_are_written(tmp_path: Path) -> None:
-    weights = np.full((3, len(ARKIT_CHANNELS)), 0.25, np.float32)
-    clip = Clip(weights, ARKIT_CHANNELS, np.array([0.04, 0.08, 0.16]), 25.0)
-    rotations = np.arange(27.0).reshape(3, 9) / 100
+    times = np.arange(14) / 25.0
+    lost = np.array([0, 6])
+    kept = np.delete(np.arange(14), lost)
+    weights = np.full((12, len(ARKIT_CHANNELS)), 0.25, np.float32)
+    clip = Clip(weights, ARKIT_CHANNELS, times[kept], 25.0)
+    rotations = (np.arange(12 * 9.0).reshape(12, 9) / 100).astype(np.float32)
     path = tmp_path / "take.csv"
-    path.write_bytes(livelink.write_with(clip, rotations, np.array([0.0, 0.12])))
-    rows = path.read_text().splitlines()
-    assert [row.split(",")[1] for row in rows[1:]] == ["0", "61", "61", "0", "61"]
+    path.write_bytes(livelink.write_with(clip, rotations, times[lost]))
+    rows = [row.split(",") for row in path.read_text().splitlines()[1:]]
+    assert [number for number, row in enumerate(rows) if row[1] == "0"] == [0, 6]
+    assert rows[-1][-9:] == [f"{value:.10f}" for value in rotations[-1]]
     take = open_take(path)
-    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(1, 1)]
+    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(4, 1)]
     assert "RightEyeRoll" in take.carried
-    assert rows[-1].endswith("0.2600000000")

@@ -14,14 +14,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
-from faceedit_app.lab.bench import references
+from faceedit_app.lab.bench import kernels, references
 from faceedit_app.lab.bench.clocks import Stages, Times, repeat
 from faceedit_app.lab.bench.desk import long_take
-from faceedit_app.lab.bench.report import machine, text
+from faceedit_app.lab.bench.report import in_limit, machine, text
+from faceedit_app.lab.bench.table import table
+from faceedit_app.lab.bench.window import denser
 
 Install = Callable[[str, str], None]
 
@@ -74,7 +77,11 @@ def test_the_report_has_all_that_was_asked_for(found: dict[str, Any]) -> None:
     assert {"toggle", "delete", "undo", "strength", "smile"} <= set(found["busy"]["answers"])
     assert "202" in found["peak_mb"]
     assert found["local_edit_ratio_200k"] > 0
-    assert {"processor", "cores", "python", "packages"} <= set(found["machine"])
+    assert {"processor", "instructions", "cores", "python", "packages"} <= set(found["machine"])
+    assert found["drag_dense"]["vertices"] >= 15_000
+    assert found["dense_ratio"] > 0
+    assert set(found["in_limits"]) == {"cpu_limit", "gl_limit"}
+    assert found["avx2"] is None  # a trial run does not repeat itself
 
 
 @pytest.mark.timeout(120)
@@ -97,6 +104,8 @@ def test_its_numbers_make_sense(found: dict[str, Any]) -> None:
 def test_people_can_read_it(found: dict[str, Any]) -> None:
     words = text(found)
     for part in (
+        found["machine"]["instructions"],
+        "vertices",
         "drag, 202 frames",
         "networks",
         "playback",
@@ -106,6 +115,62 @@ def test_people_can_read_it(found: dict[str, Any]) -> None:
         "20 edits",
     ):
         assert part in words
+
+
+@pytest.mark.timeout(120)
+def test_the_table_has_a_column_for_each_instruction_set(found: dict[str, Any]) -> None:
+    limits = {"references": {"cpu_limit": {"median": 2.0}}}
+    machine = found["machine"] | {"instructions": "AVX2"}
+    narrower = found | limits | {"machine": machine, "drag": found["drag"] | {"median": 15.0}}
+    head, _, first, *rows = table(found | {"avx2": narrower}).splitlines()
+    assert head.count("|") == 7
+    assert "AVX2" in head
+    assert first.endswith("| 15.0 ms | 7.5 | at most 14 ms: no |")
+    assert all(row.count("|") == 7 for row in rows)
+    assert table(found).splitlines()[0].count("|") == 5
+
+
+def test_times_are_given_as_multiples_of_a_limit_of_the_same_run() -> None:
+    found = {
+        "drag": {"median": 12.0, "repetitions": 200},
+        "lengths": {"202": {"whole": {"cancel": 4.0}}},
+        "start_s": {"face": 1.5},
+        "references": {"cpu_limit": {"median": 2.0}, "gl_limit": None},
+    }
+    assert in_limit(found, "cpu_limit") == {
+        "drag": {"median": 6.0},
+        "lengths": {"202": {"whole": {"cancel": 2.0}}},
+        "start": {"face": 750.0},
+    }
+    assert in_limit(found, "gl_limit") is None
+
+
+def test_a_process_can_be_made_to_use_avx2() -> None:
+    variables = kernels.narrower()
+    if variables is None:
+        pytest.skip("the processor has no wider instructions")
+    command = (
+        "from faceedit_app.lab.bench import kernels as k; print(k.instructions(), k.narrower())"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", command],
+        capture_output=True,
+        encoding="utf-8",
+        env=os.environ | variables,
+        check=True,
+    )
+    assert run.stdout.split() == ["AVX2", "None"]
+
+
+def test_a_denser_character_has_the_same_shape_and_curves(rig: Rig) -> None:
+    dense = denser(rig, 15_000)
+    assert len(dense.neutral) >= 15_000
+    assert dense.deltas.shape == (len(rig.channels), len(dense.neutral), 3)
+    np.testing.assert_array_equal(dense.neutral[: len(rig.neutral)], rig.neutral)
+    np.testing.assert_array_equal(dense.deltas[:, : len(rig.neutral)], rig.deltas)
+    assert dense.materials[-1].stop == len(dense.faces)
+    before, after = (trimesh.Trimesh(r.neutral, r.faces, process=False).area for r in (rig, dense))
+    assert after == pytest.approx(before, rel=1e-4)
 
 
 def test_stages_count_what_they_call_in_others_there_alone() -> None:

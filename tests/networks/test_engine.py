@@ -13,6 +13,7 @@ from support.networks import random_content, random_description, random_region, 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import EYELIDS, LOWER, REGIONS, UPPER
+from faceedit_app.networks import engine as networks_engine
 from faceedit_app.networks.engine import Engine
 
 
@@ -50,6 +51,24 @@ def test_window_with_its_context_is_answered_like_the_whole_clip() -> None:
         got = engine.answer(region.id, whole[window], 1.0)
         inner = got[engine.context : engine.context + 10]
         np.testing.assert_allclose(inner, expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("cores", [1, 2, 4])
+def test_regions_side_by_side_answer_bit_for_bit_like_each_alone(
+    cores: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(networks_engine, "CORES", cores)
+    networks_engine._helpers.cache_clear()
+    engine, asked = random_engine(), curves(208)
+    names = [region.id for region in REGIONS]
+    alone = {name: engine.answer(name, asked, 0.7) for name in names}
+    for _ in range(20):
+        together = engine.answers(names, asked, 0.7)
+        assert list(together) == names
+        for name in names:
+            np.testing.assert_array_equal(together[name], alone[name])
+    assert engine.answers((), asked, 0.7) == {}
+    networks_engine._helpers.cache_clear()
 
 
 def test_region_answers_to_its_own_controls_only() -> None:

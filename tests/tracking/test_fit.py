@@ -37,7 +37,8 @@ def seen_from(
     turned = SCALE * np.einsum("tij,tnj->tni", turns.as_matrix(), shape)
     turned[..., :2] += MIDDLE
     random = np.random.default_rng(seed)
-    return turned + noise * random.normal(size=turned.shape)
+    noisy: Doubles = turned + noise * random.normal(size=turned.shape)
+    return noisy
 
 
 def turning(frames: int, degrees: float) -> Rotation:

@@ -19,9 +19,11 @@ from support.curves import drag, turn
 from support.waiting import run_events
 from support.windows import Bench, drag_curve, session_of
 
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.edits.delegate import cells
-from faceedit_app.ui.edits.model import columns
+from faceedit_app.ui.edits.model import COLUMNS, columns
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.look.palette import ACCENT_DEEP, BACKGROUND
 from faceedit_app.ui.start.window import MainWindow
@@ -164,6 +166,48 @@ def test_strength_and_range_are_typed_in_the_list(window: MainWindow) -> None:
     times = session.take.clip.times
     assert (session.edits[1].start, session.edits[1].end) == (times[60], times[90])
     assert session.edits[1].strength == 0.6
+
+
+def test_a_paste_is_one_row_that_opens(bench: Bench) -> None:
+    window = bench.editing()
+    panel, session, line = panel_of(window), session_of(window), window.timeline
+    session.add(Edit(("mouth_width",), Op.OFFSET, 0.2, 0.3, 0.1, 1.0, name="before"))
+    line.select((0.5, 1.0))
+    window.actions_["copy"].trigger()
+    line.select(None)
+    line.go_to_time(1.5)
+    window.actions_["paste"].trigger()
+    count = len(session.edits) - 1
+    assert count > 4, "an edit for each curve that differs"
+    pasted = list(range(1, count + 1))
+    shown = [row for row in range(count + 1) if not panel.list.isRowHidden(row)]
+    assert shown == [0, 1]
+    assert panel.rows == pasted
+    together = {control for edit in session.edits[1:] for control in edit.controls}
+    what = panel.model.data(panel.model.index(1), COLUMNS)[1]
+    assert what == describe_controls([c for c in CONTROL_IDS if c in together])
+    click(panel, 1, x=16)
+    assert [edit.enabled for edit in session.edits] == [True] + count * [False]
+    window.actions_["undo"].trigger()
+    assert all(edit.enabled for edit in session.edits)
+    click(panel, 1, x=120)
+    panel.strength.setValue(40)
+    assert {edit.strength for edit in session.edits[1:]} == {0.4}
+    window.actions_["edit_up"].trigger()
+    assert session.edits[-1].name == "before"
+    window.actions_["edit_down"].trigger()
+    assert session.edits[0].name == "before"
+    assert panel.rows == pasted
+    click(panel, 1, x=36)
+    assert not any(panel.list.isRowHidden(row) for row in [0, *pasted])
+    click(panel, 3)
+    assert panel.rows == [3]
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert len(session.edits) == count
+    click(panel, 1, x=36)
+    click(panel, 1, x=120)
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert names(window) == ["before"]
 
 
 def test_after_renaming_the_list_has_the_keyboard_again(bench: Bench, window: MainWindow) -> None:

@@ -14,6 +14,7 @@ from support.character_files import write_glb
 from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, trigger
 
+from faceedit_app.characters.fitted import open_character
 from faceedit_app.editing import filming
 from faceedit_app.editing.exporting import Options, choose, out_formats
 from faceedit_app.editing.filming import Shot, View
@@ -28,7 +29,7 @@ from faceedit_app.ui.start.window import MainWindow
 @pytest.fixture
 def dialog(qtbot: QtBot, tmp_path: Path) -> ExportDialog:
     take = open_take(make_livelink_csv(tmp_path / "take.csv"))
-    dialog = ExportDialog(None, take, lambda _: tmp_path / "head.glb")
+    dialog = ExportDialog(None, take, tmp_path / "head.glb")
     qtbot.addWidget(dialog)
     return dialog
 
@@ -50,17 +51,15 @@ def test_the_dialog_begins_with_the_layout_and_rate_of_the_take(dialog: ExportDi
     assert dialog.format.count() == len(out_formats())
 
 
-def test_only_a_format_with_a_character_asks_for_one(dialog: ExportDialog, tmp_path: Path) -> None:
+def test_the_dialog_says_which_character_plays_the_take(dialog: ExportDialog) -> None:
     choose_format(dialog, "csv")
-    assert not dialog.choose.isEnabled()
+    assert not dialog.character.isEnabled()
     assert not dialog.compact.isEnabled()
     choose_format(dialog, "glb")
-    assert dialog.choose.isEnabled()
-    dialog.choose.click()
+    assert dialog.character.isEnabled()
+    assert dialog.character.text() == "head.glb"
     dialog.compact.click()
-    assert dialog.options == Options(None, tmp_path / "head.glb", True)
-    choose_format(dialog, "csv")
-    assert dialog.options.character is None
+    assert dialog.options == Options(compact=True)
 
 
 def test_the_dialog_says_what_to_do_at_the_chosen_rate(dialog: ExportDialog) -> None:
@@ -88,16 +87,15 @@ def test_what_is_on_screen_is_exported_as_a_character(bench: Bench) -> None:
     assert not bench.errors
 
 
-def test_a_character_that_cannot_be_read_is_told(bench: Bench) -> None:
+def test_the_character_on_screen_plays_the_take(bench: Bench) -> None:
     window = bench.editing()
-    head = bench.folder / "head.glb"
-    write_glb(head, lambda name: f"shape {name[::-1]}")
-    out = bench.folder / "talk.glb"
-    bench.answers |= {"export_as": (choose(out), Options(character=head)), "export": out}
+    head = open_character(write_glb(bench.folder / "head.glb", lambda name: f"Face_{name}"))
+    window.document.use_character(head)
+    out = bench.folder / "talk.fbx"
+    bench.answers |= {"export_as": (choose(out), Options()), "export": out}
     trigger(window, "export_as")
-    bench.qtbot.waitUntil(lambda: bool(bench.errors))
-    assert "head.glb" in bench.errors[0]
-    assert not out.exists()
+    bench.qtbot.waitUntil(lambda: bool(bench.exported), timeout=20_000)
+    assert b"Face_jawOpen" in out.read_bytes()
 
 
 def test_the_recording_is_kept_when_it_is_replaced(bench: Bench) -> None:

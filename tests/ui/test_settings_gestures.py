@@ -355,7 +355,8 @@ def test_the_history_goes_to_any_step(window: MainWindow) -> None:
     choose("As opened")
     assert session.edits == ()
     choose("Step & 3")
-    assert [edit.value for edit in session.edits] == [1.0, 2.0, 3.0]
+    edits: tuple[Edit, ...] = session.edits
+    assert [edit.value for edit in edits] == [1.0, 2.0, 3.0]
 
 
 def test_a_name_of_the_users_cannot_break_the_menu(window: MainWindow) -> None:

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMenu
 from support.films import make_wav
 from support.media import FakeOutput, editor_of, settle, with_media
 from support.speech import SENTENCE, mumbling_take, needs_espeak, said, speak
@@ -25,6 +25,7 @@ from faceedit_app.ui.media.words_dialog import WordsDialog
 from faceedit_app.ui.media.words_strip import WordsStrip
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.words import aligning
+from faceedit_app.words.denoising import Stopped
 from faceedit_app.words.files import read_words
 from faceedit_app.words.transcript import Transcript
 
@@ -100,6 +101,19 @@ def test_a_double_click_selects_a_word(bench: Bench) -> None:
     assert window.timeline.selection is None
 
 
+def test_a_right_click_selects_a_word_and_opens_the_menu(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = with_words(bench)
+    strip, opened = strip_of(window), []
+    monkeypatch.setattr(QMenu, "popup", lambda menu, _place: opened.append(menu))
+    QTest.mouseClick(strip.viewport(), Qt.MouseButton.RightButton, pos=at(strip, 0.9, 10))
+    assert window.timeline.selection is not None
+    (menu,) = opened
+    assert window.actions_["loop"] in menu.actions()
+    assert window.actions_["close_on_words"] in menu.actions()
+
+
 def test_a_click_moves_the_playhead(bench: Bench) -> None:
     window = with_words(bench)
     strip = strip_of(window)
@@ -143,7 +157,11 @@ def test_a_word_is_searched_again_and_again(bench: Bench) -> None:
         assert window.timeline.selection is not None
         starts.append(window.timeline.selection[0])
     assert starts == pytest.approx([0.4, 1.12, 0.4], abs=0.01)
-    assert not strip_of(window).find("zebra")
+    search.setText("zebra")
+    QTest.keyClick(search, Qt.Key.Key_Return)
+    assert search.property("refused")
+    QTest.keyClick(search, Qt.Key.Key_Escape)
+    assert not search.hasFocus()
 
 
 @needs_espeak
@@ -155,7 +173,7 @@ def test_from_typed_words_to_an_export_with_closed_lips(
     settle(bench, window)
     dialog = dialog_of(window)
     dialog.text.setPlainText(SENTENCE)
-    dialog.find.click()
+    dialog.search.click()
     wait_for_background(window.workspace.background)
     session, editor = session_of(window), editor_of(window)
     assert session.words is not None
@@ -190,15 +208,15 @@ def test_unknown_and_wrong_words_are_asked_for(
     settle(bench, window)
     dialog = dialog_of(window)
     dialog.text.setPlainText(SENTENCE.replace("soup", "zoop"))
-    dialog.find.click()
+    dialog.search.click()
     (field,) = dialog._asked.values()
     for spelling, says in (("qqq", "not in the dictionary"), ("", "Not in the dictionary")):
         field.setText(spelling)
-        dialog.find.click()
+        dialog.search.click()
         assert says in dialog.message.text()
         (field,) = dialog._asked.values()
     field.setText("soup")
-    dialog.find.click()
+    dialog.search.click()
     wait_for_background(window.workspace.background)
     session = session_of(window)
     assert session.words is not None
@@ -206,10 +224,10 @@ def test_unknown_and_wrong_words_are_asked_for(
     again = dialog_of(window)
     assert again.text.toPlainText().endswith("zoop")
     again.text.setPlainText("set white in nine again")
-    again.find.click()
+    again.search.click()
     wait_for_background(window.workspace.background)
     assert "do not fit" in again.message.text()
-    assert again.find.isEnabled()
+    assert again.search.isEnabled()
     again.reject()
     assert session.words.text.endswith("zoop")
 
@@ -222,14 +240,14 @@ def test_the_search_can_be_cancelled(
     def search(*given: Any) -> Transcript:
         going.wait(PATIENCE)
         shares.append(given[-1](0.5))
-        raise aligning.Stopped("Cancelled")
+        raise Stopped("Cancelled")
 
     monkeypatch.setattr(aligning, "align_part", search)
     window = with_media(bench, make_wav(tmp_path / "voice.wav"))
     dialog = dialog_of(window)
     dialog.text.setPlainText(SENTENCE)
-    dialog.find.click()
-    assert not dialog.find.isEnabled()
+    dialog.search.click()
+    assert not dialog.search.isEnabled()
     dialog.stop.click()
     going.set()
     wait_for_background(window.workspace.background)
@@ -255,7 +273,7 @@ def test_a_file_with_times_needs_no_sound(
     dialog = dialog_of(window)
     dialog.open_file.click()
     assert dialog.text.toPlainText() == "bob sees map"
-    dialog.find.click()
+    dialog.search.click()
     assert session_of(window).words == WORDS
     path.write_text("junk")
     dialog = dialog_of(window)
@@ -268,7 +286,7 @@ def test_typed_words_need_a_sound(bench: Bench) -> None:
     window = bench.editing()
     dialog = dialog_of(window)
     dialog.text.setPlainText("hello")
-    dialog.find.click()
+    dialog.search.click()
     wait_for_background(window.workspace.background)
     assert "no sound" in dialog.message.text()
     dialog.reject()

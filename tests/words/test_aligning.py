@@ -15,7 +15,8 @@ from support.speech import SENTENCE, needs_espeak, speak
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.media.sound import read_sound
 from faceedit_app.words import aligning
-from faceedit_app.words.aligning import NOISY, Line, Samples, Stopped, align, align_part
+from faceedit_app.words.aligning import NOISY, Line, align, align_part
+from faceedit_app.words.denoising import Samples, Stopped
 
 # Of three films of the GRID corpus: the words, and their starts and the end, as published. The
 # first start is left out: the corpus has silence in it.

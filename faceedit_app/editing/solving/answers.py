@@ -56,7 +56,7 @@ class Answers:
             for region, entry in known.items()
             if entry is None or not np.array_equal(entry[0], heard[region])
         ]
-        answers = {region: self._engine.answer(region, curves, naturalness) for region in new}
+        answers = self._engine.answers(new, curves, naturalness)
         for region, entry in known.items():
             kept = (heard[region], answers[region]) if region in answers else entry
             assert kept is not None
@@ -72,10 +72,9 @@ class Answers:
         if any(known != naturalness for _, _, known in self._tracked):
             self._tracked.clear()
         curves = self._grid[slice(*grid_range)]
-        for name in regions:
-            if (name, grid_range[0], naturalness) not in self._tracked:
-                answer = self._engine.answer(name, curves, naturalness)
-                self._tracked[name, grid_range[0], naturalness] = answer.astype(np.float32)
+        new = [name for name in regions if (name, grid_range[0], naturalness) not in self._tracked]
+        for name, answer in self._engine.answers(new, curves, naturalness).items():
+            self._tracked[name, grid_range[0], naturalness] = answer.astype(np.float32)
         return {
             name: self._tracked[name, grid_range[0], naturalness].astype(np.float64)
             for name in regions

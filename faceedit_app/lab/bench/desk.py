@@ -57,6 +57,7 @@ class Desk:
         self.window.resize(1440, 900)
         self.window.show()
         self.editor: Editor = self.window.build_editor()
+        self._drawn: Rig | None = None
         self.worked = 0.0  # ms of processor time for the last step of a drag
 
     @property
@@ -66,13 +67,21 @@ class Desk:
         assert session is not None
         return session
 
-    def open(self, take: Take, size: int = 640) -> EditSession:
-        """Open a take, with its middle in view."""
-        self.window.document.adopt(open_session(take, self.rig, self.engine))
+    def open(self, take: Take, size: int = 640, rig: Rig | None = None) -> EditSession:
+        """Open a take, with its middle in view.
+
+        Args:
+            take: the take.
+            size: pixels across the face.
+            rig: a version of the character with other vertices.
+        """
+        rig = rig or self.rig
+        self.window.document.adopt(open_session(take, rig, self.engine))
         viewport = self.editor.face.viewport
-        if not viewport.can_draw:
-            viewport.open(self.rig)
+        if rig is not self._drawn:
+            viewport.open(rig)
             keep_for_good()
+            self._drawn = rig
         viewport.setFixedSize(size, size)
         middle = take.clip.duration / 2
         self.window.timeline.show_range(middle - VIEW / 2, middle + VIEW / 2)

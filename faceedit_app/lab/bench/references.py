@@ -115,7 +115,7 @@ def multiplications(path: Path, frames: int) -> int:
 
 def cpu_limit(folder: Path, times: int) -> Times | None:
     """One matrix product with as many multiplications as the networks need for 202 frames."""
-    if not _can_train():
+    if importlib.util.find_spec("onnx") is None:
         return None
     paths = [folder / f"{region.id}{ENDING}" for region in REGIONS]
     needed = sum(multiplications(path, _padded(FRAMES, 16)) for path in paths)

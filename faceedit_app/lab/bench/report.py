@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import importlib.metadata
+import json
 import os
 import platform
+import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +21,7 @@ from faceedit_app import __version__
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
-from faceedit_app.lab.bench import busy, references, starting, window
+from faceedit_app.lab.bench import busy, kernels, references, starting, window
 from faceedit_app.lab.bench.clocks import Times
 from faceedit_app.lab.bench.desk import Desk
 from faceedit_app.networks.engine import Engine
@@ -34,6 +37,11 @@ PACKAGES = (
     "PyOpenGL",
     "torch",
 )
+
+# References that do the same work as well as this machine can.
+LIMITS = ("cpu_limit", "gl_limit")
+# The parts of the report that are milliseconds.
+TIMES = ("drag", "stages", "drag_one", "drag_dense", "networks_202", "lengths", "busy")
 
 
 @dataclass(frozen=True)
@@ -70,6 +78,9 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
         desk = Desk(app, Path(folder), rig, engine)
         say("dragging")
         found |= window.drag(desk, plan.repetitions)
+        dense = window.drag_dense(desk, max(plan.repetitions // 2, 2))
+        found["drag_dense"] = dense
+        found["dense_ratio"] = dense["median"] / found["drag"]["median"]
         answered = window.networks(engine, plan.repetitions)
         found["networks_202"] = answered.summary()
         say("editing takes of any length")
@@ -87,7 +98,53 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
     found["local_edit_ratio_200k"] = local[-1] / local[0]
     say("comparing")
     found["references"], found["ratio"] = _compared(plan, rig, engine, found, answered, say)
+    found["in_limits"] = {name: in_limit(found, name) for name in LIMITS}
+    found["avx2"] = _with_narrower_kernels(plan, say)
     return found
+
+
+def in_limit(found: dict[str, Any], limit: str) -> dict[str, Any] | None:
+    """All times as multiples of a reference of the same run, to compare machines by.
+
+    Args:
+        found: the report.
+        limit: one of `LIMITS`.
+
+    Returns:
+        The parts `TIMES` of the report; None if the reference is missing.
+    """
+    reference = found["references"].get(limit)
+    if reference is None:
+        return None
+
+    def divided(tree: Any) -> Any:
+        if isinstance(tree, dict):
+            kept = {name: divided(value) for name, value in tree.items()}
+            return {name: value for name, value in kept.items() if value is not None}
+        return tree / reference["median"] if isinstance(tree, float) else None
+
+    parts = {name: found[name] for name in TIMES if name in found}
+    parts["start"] = {name: 1e3 * seconds for name, seconds in found["start_s"].items()}
+    result: dict[str, Any] = divided(parts)
+    return result
+
+
+def _with_narrower_kernels(plan: BenchPlan, say: Callable[[str], None]) -> dict[str, Any] | None:
+    """The whole measurement with AVX2, in another process; None if the processor has no more."""
+    variables = kernels.narrower()
+    if variables is None or not plan.compared:
+        return None
+    say("again, with AVX2")
+    command = [sys.executable, "-m", "faceedit_app", "bench", "--json"]
+    run = subprocess.run(
+        command,
+        stdout=subprocess.PIPE,
+        encoding="utf-8",
+        env=os.environ | variables,
+        check=True,
+    )
+    found: dict[str, Any] = json.loads(run.stdout)
+    return found | {"note": kernels.UNCHANGED}
 
 
 def _starts(plan: BenchPlan) -> tuple[dict[str, float], dict[str, float]]:
@@ -138,6 +195,7 @@ def machine() -> dict[str, Any]:
             continue
     return {
         "processor": _processor(),
+        "instructions": kernels.instructions(),
         "cores": os.cpu_count(),
         "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
         "system": platform.platform(),
@@ -161,13 +219,16 @@ def text(found: dict[str, Any]) -> str:
     drag, stages, start = found["drag"], found["stages"], found["start_s"]
     one = found["drag_one"]
     lines = [
-        f"{found['machine']['processor']}, {found['machine']['cores']} cores, "
+        f"{found['machine']['processor']} with {found['machine']['instructions']}, "
+        f"{found['machine']['cores']} cores, "
         f"load {found['machine']['load'] or 0:.1f}",
         "",
         f"drag, 202 frames     {drag['median']:7.1f} ms   95 %: {drag['p95']:.1f}"
         f"   best: {drag['best']:.1f}   of the processors: {drag['processors']:.1f}",
         *(f"  {name:<18} {value:7.1f} ms" for name, value in stages.items()),
         f"drag of one curve    {one['median']:7.1f} ms   95 %: {one['p95']:.1f}",
+        f"{found['drag_dense']['vertices']} vertices      {found['drag_dense']['median']:7.1f} ms"
+        f"   {found['dense_ratio']:.2f} times as long as with ours",
         f"networks, 202 frames {found['networks_202']['median']:7.1f} ms",
         "",
         "take       local  in overview   whole: visible  complete  longest block  cancel   (ms)",
@@ -190,4 +251,6 @@ def text(found: dict[str, Any]) -> str:
     lines += [f"peak memory, {name}: {value:.0f} MB" for name, value in found["peak_mb"].items()]
     for name, value in found["ratio"].items():
         lines.append(f"{name:<10} " + ("-" if value is None else f"{value:.2f} times as long"))
+    if found["avx2"]:
+        lines += ["", f"With AVX2 ({kernels.UNCHANGED}):", "", text(found["avx2"])]
     return "\n".join(lines)

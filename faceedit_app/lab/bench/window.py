@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from trimesh.remesh import subdivide
 
 from faceedit_app.core.controls import CONTROLS, LIDS, LIP_OPENING
 from faceedit_app.core.regions import REGIONS
@@ -20,8 +22,10 @@ from faceedit_app.render.renderer import FaceRenderer
 from faceedit_app.render.surface import NormalSolver
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.face.face_picture import FacePicture
+from faceedit_app.ui.state.document import Document
 
 FRAMES = 202  # the paper's
+VERTICES = 15_000
 STAGES = ("controls", "networks", "curves", "plots", "deform", "draw")
 
 
@@ -44,9 +48,10 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
     accounts = (
         ("controls", EditSession, "preview"),
         ("curves", solve.Solver, "solve"),
+        ("window", Document, "_pass_on_preview"),  # what views do is not the session's time
         ("controls", solve, "request"),
         ("controls", solve.Solver, "_believable"),
-        ("networks", Engine, "answer"),
+        ("networks", Engine, "answers"),
         ("plots", CurvesPanel, "refresh"),
         ("draw", FacePicture, "draw"),
         ("draw", FaceRenderer, "begin"),
@@ -70,6 +75,47 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
     }
 
 
+def drag_dense(desk: Desk, times: int) -> dict[str, Any]:
+    """The drag of measure 1 on a character with `VERTICES` vertices, as users bring them."""
+    rig = denser(desk.rig, VERTICES)
+    clip = desk.open(long_take(FRAMES), rig=rig).take.clip
+    desk.choose(LIP_OPENING, *LIDS)
+    desk.window.timeline.show_range(0.0, clip.duration)
+    desk.window.timeline.select((0.0, clip.duration))
+    desk.press(LIP_OPENING, clip.duration / 2)
+    once = desk.dragged(LIP_OPENING)
+    for _ in range(20):
+        once()
+    steps = Times([once() for _ in range(times)])
+    desk.cancel()
+    desk.choose()
+    return steps.summary() | {"vertices": len(rig.neutral)}
+
+
+def denser(rig: Rig, vertices: int) -> Rig:
+    """The character with at least so many vertices: its faces are cut in four, part by part."""
+    neutral, moved, colors = rig.neutral, rig.deltas.transpose(1, 0, 2), rig.colors
+    faces, materials, start = [], [], 0
+    for material in rig.materials:
+        part = rig.faces[material.start : material.stop]
+        if len(neutral) < vertices:
+            attributes = {"moved": moved.reshape(len(neutral), -1), "colors": colors}
+            neutral, part, attributes = subdivide(neutral, part, vertex_attributes=attributes)
+            moved = attributes["moved"].reshape(len(neutral), -1, 3)
+            colors = attributes["colors"]
+        faces.append(part)
+        materials.append(replace(material, start=start, stop=start + len(part)))
+        start += len(part)
+    return replace(
+        rig,
+        neutral=neutral.astype(np.float32),
+        faces=np.concatenate(faces).astype(np.int32),
+        deltas=np.ascontiguousarray(moved.transpose(1, 0, 2), np.float32),
+        colors=colors.astype(np.float32),
+        materials=tuple(materials),
+    )
+
+
 def _drag_of_one(desk: Desk, times: int) -> Times:
     """A typical drag: one curve, in a selection of 0.4 s, where the lids are edited too."""
     session, line = desk.session, desk.window.timeline
@@ -88,7 +134,8 @@ def networks(engine: Engine, times: int) -> Times:
     """The three regions' networks on 202 frames, as the paper measures them."""
     demo = long_take(FRAMES).clip
     curves = np.random.default_rng(0).normal(30.0, 3.0, (len(demo), len(CONTROLS)))
-    return repeat(lambda: [engine.answer(region.id, curves, 1.0) for region in REGIONS], times)
+    regions = [region.id for region in REGIONS]
+    return repeat(lambda: engine.answers(regions, curves, 1.0), times)
 
 
 def lengths(desk: Desk, frames: tuple[int, ...], times: int) -> dict[str, Any]:

@@ -23,7 +23,8 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
-from faceedit_app.words.aligning import Line, Samples, align_part
+from faceedit_app.words.aligning import Line, align_part
+from faceedit_app.words.denoising import Samples
 from faceedit_app.words.files import read_words
 from faceedit_app.words.transcript import Transcript, Word
 

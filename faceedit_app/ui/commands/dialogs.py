@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from faceedit_app.editing.files.journal import Pending
     from faceedit_app.editing.filming import Shot
     from faceedit_app.formats.take import Take
+    from faceedit_app.live.protocols import Protocol
     from faceedit_app.media.film_writer import FilmFormat
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
@@ -29,7 +30,6 @@ WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
 FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
 FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
-CHARACTERS = "Characters (*.glb *.gltf *.vrm *.fbx *.obj);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
 
@@ -101,19 +101,17 @@ def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     return _save_name(parent, "Export", suggestion, kinds)
 
 
-def ask_export_as(parent: QWidget, take: Take, folder: Path) -> tuple[OutFormat, Options] | None:
+def ask_export_as(
+    parent: QWidget, take: Take, character: Path | None
+) -> tuple[OutFormat, Options] | None:
     """How to export a take.
 
     Args:
-        folder: where to look for a character first.
+        character: the file of the character on screen; None = FaceEdit's own.
     """
     from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
 
-    def choose(dialog: QWidget) -> Path | None:
-        answer = QFileDialog.getOpenFileName(dialog, "Your character", str(folder), CHARACTERS)
-        return _chosen(answer)
-
-    dialog = ExportDialog(parent, take, choose)
+    dialog = ExportDialog(parent, take, character)
     return (dialog.chosen, dialog.options) if dialog.exec() else None
 
 
@@ -130,6 +128,27 @@ def ask_film(
 
     dialog = FilmDialog(parent, rate, has_sound, has_film)
     return (dialog.chosen, dialog.shot) if dialog.exec() else None
+
+
+def ask_live(parent: QWidget) -> tuple[Protocol, str, int] | None:
+    """Where to send the face: protocol, address and port."""
+    from faceedit_app.ui.page.live_dialog import LiveDialog
+
+    dialog = LiveDialog(parent)
+    return dialog.chosen if dialog.exec() else None
+
+
+def ask_record(parent: QWidget) -> tuple[Protocol, str, int] | None:
+    """What to record: protocol, the phone's address, and the port to listen on."""
+    from faceedit_app.ui.page.live_dialog import RecordDialog
+
+    dialog = RecordDialog(parent)
+    return dialog.chosen if dialog.exec() else None
+
+
+def ask_record_name(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write a recording."""
+    return _save_name(parent, "Record to", suggestion, "Takes (*.csv);;All files (*)")
 
 
 def ask_stop_film(parent: QWidget) -> bool:
@@ -293,6 +312,12 @@ def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the take of a film."""
     kinds = "Live Link Face CSV (*.csv);;All files (*)"
     return _save_name(parent, "Save the tracked take as", suggestion, kinds)
+
+
+def ask_save_side_by_side(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write film and face side by side."""
+    kinds = "Films (*.mp4);;All files (*)"
+    return _save_name(parent, "Export film and face side by side", suggestion, kinds)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:

@@ -49,19 +49,21 @@ class Exports:
         session = self._workspace.session
         if session is None:
             return
+        document = self._workspace.document
+        shown = document.character
         chosen = dialogs.ask_export_as(
-            self._workspace.window, session.take, self._workspace.preferences.folder("character")
+            self._workspace.window,
+            session.take,
+            shown.character.path if shown is not None else None,
         )
         if chosen is None:
             return
         form, options = chosen
-        if options.character is not None:
-            self._workspace.preferences.set_folder("character", options.character.parent)
         place = self._place("_edited", form.ending)
         if place is None:
             return
         path, overwrite = place
-        options = replace(options, overwrite=overwrite)
+        options = replace(options, overwrite=overwrite, character=shown)
         document = self._workspace.document
         self._note_wait()
         document.work_off()

@@ -76,7 +76,7 @@ class FilmExport(QObject):
             shot = replace(shot, camera=camera)
         self._workspace.document.work_off()
         stop = self._stop = threading.Event()
-        take, rig, weights = session.take, session.rig, session.weights.copy()
+        take, rig, weights = session.take, session.shown_rig, session.weights.copy()
         placement = self._workspace.media.placement
         self._open_dialog(path, stop)
         self._workspace.background.run(

@@ -25,6 +25,9 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Time ruler", "Right click", "Open the menu"),
     ("Selection bar", "Drag", "Select a time range, move it, or change it by its handles"),
     ("Selection bar", "Wheel", "Change both falloffs"),
+    ("Overview", "Drag", "Move the view along the take; an end of it: show more or less"),
+    ("Overview", "Double click", "Show the whole take"),
+    ("Face", "Drag a ring", "Move the mouth corner, lip or lid; its curve follows"),
     ("Face", "Drag", "Orbit the face"),
     ("Face", "Middle or right drag", "Pan the camera"),
     ("Face", "Right click", "Open the menu"),
@@ -37,5 +40,6 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Sound", "Alt and drag", "Move the sound in time; with Shift, ten times finer"),
     ("Words", "Drag an edge", "Move it in time; with Shift, ten times finer"),
     ("Words", "Double click a word", "Select its time"),
+    ("Words", "Right click a word", "Select its time and open the menu"),
     ("Window", "Drop a file", "Open a take, load edits, or add sound or film"),
 )

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.media import beside
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state import loading
 
 if TYPE_CHECKING:  # these bring much along
+    from faceedit_app.editing.session import EditSession
     from faceedit_app.tracking.tracker import Tracked
     from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 
@@ -92,15 +95,23 @@ class FilmTracking:
         self._failed(error)
 
     def _done(self, tracked: Tracked) -> None:
+        from faceedit_app.media.container import has_sound
+
         self.dialog.close()
         workspace, film = self._workspace, self._film
+        begins = float(tracked.clip.times[0])  # in the film; before it there is no face
+
+        def prepare(session: EditSession) -> None:
+            if begins > 0 or beside(self._take.absolute())[1] != film.absolute():
+                entry = MediaFile(film.absolute(), -begins)
+                placement = Placement(entry if has_sound(film) else None, entry)
+                session.begin_with(replace(session.state, media=placement))
+                session.mark_saved()
 
         def opened() -> None:
-            if beside(self._take.absolute())[1] != film.absolute():
-                workspace.media.add(film)
             for note in tracked.notes:
                 workspace.warning.emit(note)
             frames = int(tracked.sure.sum())
             workspace.message.emit(f"Tracked {frames} frames of {film.name}: {self._take}")
 
-        workspace.opener.open(self._take, then=opened)
+        workspace.opener.open(self._take, prepare, opened)

@@ -114,7 +114,7 @@ class Workspace(QObject):
             self.page.edits.select_new(len(edits))
         start, end = min(e.start for e in edits), max(e.end for e in edits)
         self.message.emit(
-            f"{name}: {self.shown_range(start, end)}; set its strength beside the list of edits"
+            f"{name}: {self.shown_range(start, end)}; set its strength above the list of edits"
         )
 
     def shown_range(self, start: float, end: float) -> str:

@@ -14,6 +14,7 @@ from faceedit_app.editing.edits.edit import Company, Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves.edges import GRASP, Edge
 from faceedit_app.ui.curves.gestures import (
+    CurveDrag,
     Pointer,
     Span,
     clamped,
@@ -31,6 +32,7 @@ from faceedit_app.ui.state.tools import Tool, Tools
 PREVIEW_INTERVAL = 0.016
 _LEAST_WIDTH = 8 * GRASP  # pixels of an edit whose edges are grabbed on the plots
 _LEAST_STRENGTH = 0.25  # of an edit that a drag can change: with less, the hand would do nothing
+_HAND = 0.01  # mm per unit of the hand's moves, in place of pixels
 _NOTHING = 1e-9  # mm: nudges up and down that cancel out
 CURSORS = {
     Tool.MOVE: Qt.CursorShape.SizeVerCursor,
@@ -280,6 +282,41 @@ class Interaction(QObject):
             float(session.tracked[frame, column]),
             session.limits[column],
         )
+
+    # --- a hand on the face ------------------------------------------------------------------
+
+    def grab(self, plot: CurvePlot, one_side: bool) -> bool:
+        """Take a curve at the frame on screen; False if that is not possible now."""
+        if self.session is None or self.is_held or not plot.isEnabled():
+            return False
+        line = self._timeline
+        self.plot, self.focused = plot, plot.control.id
+        self._x = plot.current_scale.x_of(line.time)
+        press = self._press(plot, line.time, (self._x, 0.0), self._grasp, one_side)
+        self._changes = self._changed_by(press)
+        self.drag = replace(move(press), mm_per_pixel=_HAND)
+        self.changed.emit()
+        return True
+
+    def probe(self, millimetres: float) -> None:
+        """Show what a pull would do, without beginning it."""
+        if self.session is not None and isinstance(self.drag, CurveDrag):
+            line = self._timeline
+            span = Span(*self.drag.hold, *line.own_falloffs)
+            self.session.preview(span.edit(self.drag.controls, Op.OFFSET, millimetres))
+
+    def pull(self, millimetres: float, snap: bool) -> None:
+        """Move the grabbed curve by this much since the grab."""
+        if self.plot is not None and self.drag is not None:
+            pointer = Pointer(self._x, -millimetres / _HAND, snap=snap)
+            self.drag_to(self.plot, pointer)
+
+    def let_go(self) -> None:
+        """Keep the edit."""
+        if self.drag is not None:
+            self._finish()
+            self.plot = None
+            self.changed.emit()
 
     # --- the keyboard ----------------------------------------------------------------------
 

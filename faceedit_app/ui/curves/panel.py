@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pyqtgraph as pg
 from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
@@ -13,6 +14,7 @@ from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import CurveDrag, span_at
+from faceedit_app.ui.curves.hand import FaceHand
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
@@ -27,21 +29,11 @@ from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
 from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
-from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.curves.words import CHOSEN_HINT, IDLE_HINTS, length, note_on
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.tools import Tool, Tools
+from faceedit_app.ui.state.tools import Tools
 
-_APART = 0.05  # least mm between two lines for a note in the header
 _EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
-_CHOSEN_HINT = "Drag the handles of the chosen edit, or its curve; Esc: done"
-_IDLE_HINTS = {
-    Tool.MOVE: "Drag a curve up or down to change the face",
-    Tool.DRAW: "Draw a curve freehand",
-    Tool.SMOOTH: "Paint over a shaky curve to smooth it",
-    Tool.SCALE: "Drag a curve up to enlarge movements, down to reduce them",
-    Tool.FLATTEN: "Paint over a curve to hold it at the value where you pressed",
-    Tool.RESTORE: "Paint over edits to go back to the tracked take",
-}
 
 
 class CurvesPanel(QWidget):
@@ -86,11 +78,13 @@ class CurvesPanel(QWidget):
         self.range_bar = RangeBar(timeline, self._edges)
         self.fields = RangeFields(timeline, self._edges)
         self.plots = [CurvePlot(control, timeline, self._mouse) for control in CONTROLS]
+        self.hand = FaceHand(self.plots, self._mouse)
         self.headers = [Header(control) for control in CONTROLS]
         self._rows = Rows(self.headers, self.plots)
         self._axes = ValueAxes(self.plots)
         self._pages = QStackedWidget()
-        OnePainting(self, [part.scene() for part in (self.ruler, self.range_bar, *self.plots)])
+        strips: tuple[pg.GraphicsView, ...] = (self.ruler, self.range_bar, *self.plots)
+        OnePainting(self, [strip.scene() for strip in strips])
         self._build()
         self._connect()
         self.set_session(None)
@@ -413,7 +407,7 @@ class CurvesPanel(QWidget):
             plot.show_marks(marks, timeline.time, handle, face)
             low, high = limits[i]
             share = f"{100 * (face - low) / (high - low):.0f} %" if high > low else ""
-            header.show_value(f"{face:.1f} mm", _note(tracked, asked, face), share)
+            header.show_value(f"{face:.1f} mm", note_on(tracked, asked, face), share)
             header.show_active(here or plot.shows_focus)
         fades = timeline.own_falloffs
         span = span or span_at(timeline.time, timeline.own_selection, *fades)
@@ -433,30 +427,11 @@ class CurvesPanel(QWidget):
         words = drag.words, f"asked {asked:.1f} · face {face:.1f}"
         return Handle(time, asked, True, words)
 
-    def _in_unit(self, seconds: float) -> str:
-        """A length of time in the unit in which times are shown."""
-        clip = self.timeline.clip
-        if clip is None or self.timeline.clock.unit is not Unit.FRAMES:
-            return f"{seconds:.2f} s"
-        return f"{seconds * clip.rate:.1f} frames"
-
     def _hint(self) -> str:
         mouse = self._mouse
         if mouse.is_dragging:
-            falloff = self._in_unit(self.timeline.falloff)
+            falloff = length(self.timeline, self.timeline.falloff)
             return f"Falloff {falloff} (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
         if mouse.plot is not None:
             return mouse.plot.control.hint
-        return _CHOSEN_HINT if self.timeline.shows_edit else _IDLE_HINTS[self.tools.tool]
-
-
-def _note(tracked: float, asked: float, face: float) -> str:
-    """A note if the face differs from what was asked for, or else from the tracked value."""
-    if abs(asked - tracked) > _APART:
-        return f"asked {asked:.1f}" if _read_apart(asked, face) else ""
-    return f"tracked {tracked:.1f}" if _read_apart(tracked, face) else ""
-
-
-def _read_apart(one: float, other: float) -> bool:
-    """Whether two values differ visibly and in one decimal."""
-    return abs(one - other) > _APART and f"{one:.1f}" != f"{other:.1f}"
+        return CHOSEN_HINT if self.timeline.shows_edit else IDLE_HINTS[self.tools.tool]

@@ -110,7 +110,8 @@ class TimeView(pg.ViewBox):
         The same as pyqtgraph's `viewPixelSize`, which inverts a matrix after each change.
         """
         first, last = self.viewRange()[0]
-        return (last - first) / max(self.width(), 1.0)
+        seconds: float = (last - first) / max(self.width(), 1.0)
+        return seconds
 
     @guarded
     def paint(

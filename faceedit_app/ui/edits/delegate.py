@@ -15,7 +15,7 @@ from PySide6.QtCore import (
     QSize,
     Qt,
 )
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPainterPath, QPen
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPainterPath, QPen, QPolygonF
 from PySide6.QtWidgets import (
     QLineEdit,
     QSpinBox,
@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.ui.edits.model import COLUMNS, RANGE, STRENGTH, EditsModel
+from faceedit_app.ui.edits.model import COLUMNS, GROUP, RANGE, STRENGTH, EditsModel
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import (
     ACCENT,
@@ -43,6 +43,7 @@ STRONGEST = 150  # per cent
 ROW = 25
 _BOX = 14.0
 _LEFT = 32.0  # pixels left of the name
+_ARROW = 14.0  # of a group
 _RIGHT = 8.0
 _STRENGTH = 50.0
 _RANGE = 116.0
@@ -94,15 +95,36 @@ class EditsDelegate(QStyledItemDelegate):
         if selected:
             off = LABEL
         quiet = QColor(off) if not edit.enabled else QColor(TEXT if selected else MUTED)
-        name = str(index.data(Qt.ItemDataRole.DisplayRole))
+        name, group = str(index.data(Qt.ItemDataRole.DisplayRole)), index.data(GROUP)
+        if group is not None and group[0]:
+            name = f"{name}  ({group[0]})"
         (text, room), *others = cells(rect, name, *index.data(COLUMNS))
         painter.setPen(QColor(TEXT if edit.enabled else off))
+        if group is not None:
+            room.setLeft(room.left() + _ARROW)
+            if group[0]:
+                self._paint_arrow(painter, arrow_rect(rect), group[1])
         self._write(painter, room, text, Qt.AlignmentFlag.AlignLeft)
         painter.setPen(quiet)
         for text, room in others:
             last = room.right() >= rect.right() - _RIGHT
             align = Qt.AlignmentFlag.AlignRight if last else Qt.AlignmentFlag.AlignLeft
             self._write(painter, room, text, align)
+        painter.restore()
+
+    @staticmethod
+    def _paint_arrow(painter: QPainter, box: QRectF, is_open: bool) -> None:
+        """Paint a triangle that points at what it opens."""
+        x, y = box.center().x(), box.center().y()
+        downwards = ((-3.5, -2.0), (3.5, -2.0), (0.0, 3.0))
+        corners = [
+            QPointF(x + across, y + down) if is_open else QPointF(x + down, y + across)
+            for across, down in downwards
+        ]
+        painter.save()
+        painter.setBrush(painter.pen().color())
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.drawPolygon(QPolygonF(corners))
         painter.restore()
 
     @staticmethod
@@ -131,7 +153,21 @@ class EditsDelegate(QStyledItemDelegate):
         option: QStyleOptionViewItem,
         index: Index,
     ) -> bool:
-        """A click on the switch toggles it; a double click edits what it is on."""
+        """A click on the switch toggles it; a double click edits what it is on.
+
+        A click on the arrow opens or closes a group.
+        """
+        group = index.data(GROUP)
+        if (
+            isinstance(event, QMouseEvent)
+            and isinstance(model, EditsModel)
+            and group is not None
+            and group[0]
+            and arrow_rect(QRectF(option.rect)).contains(event.position())
+        ):
+            if event.type() == QEvent.Type.MouseButtonRelease:
+                model.toggle_group(index.row())
+            return event.type() != QEvent.Type.MouseButtonPress
         if isinstance(event, QMouseEvent) and event.type() == QEvent.Type.MouseButtonDblClick:
             self.edits = self._part_at(QRectF(option.rect), event.position().x())
         if (
@@ -219,6 +255,11 @@ def cells(row: QRectF, name: str, when: str, what: str, strength: str) -> list[t
         right -= width + 8
     left = row.x() + _LEFT
     return [(name, QRectF(left, row.y(), right - left, row.height())), *out]
+
+
+def arrow_rect(row: QRectF) -> QRectF:
+    """The place of the arrow of a group."""
+    return QRectF(row.x() + _LEFT - 4, row.y(), _ARROW + 2, row.height())
 
 
 def switch_rect(row: QRectF) -> QRectF:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,14 +17,18 @@ from PySide6.QtCore import (
 )
 
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.fields import clean_text
 from faceedit_app.editing.edits.describe import describe, describe_controls
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.ui.edits.groups import Key, groups_of, key_of
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.state.clock import Unit, label
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 COLUMNS = Qt.ItemDataRole.UserRole + 1  # when, on what, how strongly
+GROUP = Qt.ItemDataRole.UserRole + 4  # (edits or 0 if not its head, whether open); None if none
 STRENGTH, RANGE = (Qt.ItemDataRole.UserRole + i for i in (2, 3))  # to set them
 _NUMBER = re.compile(r"\d+(?:\.\d*)?|\.\d+", re.ASCII)
 _MIME = "application/x-faceedit-row"
@@ -37,13 +41,17 @@ class EditsModel(QAbstractListModel):
 
     Signals:
         moving(int): an edit is about to be moved to a row.
+        regrouped(): a group was opened or closed.
     """
 
     moving = Signal(int)
+    regrouped = Signal()
 
     def __init__(self, document: Document, timeline: Timeline) -> None:
         super().__init__(document)
         self._document, self._timeline = document, timeline
+        self._open: set[Key] = set()  # groups whose edits are shown
+        self._groups: dict[int, range] = {}  # the group of each row, by row
 
     @property
     def edits(self) -> Sequence[Edit]:
@@ -53,8 +61,31 @@ class EditsModel(QAbstractListModel):
 
     def refresh(self) -> None:
         """The list of edits changed."""
+        self._groups = {row: group for group in groups_of(self.edits) for row in group}
         self.beginResetModel()
         self.endResetModel()
+
+    # --- groups ------------------------------------------------------------------------------
+
+    def is_open(self, row: int) -> bool:
+        """Whether the edits of a row's group are shown."""
+        return key_of(self.edits[row]) in self._open
+
+    def stands_for(self, row: int) -> range:
+        """The rows that a row stands for: those of its group, if it is the head of a closed one."""
+        group = self._groups.get(row, range(row, row + 1))
+        closed = row == group.start and not self.is_open(row)
+        return group if closed else range(row, row + 1)
+
+    def is_hidden(self, row: int) -> bool:
+        """Whether another row stands for this one."""
+        group = self._groups.get(row, range(row, row + 1))
+        return row != group.start and not self.is_open(row)
+
+    def toggle_group(self, row: int) -> None:
+        """Show the edits of a group, or hide them."""
+        self._open ^= {key_of(self.edits[row])}
+        self.regrouped.emit()
 
     def rowCount(self, parent: Index = _ROOT) -> int:
         """The number of edits."""
@@ -77,7 +108,13 @@ class EditsModel(QAbstractListModel):
             case Qt.ItemDataRole.UserRole:
                 return edit
             case _ if role == COLUMNS:
-                return self.columns(edit)
+                return self._columns_of(index.row())
+            case _ if role == GROUP:
+                group = self._groups.get(index.row(), range(1))
+                if len(group) == 1:
+                    return None
+                count = len(group) if index.row() == group.start else 0
+                return count, self.is_open(index.row())
             case _:
                 return None
 
@@ -90,22 +127,40 @@ class EditsModel(QAbstractListModel):
         row = index.row()
         if role == Qt.ItemDataRole.CheckStateRole:
             on = Qt.CheckState(value) is Qt.CheckState.Checked
-            self._document.act(lambda session: session.set_enabled(row, on))
+            name = "Switch edit on" if on else "Switch edit off"
+            self._change(row, lambda edit: replace(edit, enabled=on), name)
             return True
         if role == STRENGTH:
-            self._replace(row, replace(self.edits[row], strength=float(value)), "Edit strength")
+            strength = float(value)
+            self._change(row, lambda edit: replace(edit, strength=strength), "Edit strength")
             return True
         if role == RANGE:
-            self._replace(row, self.edits[row].stretched(*value), "Range")
+            self._change(row, lambda edit: edit.stretched(*value), "Range")
             return True
         if role == Qt.ItemDataRole.EditRole and str(value) != self.data(index):
-            self._document.act(lambda session: session.rename(row, str(value)))
+            typed = clean_text(str(value).strip())
+            self._change(row, lambda edit: replace(edit, name=typed), "Rename edit")
             return True
         return False
 
-    def _replace(self, row: int, edit: Edit, name: str) -> None:
-        if edit != self.edits[row]:
-            self._document.act(lambda session: session.replace_edit(row, edit, name))
+    def _change(self, row: int, change: Callable[[Edit], Edit], name: str) -> None:
+        """Change what a row stands for, as one step."""
+        edits = list(self.edits)
+        for one in self.stands_for(row):
+            edits[one] = change(edits[one])
+        if tuple(edits) != tuple(self.edits):
+            self._document.act(lambda session: session.put(edits, name))
+
+    def _columns_of(self, row: int) -> tuple[str, str, str]:
+        """The columns of a row, for all that it stands for."""
+        edits = [self.edits[one] for one in self.stands_for(row)]
+        when, what, strength = self.columns(edits[0])
+        if len(edits) > 1:
+            together = {control for edit in edits for control in edit.controls}
+            what = describe_controls([c for c in CONTROL_IDS if c in together])
+            if len({edit.strength for edit in edits}) > 1:
+                strength = "–"
+        return when, what, strength
 
     def typed_range(self, text: str) -> tuple[float, float] | None:
         """The range that a text such as `1.2 – 3` means, in the unit of `ends`; None if none."""
@@ -167,11 +222,22 @@ class EditsModel(QAbstractListModel):
         return False
 
     def move_edit(self, row: int, to: int) -> None:
-        """Move an edit to another row."""
-        to = min(max(to, 0), len(self.edits) - 1)
-        if row != to:
+        """Move an edit to another row, with all that its row stands for."""
+        moved = self.stands_for(row)
+        if to > row:  # past what the row at the place stands for
+            to = min(to + len(moved) - 1, len(self.edits) - 1)
+            to = self._groups[to].stop - 1 if self.is_hidden(to) or to in self._groups else to
+            to -= len(moved) - 1
+        else:
+            to = max(to, 0)
+            to = self._groups[to].start if self.is_hidden(to) else to
+        edits = list(self.edits)
+        block = edits[moved.start : moved.stop]
+        del edits[moved.start : moved.stop]
+        edits[to:to] = block
+        if tuple(edits) != tuple(self.edits):
             self.moving.emit(to)
-            self._document.act(lambda session: session.move(row, to))
+            self._document.act(lambda session: session.put(edits, "Move edit"))
 
 
 def columns(

@@ -68,6 +68,8 @@ class EditsPanel(QWidget):
         timeline.falloff_changed.connect(self._other_falloff)
         timeline.clock.changed.connect(self.list.viewport().update)
         self.model.moving.connect(self._edit_moves)
+        self.model.regrouped.connect(self._hide_rows)
+        self.model.regrouped.connect(self._sync)
         document.opened.connect(self.refresh)
         document.changed.connect(self.refresh)
         self.refresh()
@@ -133,7 +135,8 @@ class EditsPanel(QWidget):
     def rows(self) -> list[int]:
         """Rows of all selected edits."""
         chosen = {index.row() for index in self.list.selectionModel().selectedIndexes()}
-        return sorted(row for row in chosen if row < len(self.model.edits))
+        known = [row for row in chosen if row < len(self.model.edits)]
+        return sorted({one for row in known for one in self.model.stands_for(row)})
 
     def select(self, row: int | None) -> None:
         """Select an edit, or none."""
@@ -185,6 +188,7 @@ class EditsPanel(QWidget):
         typed = focus is not None and self.list.viewport().isAncestorOf(focus)
         with QSignalBlocker(self.list.selectionModel()):
             self.model.refresh()
+            self._hide_rows()
             if row is not None and row < len(self.model.edits):
                 self._select_rows([row] if row not in rows else rows)
         if typed:  # the text field is gone, and Qt would focus the next widget
@@ -195,6 +199,11 @@ class EditsPanel(QWidget):
         self._sync()
         if self.is_tied:  # undo may have changed its range
             self._show_handles()
+
+    def _hide_rows(self) -> None:
+        """Show one row for each closed group."""
+        for row in range(len(self.model.edits)):
+            self.list.setRowHidden(row, self.model.is_hidden(row))
 
     def _chosen(self) -> None:
         self.settle()

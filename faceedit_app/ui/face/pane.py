@@ -7,6 +7,7 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from faceedit_app.render import Aim
+from faceedit_app.ui.face.handles import FaceHandles
 from faceedit_app.ui.face.viewport import Viewport
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import context_menu, icon_button, segments
@@ -36,6 +37,7 @@ class FacePane(QWidget):
         self._tracked, self._glancing, self._both = False, False, False
         self._difference = False
         self.viewport = Viewport(self)
+        self.handles = FaceHandles(self.viewport)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.viewport)
@@ -115,6 +117,8 @@ class FacePane(QWidget):
             tracked = (
                 session.rig_weights(frame, tracked=True) if compares or self.shows_both else None
             )
+            self.handles.use_rig(session.rig)
+            self.handles.is_wanted = not (self.shows_tracked or self.shows_both)
             self.viewport.show_weights(
                 session.rig_weights(frame, self.shows_tracked),
                 beside=tracked if self.shows_both else None,

@@ -134,12 +134,12 @@ class Screen(QWidget):
             painter.scale(-1, 1)
         pixels = self._picture
         image = QImage(pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32)
-        room = QRectF(left, top, wide, high)
-        painter.drawImage(room, image)
+        shown = QRectF(left, top, wide, high)
+        painter.drawImage(shown, image)
         film = self._film
         places = None if film is None else self._media.overlay.at(film.path, self.index)
         if places is not None:
-            paint_landmarks(painter, places, room)
+            paint_landmarks(painter, places, shown)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Show the film's menu."""

@@ -109,6 +109,7 @@ class TrackingDialog(QDialog):
         self.setWindowTitle("Track a film")
         self.setWindowModality(Qt.WindowModality.WindowModal)
         self._stopped, self._next = False, 0.0
+        self._is_looking = False  # for the face; not while the character is fitted
         self.picture = _Picture()
         self.picture.clicked.connect(self._choose)
         self.name = QLabel(film.name)
@@ -147,14 +148,16 @@ class TrackingDialog(QDialog):
         self._stopped = False
 
     def _choose(self, x: float, y: float) -> None:
-        if self.bar.maximum() > 1:  # not while the character is fitted
+        if self._is_looking:
             self.stop()
             self.face_chosen.emit(x, y)
 
     def _show(self, progress: Progress) -> None:
         self.picture.show_progress(progress)
-        self.bar.setRange(0, 0 if progress.of == 1 else progress.of)
+        self._is_looking = progress.picture is not None
+        # The fit takes about as long for one picture as for a thousand.
+        self.bar.setRange(0, progress.of if self._is_looking or progress.done else 0)
         self.bar.setValue(progress.done)
-        count = "" if progress.of == 1 else f", picture {progress.done} of {progress.of}"
+        count = f", picture {progress.done} of {progress.of}" if progress.done else ""
         lost = progress.picture is not None and progress.points is None
         self.status.setText(f"{progress.pass_}{count}{': no face here' if lost else '…'}")

@@ -107,9 +107,9 @@ class WordsDialog(QDialog):
         self.progress.setTextVisible(False)
         self.message = plain_label()
         self.message.setWordWrap(True)
-        self.find = QPushButton("&Find times")
-        self.find.setDefault(True)
-        self.find.clicked.connect(self.start)
+        self.search = QPushButton("&Find times")
+        self.search.setDefault(True)
+        self.search.clicked.connect(self.start)
         buttons = QDialogButtonBox()
         role = QDialogButtonBox.ButtonRole
         self.open_file = buttons.addButton("O&pen…", role.ActionRole)
@@ -119,7 +119,7 @@ class WordsDialog(QDialog):
         self.export.setToolTip("Write the take's words as TextGrid, SRT or JSON")
         self.export.setEnabled(self._present is not None)
         self.export.clicked.connect(save)
-        buttons.addButton(self.find, role.AcceptRole)
+        buttons.addButton(self.search, role.AcceptRole)
         self.stop = buttons.addButton(QDialogButtonBox.StandardButton.Cancel)
         self.stop.clicked.connect(self._stop)
         column = QVBoxLayout(self)
@@ -226,7 +226,7 @@ class WordsDialog(QDialog):
         self.accept()
 
     def _failed(self, error: Exception) -> None:
-        from faceedit_app.words.aligning import Stopped
+        from faceedit_app.words.denoising import Stopped
 
         self._job = None
         self._show_state()
@@ -267,8 +267,8 @@ class WordsDialog(QDialog):
     def _show_state(self) -> None:
         busy = self._job is not None
         has_times = self._imported is not None and self._imported.transcript is not None
-        self.find.setText("&Use these times" if has_times else "&Find times")
-        self.find.setEnabled(not busy and bool(self.text.toPlainText().strip()))
+        self.search.setText("&Use these times" if has_times else "&Find times")
+        self.search.setEnabled(not busy and bool(self.text.toPlainText().strip()))
         self.text.setReadOnly(busy)
         self.open_file.setEnabled(not busy)
         self.progress.setVisible(busy)

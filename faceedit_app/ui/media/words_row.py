@@ -2,15 +2,44 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QWidget
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.look.widgets import icon_button
+from faceedit_app.ui.look.widgets import context_menu, icon_button
 from faceedit_app.ui.media.words_strip import HEIGHT, WordsStrip
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
+
+_MENU = (
+    ("play_around", "loop"),
+    ("close_on_words", "shape_on_words", "say_clearly"),
+    ("words", "remove_words"),
+)
+
+
+class _Search(QLineEdit):
+    """A field whose Esc gives the keys back to the curves."""
+
+    def event(self, event: QEvent) -> bool:
+        """While typing, Esc is not a shortcut."""
+        if (
+            event.type() == QEvent.Type.ShortcutOverride
+            and isinstance(event, QKeyEvent)
+            and event.key() == Qt.Key.Key_Escape
+        ):
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc leaves the field."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.window().setFocus()
+        else:
+            super().keyPressEvent(event)
 
 
 class WordsRow(QWidget):
@@ -18,13 +47,16 @@ class WordsRow(QWidget):
 
     def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
-        self._document = document
+        self._document, self._actions = document, actions
         self.strip = WordsStrip(document, timeline)
-        self.search = QLineEdit()
+        self.strip.menu_asked.connect(self._show_menu)
+        self.search = _Search()
         self.search.setObjectName("find_word")
         self.search.setPlaceholderText("Find a word")
         self.search.setAccessibleName("Find a word")
-        self.search.setToolTip("Type the beginning of a word; Enter selects it, then the next one.")
+        self.search.setToolTip(
+            "Type the beginning of a word; Enter selects it, then the next one; Esc leaves."
+        )
         self.search.setClearButtonEnabled(True)
         self.search.setFocusPolicy(Qt.FocusPolicy.ClickFocus)  # the keys belong to the curves
         self.search.setAcceptDrops(False)  # dropped files go to the window
@@ -58,9 +90,15 @@ class WordsRow(QWidget):
         if has_words:
             self.strip.renew()
 
+    def _show_menu(self, place: QPoint) -> None:
+        self._actions.refresh()
+        groups = [[self._actions[name] for name in group] for group in _MENU]
+        context_menu(self, *groups).popup(place)
+
     def _find(self) -> None:
         self._show_found(self.strip.find(self.search.text()))
 
     def _show_found(self, found: bool) -> None:
         """Show in the field whether the word was found."""
-        self.search.setStyleSheet("" if found else f"color: {style.GAP}")
+        self.search.setProperty("refused", not found)
+        self.search.style().polish(self.search)

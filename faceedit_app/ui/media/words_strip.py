@@ -6,7 +6,7 @@ from bisect import bisect_left
 from typing import TYPE_CHECKING
 
 import pyqtgraph as pg
-from PySide6.QtCore import QRectF, Qt, Signal
+from PySide6.QtCore import QPoint, QRectF, Qt, Signal
 from PySide6.QtGui import QFontMetricsF, QKeyEvent, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
@@ -38,10 +38,10 @@ class WordsStrip(pg.GraphicsView, Mouse):
     """The words in the visible time range.
 
     Signals:
-        selected(str): a word's time was selected.
+        menu_asked(place): a right click, and its place on the screen; the word there is selected.
     """
 
-    selected = Signal(str)
+    menu_asked = Signal(QPoint)
 
     def __init__(self, document: Document, timeline: Timeline) -> None:
         super().__init__(background=style.PLOT)
@@ -53,6 +53,7 @@ class WordsStrip(pg.GraphicsView, Mouse):
         self.setCentralItem(self.view)
         self._marks = _Marks(self)
         self._marks.setParentItem(self.view)
+        self.view.menu_asked.connect(self._ask_menu)
         self.view.sigResized.connect(self._marks.renew)
         for changed in (
             timeline.view_changed,
@@ -93,7 +94,6 @@ class WordsStrip(pg.GraphicsView, Mouse):
         """Select a word's time and go there."""
         self._timeline.go_to_time(word.start)
         self._timeline.select((self._timeline.snap(word.start), self._timeline.snap(word.end)))
-        self.selected.emit(word.text)
 
     def find(self, text: str) -> bool:
         """Select the next word after the playhead that begins with a text; False if none does.
@@ -141,10 +141,9 @@ class WordsStrip(pg.GraphicsView, Mouse):
 
     def double_clicked(self, pointer: Pointer) -> None:
         """Select the word under the pointer, or clear the selection."""
-        words, seconds = self.words, self.current_scale.time_at(pointer.x)
-        inside = [w for w in (words.words if words else ()) if w.start <= seconds <= w.end]
-        if inside:
-            self.select(inside[0])
+        word = self._word_at(pointer.x)
+        if word is not None:
+            self.select(word)
         else:
             self._timeline.select(None)
 
@@ -176,6 +175,17 @@ class WordsStrip(pg.GraphicsView, Mouse):
         if event.key() == Qt.Key.Key_Escape:
             self.cancel()
         event.ignore()
+
+    def _ask_menu(self, x: float, _y: float, place: QPoint) -> None:
+        word = self._word_at(x)
+        if word is not None:
+            self.select(word)
+        self.menu_asked.emit(place)
+
+    def _word_at(self, x: float) -> Word | None:
+        words, seconds = self.words, self.current_scale.time_at(x)
+        inside = (w for w in (words.words if words else ()) if w.start <= seconds <= w.end)
+        return next(inside, None)
 
     def _edge_at(self, pointer: Pointer) -> float | None:
         """The edge under the pointer: among the words, only those of words."""

@@ -23,7 +23,9 @@ from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
 from faceedit_app.ui.media.words_row import WordsRow
 from faceedit_app.ui.page.curve_menus import connect_menus
+from faceedit_app.ui.page.expressions import Expressions
 from faceedit_app.ui.page.first_steps import HintLayer, Step
+from faceedit_app.ui.page.overview import Overview
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.problems_list import ProblemsList
 from faceedit_app.ui.page.proposal_bar import ProposalBar
@@ -65,12 +67,15 @@ class Editor(QWidget):
         self.problems = ProblemsBar(document, timeline)
         self.curves.add_row(ProblemsHead(actions, self.problems), self.problems)
         self.curves.cover_legend(self.proposal)
+        self.overview = Overview(document, timeline)
+        self.curves.add_row(QWidget(), self.overview)
         self.sound = SoundRow(media, timeline)
         self.words = WordsRow(actions, document, timeline)
         self.film = FilmPane(media, timeline)
         self.face = FacePane(actions, document, timeline)
         self.edits = EditsPanel(actions, document, timeline)
         self.problem_list = ProblemsList(actions, self.problems, timeline)
+        self.expressions = Expressions(actions, document, self.face.viewport)
         self.lists = QTabWidget()
         self.transport = Transport(actions, timeline, playback)
         self.transport.extras.addWidget(Volume(actions["mute"], media, sound_player))
@@ -86,6 +91,7 @@ class Editor(QWidget):
         self.lists.tabBar().setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.lists.addTab(self.edits, "Edits")
         self.lists.addTab(self.problem_list, "Problems")
+        self.lists.addTab(self.expressions, "Expressions")
         self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.lists)
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)
@@ -113,6 +119,7 @@ class Editor(QWidget):
         self.curves.edit_began.connect(self.edits.leave)
         self.curves.edit_made.connect(self.edits.select_new)
         self.curves.follow_chosen(lambda: self.edits.chosen_edit)
+        self.face.handles.hand = self.curves.hand
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)

@@ -1,8 +1,7 @@
-"""The dialog of File > Export as: format, frame rate and character."""
+"""The dialog of File > Export as: format and frame rate."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import Qt
@@ -11,9 +10,7 @@ from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
-    QHBoxLayout,
     QLabel,
-    QPushButton,
     QVBoxLayout,
     QWidget,
 )
@@ -23,7 +20,7 @@ from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import COMMON_RATES, format_rate
 from faceedit_app.ui.look.widgets import Choice
 
-_OWN_CHARACTER = "FaceEdit’s own"
+_OWN_CHARACTER = "FaceEdit’s own, as on screen"
 
 
 class ExportDialog(QDialog):
@@ -31,20 +28,14 @@ class ExportDialog(QDialog):
 
     Args:
         take: the take.
-        choose_character: asks for the file of a character.
+        character: the file of the character on screen; None = FaceEdit's own.
     """
 
-    def __init__(
-        self,
-        parent: QWidget | None,
-        take: Take,
-        choose_character: Callable[[QWidget], Path | None],
-    ) -> None:
+    def __init__(self, parent: QWidget | None, take: Take, character: Path | None = None) -> None:
         super().__init__(parent)
         self.setWindowTitle("Export as")
         self.setMinimumWidth(520)
-        self._take, self._choose_character = take, choose_character
-        self._character: Path | None = None
+        self._take = take
         own = own_format(take)
         others = [form for form in out_formats() if form != own]
         self._formats: list[OutFormat] = [*([own] if own is not None else []), *others]
@@ -54,9 +45,10 @@ class ExportDialog(QDialog):
         form.setLabelAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         form.addRow("&Format", self._format_box(own))
         form.addRow("Frame &rate", self._rate_box())
-        label = QLabel("&Character")
-        form.addRow(label, self._character_row())
-        label.setBuddy(self.choose)
+        self.character = QLabel(_OWN_CHARACTER if character is None else character.name)
+        self.character.setTextFormat(Qt.TextFormat.PlainText)
+        self.character.setToolTip("The one on screen; File > Character shows another")
+        form.addRow("Character", self.character)
         self.compact = QCheckBox("S&maller file: weights in steps of 1/65535")
         form.addRow("", self.compact)
         column.addLayout(form)
@@ -83,8 +75,7 @@ class ExportDialog(QDialog):
     @property
     def options(self) -> Options:
         """The rest of what was chosen."""
-        character = self._character if self.chosen.has_character else None
-        return Options(self._chosen_rate, character, self.compact.isChecked())
+        return Options(self._chosen_rate, compact=self.compact.isChecked())
 
     @property
     def _chosen_rate(self) -> float | None:
@@ -107,28 +98,8 @@ class ExportDialog(QDialog):
                 self.rate.addItem(format_rate(rate), rate)
         return self.rate
 
-    def _character_row(self) -> QHBoxLayout:
-        row = QHBoxLayout()
-        self._character_name = QLabel(_OWN_CHARACTER)
-        self._character_name.setTextFormat(Qt.TextFormat.PlainText)
-        self.choose = QPushButton("C&hoose…")
-        self.choose.setAutoDefault(False)
-        self.choose.setToolTip("A GLB, VRM, FBX or OBJ with blendshapes")
-        self.choose.clicked.connect(self._ask_character)
-        row.addWidget(self._character_name, stretch=1)
-        row.addWidget(self.choose)
-        return row
-
-    def _ask_character(self) -> None:
-        path = self._choose_character(self)
-        if path is not None:
-            self._character = path
-            self._character_name.setText(path.name)
-            self._character_name.setToolTip(str(path))
-
     def _show_choice(self) -> None:
         form = self.chosen
-        self.choose.setEnabled(form.has_character)
-        self._character_name.setEnabled(form.has_character)
+        self.character.setEnabled(form.has_character)
         self.compact.setEnabled(form.is_compact)
         self.hints.setText("\n".join(form.hints(self._chosen_rate or self._take.clip.rate)))

@@ -86,6 +86,7 @@ class Actions:
         self._actions: dict[str, QAction] = {}
         self._submenus: dict[str, QMenu] = {}
         self._commands: list[tuple[Command[Any], Any]] = []
+        self._running = 0  # commands
         for menu, doer in menus:
             self._fill(menu, doer)
         self.refresh()
@@ -98,7 +99,12 @@ class Actions:
         return self._submenus[name]
 
     def refresh(self) -> None:
-        """Show which commands are enabled and checked."""
+        """Show which commands are enabled and checked.
+
+        While a command runs, this waits for its end: one changes many things, each of which asks.
+        """
+        if self._running:
+            return
         is_open = self._document.session is not None
         for command, doer in self._commands:
             action = self._actions[command.id]
@@ -146,9 +152,11 @@ class Actions:
 
     def _run(self, command: Command[Any], doer: Any) -> None:
         assert command.run is not None
+        self._running += 1
         try:
             command.run(doer)
         finally:
+            self._running -= 1
             self.refresh()  # Qt toggled the action even if the command did nothing
 
 

@@ -1,0 +1,48 @@
+"""Send a take to another program while it plays."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from faceedit_app.core.arrays import Floats
+from faceedit_app.editing.session import EditSession
+from faceedit_app.live.pose import Pose
+from faceedit_app.live.protocols import Sender
+
+SUBJECT = "FaceEdit"
+
+
+def pose_of(weights: Floats, rate: float) -> Pose:
+    """The pose of weights (52,), now: receivers expect a clock that only goes forwards."""
+    now = time.localtime()
+    second = now.tm_hour * 3600.0 + now.tm_min * 60 + now.tm_sec + time.time() % 1
+    return Pose(weights, second, rate, SUBJECT)
+
+
+def play(
+    session: EditSession,
+    sender: Sender,
+    loop: bool = False,
+    clock: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], None] = time.sleep,
+) -> int:
+    """Send every frame at its time, and return how many were sent.
+
+    Args:
+        session: the take, with its edits.
+        sender: where to.
+        loop: begin again at the end, until interrupted.
+        clock, sleep: of real time, in seconds.
+    """
+    clip, sent = session.take.clip, 0
+    begin = clock()
+    while True:
+        for frame, second in enumerate(clip.times.tolist()):
+            wait = begin + second - clock()
+            if wait > 0:
+                sleep(wait)
+            sent += sender.send(pose_of(session.weights[frame], clip.rate))
+        if not loop:
+            return sent
+        begin += clip.duration

@@ -1,0 +1,47 @@
+"""A hand on the face: its drags make the same edits as those on the plots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.ui.curves.interaction import Interaction
+from faceedit_app.ui.curves.plot import CurvePlot
+
+
+class FaceHand:
+    """See `face.handles.Hand`.
+
+    Args:
+        plots: in curve order.
+        mouse: what drags on them go through.
+    """
+
+    def __init__(self, plots: Sequence[CurvePlot], mouse: Interaction) -> None:
+        self._plots, self._mouse = plots, mouse
+
+    @property
+    def is_held(self) -> bool:
+        """Whether a gesture is in progress."""
+        return self._mouse.is_held
+
+    def grab(self, control: str, one_side: bool) -> bool:
+        """Take a control at the frame on screen; False if it cannot be edited."""
+        return self._mouse.grab(self._plots[CONTROL_INDEX[control]], one_side)
+
+    def probe(self, millimetres: float) -> None:
+        """Preview a move, to see which way the face goes."""
+        self._mouse.probe(millimetres)
+
+    def end_probe(self) -> None:
+        """End that preview."""
+        if self._mouse.session is not None:
+            self._mouse.session.cancel()
+
+    def pull(self, millimetres: float, snap: bool) -> None:
+        """Move by this much since the grab."""
+        self._mouse.pull(millimetres, snap)
+
+    def let_go(self) -> None:
+        """Keep the edit."""
+        self._mouse.let_go()

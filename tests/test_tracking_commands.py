@@ -1,0 +1,102 @@
+"""`faceedit track` and what it says."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from support.face_films import face_pictures, make_face_film, speaking
+from support.films import make_film
+from support.tracker import needs_tracker
+
+from faceedit_app.cli import main
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.opening import open_session
+from faceedit_app.formats.opening import open_take
+
+pytestmark = needs_tracker
+FRAMES = 12
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("films")
+    return make_face_film(folder / "face.mp4", face_pictures(speaking(FRAMES)))
+
+
+def test_a_film_becomes_a_take(
+    film: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    take = tmp_path / "me.csv"
+    assert main(["track", str(film), "-o", str(take)]) == 0
+    assert f"{take}: {FRAMES} frames at 25 fps" in capsys.readouterr().out
+    assert len(open_take(take).clip) == FRAMES
+
+
+def test_a_file_that_is_there_is_kept(
+    film: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    take = tmp_path / "me.csv"
+    take.write_text("my only recording")
+    assert main(["track", str(film), "-o", str(take)]) == 0
+    assert (tmp_path / "me.csv.bak").read_text() == "my only recording"
+    assert "me.csv.bak" in capsys.readouterr().err
+
+
+def test_the_film_itself_is_never_replaced(film: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = film.read_bytes()
+    assert main(["track", str(film), "-o", str(film)]) == 2
+    assert "is the film itself" in capsys.readouterr().err
+    assert film.read_bytes() == before
+
+
+def test_a_folder_is_tracked_and_what_fails_is_reported(
+    film: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    films = tmp_path / "films"
+    films.mkdir()
+    (films / "a.mp4").write_bytes(film.read_bytes())
+    make_film(films / "b.mp4")
+    assert main(["track", str(films), "-o", str(tmp_path / "takes"), "--json"]) == 2
+    said = capsys.readouterr()
+    (facts,) = json.loads(said.out)
+    assert facts["frames"] == FRAMES
+    assert facts["lost"] == 0
+    assert "b.mp4: shows no face" in said.err
+    assert [path.name for path in (tmp_path / "takes").iterdir()] == ["a_tracked.csv"]
+
+
+def test_a_report_shows_edits(
+    film: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    take, edits = tmp_path / "me.csv", tmp_path / "edits.json"
+    assert main(["track", str(film), "-o", str(take)]) == 0
+    session = open_session(take)
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 0.1, 0.3, 0.1, 5.0))
+    session.save_edits(edits)
+    report = ["--report", str(tmp_path / "report"), "--edits", str(edits)]
+    assert main(["track", str(film), "-o", str(take), *report]) == 0
+    assert sorted(path.name for path in (tmp_path / "report").iterdir()) == [
+        "side_by_side.mp4",
+        "side_by_side.png",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("more", "problem"),
+    [
+        (["--face", "here"], "--face here: must be X,Y"),
+        (["--face", "2,0"], "both must be from 0 to 1"),
+        (["--edits", "e.json"], "give --report"),
+        (["--fps", "0"], "cannot have 0 frames"),
+    ],
+)
+def test_wrong_options_are_one_line(
+    film: Path, tmp_path: Path, more: list[str], problem: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["track", str(film), "-o", str(tmp_path / "me.csv"), *more]) == 2
+    said = capsys.readouterr().err
+    assert problem in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "me.csv").exists()
