@@ -107,7 +107,10 @@ def evaluate(
     ] = None,
     exclude: ExcludeOption = None,
 ) -> None:
-    """Measure the networks on takes: errors, closures, smoothness, and a benchmark of edits."""
+    """Measure what users get on takes of people, and the networks on their own.
+
+    Synthesised takes do not count as people; the references may learn from them.
+    """
     require("torch", extra="training")
     from faceedit_app.lab.evaluation.evaluate import evaluate_takes
     from faceedit_app.lab.evaluation.report import summary_lines, write_report
@@ -197,7 +200,9 @@ def evaluate_tracking(
 
 
 def experiment(
-    name: Annotated[str, typer.Argument(help="Its name, or all; a wrong name lists them.")],
+    names: Annotated[
+        list[str], typer.Argument(help="Names, or all; a wrong name lists them.", metavar="NAME...")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")] = Path(
         "docs/evaluation"
     ),
@@ -214,7 +219,7 @@ def experiment(
 ) -> None:
     """Repeat the paper's experiments and ours; each writes its part of the report."""
     require("torch", extra="training")
-    from faceedit_app.lab.evaluation.experiments import run_experiment
+    from faceedit_app.lab.evaluation.experiments import run_experiments
     from faceedit_app.lab.evaluation.setting import Setting
 
     with Progress(console=Console(stderr=True)) as progress:
@@ -226,7 +231,7 @@ def experiment(
             epochs,
             progress,
         )
-        for path in run_experiment(name, setting):
+        for path in run_experiments(names, setting):
             print(path)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -13,18 +14,27 @@ import pytest
 from support.faces import random_engine, shipped_rig
 from support.networks import write_models
 from support.performances import RIG, folder_of_takes, performance, tiny
-from support.sessions import session_by_networks
+from support.sessions import session_by_networks, shipped_engine
 
 from faceedit_app.cli import main
 from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.benchmark import run_benchmark, trials
-from faceedit_app.lab.evaluation.evaluate import CLOSING, measure_systems
-from faceedit_app.lab.evaluation.goals import goals, goals_part
+from faceedit_app.lab.evaluation.evaluate import CLOSING, evaluate_networks, measure_systems
+from faceedit_app.lab.evaluation.faces import FACES, faces_part
+from faceedit_app.lab.evaluation.goals import goals, networks_goals_part
 from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.training import settings as recipes
-from faceedit_app.lab.training.card import FIGURES_END, FIGURES_START, with_figures
+from faceedit_app.lab.training.card import (
+    FIGURES_END,
+    FIGURES_START,
+    trained_sources,
+    with_figures,
+)
 from faceedit_app.lab.training.charts import Line, chart
+from faceedit_app.lab.training.data import load_performances
 from faceedit_app.lab.training.fit import fit_region
 
 
@@ -55,6 +65,7 @@ def test_training_writes_models_card_losses_and_no_checkpoint(models: Path) -> N
     card = (models / "README.md").read_text()
     assert "`someone`" in card
     assert FIGURES_START in card
+    assert trained_sources(models) == {"someone"}
     ElementTree.fromstring((models / "losses.svg").read_text())
 
 
@@ -66,15 +77,19 @@ def test_evaluate_writes_the_json_of_the_promise(
     assert main([*given, "--report", str(report)]) == 0
     assert "regressor" in capsys.readouterr().out
     found = json.loads(file.read_text())
-    assert set(found) == {"regions", "closures", "edits", "takes"}
+    assert set(found) == {
+        "regions", "closures", "edits", "takes", "people", "restoration", "real_or_edited",
+        "smile", "asymmetry", "smooth_roughness", "wild", "blinks",
+    }  # fmt: skip
     assert set(found["regions"]) == {"lower", "upper", "eyelids"}
     for scores in found["regions"].values():
         assert set(scores) == {"regressor", "system", "holden"}
         for score in scores.values():
             assert set(score) == {"mse", "vertex_mm", "hf_kept", "jerk_ratio"}
             assert all(isinstance(v, float) for v in score.values())
-    assert set(found["closures"]) == set(CLOSING)
-    for closing in found["closures"].values():
+    ours = {"met", "frown", "mouth_close", "events_tpr_at_fpr_05"}
+    assert set(found["closures"]) == {*CLOSING, *ours}
+    for closing in (found["closures"][what] for what in CLOSING):
         count = len(closing["threshold_mm"])
         for system in ("regressor", "system", "holden"):
             assert len(closing[system]["tpr"]) == len(closing[system]["fpr"]) == count
@@ -117,6 +132,9 @@ def test_models_without_the_baseline_are_measured_without_it(takes: Path, tmp_pa
         ["evaluate", "nowhere"],
         ["evaluate", "TAKES", "--models", "nowhere"],
         ["evaluate", "SHORT"],
+        ["evaluate", "DEMO"],
+        ["experiment", "held-out", "--held-out", "DEMO"],
+        ["experiment", "faces", "soup"],
         ["experiment", "soup"],
         ["experiment", "table2"],
         ["experiment", "table1"],
@@ -129,7 +147,11 @@ def test_wrong_usage_is_one_line_and_code_2(
 ) -> None:  # fmt: skip
     monkeypatch.chdir(tmp_path)
     folder_of_takes(tmp_path / "short", count=1, seconds=0.5)
-    names = {"TAKES": str(takes), "SHORT": str(tmp_path / "short")}
+    names = {
+        "TAKES": str(takes),
+        "SHORT": str(tmp_path / "short"),
+        "DEMO": str(shipped("assets/demo_take.csv")),
+    }
     assert main([names.get(word, word) for word in given]) == 2
     said = capfd.readouterr().err.strip().splitlines()
     assert len([line for line in said if line.startswith("faceedit: ")]) == 1, said
@@ -223,15 +245,64 @@ def test_benchmark_is_the_same_every_time_and_leaves_the_take_alone(takes: Path)
 
 
 def test_goals_tell_reached_from_missed(takes: Path, models: Path) -> None:
-    from faceedit_app.lab.evaluation.evaluate import evaluate_takes
-    from faceedit_app.lab.training.data import load_performances
-
-    figures = evaluate_takes(load_performances([takes]), models)
+    figures = evaluate_networks(load_performances([takes]), models)
     found = goals(figures)
     assert len(found) > 15
-    text = goals_part(figures)
+    text = networks_goals_part(figures)
     assert text.count("| yes |") == sum(goal.reached for goal in found)
     assert text.count("**no**") == sum(not goal.reached for goal in found)
+
+
+def test_the_card_measures_each_source_by_networks_that_never_saw_it(
+    takes: Path,
+    models: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    small = {name: tiny(name) for name in recipes.RECIPES}
+    monkeypatch.setattr("faceedit_app.lab.evaluation.setting.RECIPES", small)
+    mine = tmp_path / "models"
+    shutil.copytree(models, mine)
+    other = folder_of_takes(tmp_path / "other", seconds=6.0)
+    held_out = folder_of_takes(tmp_path / "another", count=1, seconds=6.0)
+    (held_out / "take_0.csv").rename(held_out / "held_out.csv")
+    for number, take in enumerate(sorted(other.iterdir())):
+        take.rename(other / f"other_{number}.csv")
+    given = ["experiment", "people", "card", "-o", str(tmp_path / "report"), "--epochs", "1"]
+    given += ["--models", str(mine), "--data", str(takes), "--data", str(other)]
+    assert main([*given, "--held-out", str(held_out)]) == 0
+    assert "trained: Without someone" in capsys.readouterr().err
+    people, card = (tmp_path / "report" / "people.md").read_text(), (mine / "README.md").read_text()
+    for text in (people, card):
+        assert "| `someone` | iPhone | 2 | 23 | no |" in text
+        assert "| `another` | iPhone | 1 | 5 | no |" in text
+        assert "`someone`: answered by networks that were trained here" in text
+        assert "1 pass over" in text
+        assert "closure met within 0.5 mm" in text
+    assert "The networks on their own" in card
+
+
+def test_before_and_after_are_drawn_for_every_gesture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = []
+
+    def picture(rig: Rig, weights: np.ndarray, width: int, height: int) -> np.ndarray:
+        drawn.append(weights)
+        return np.full((height, width, 3), 7, np.uint8)
+
+    monkeypatch.setattr("faceedit_app.lab.evaluation.faces.snapshot", picture)
+    text = faces_part(tmp_path, shipped_rig(), shipped_engine())
+    files = {f"faces/{path.name}" for path in (tmp_path / "faces").iterdir()}
+    assert len(files) == len(FACES) == 9
+    assert all(f"]({name})" in text for name in files)
+    for before, after in zip(drawn[::2], drawn[1::2], strict=True):
+        assert (before != after).any()
+    blink = [list(shipped_rig().channels).index(f"eyeBlink{side}") for side in ("Left", "Right")]
+    wink = [face.name for face in FACES].index("wink")
+    change = (drawn[2 * wink + 1] - drawn[2 * wink])[blink]
+    assert change[0] > 0.1 > change[1]
 
 
 def test_figures_in_a_card_are_replaced_and_nothing_else() -> None:

@@ -10,8 +10,8 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.settings import RECIPES, FitSettings
-from faceedit_app.lab.training.synthesis import write_livelink
 from support.faces import shipped_rig
+from support.takes import livelink_names, make_livelink_csv
 
 RIG = shipped_rig()
 DISTANCES = RIG.arkit_distances
@@ -37,9 +37,10 @@ def tiny(recipe: str = "faceedit", **changes: object) -> FitSettings:
 
 
 def folder_of_takes(folder: Path, count: int = 2, seconds: float = 12.0) -> Path:
-    """Takes as Live Link Face files."""
+    """Takes as Live Link Face files that a telephone could have written."""
     folder.mkdir(parents=True, exist_ok=True)
+    order = [ARKIT_INDEX[name[0].lower() + name[1:]] for name in livelink_names()]
     for i in range(count):
-        take = performance(seconds, seed=i)
-        write_livelink(folder / f"take_{i}.csv", take.weights, rate=30.0)
+        weights = performance(seconds, seed=i).weights[:, order].astype(np.float64)
+        make_livelink_csv(folder / f"take_{i}.csv", rate=30, weights=weights)
     return folder

@@ -13,6 +13,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel
 from pytestqt.qtbot import QtBot
 from support.curves import (
+    ALT,
     CTRL,
     LEFT,
     MIDDLE,
@@ -320,6 +321,37 @@ def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:
     QTest.mouseClick(surface(plot), LEFT, NONE, place(plot, 2.5))
     assert panel.timeline.time == pytest.approx(2.5, abs=0.02)
     assert session_of(panel).edits == ()
+
+
+def test_keys_take_the_hover_away_until_the_pointer_moves(panel: CurvesPanel) -> None:
+    plot = panel.plots[0]
+    at = place(plot, 1.5)
+    move_with(plot, at, NONE, Qt.MouseButton.NoButton)
+    assert plot.handle is not None
+    panel.timeline.go_to_frame(panel.timeline.frame + 1)
+    assert plot.handle is None
+    move_with(plot, at + QPoint(1, 0), NONE, Qt.MouseButton.NoButton)
+    assert plot.handle is not None
+    QTest.mouseClick(surface(plot), LEFT, NONE, at)
+    assert plot.handle is not None, "a click moves the playhead, but the pointer is there"
+
+
+@pytest.mark.parametrize("keys", [ALT, CTRL | SHIFT])
+def test_a_key_limits_a_drag_to_one_side(panel: CurvesPanel, keys: Qt.KeyboardModifier) -> None:
+    plot, per_pixel = panel.plots[2], panel.plots[2].current_scale.mm_per_pixel
+    start = place(plot, 1.5)
+    drag(plot, start, start + QPoint(0, -20), keys)
+    (edit,) = session_of(panel).edits
+    assert edit.controls == ("left_corner",)
+    assert edit.value == pytest.approx(20 * per_pixel), "neither fine nor snapped"
+
+
+def test_a_value_is_also_a_share_of_what_the_face_does(panel: CurvesPanel) -> None:
+    session = session_of(panel)
+    low, high = session.limits[0]
+    panel.timeline.go_to_frame(10)
+    value = float(session.achieved[10, 0])
+    assert panel.headers[0].share == f"{100 * (value - low) / (high - low):.0f} %"
 
 
 def test_another_take_ends_the_drag(panel: CurvesPanel) -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QToolButton
 from pytestqt.qtbot import QtBot
 from support.curves import (
     ALT,
@@ -21,6 +22,7 @@ from support.curves import (
     surface,
 )
 from support.rigs import tiny_session
+from support.waiting import run_events
 from support.windows import Bench
 
 from faceedit_app.core.controls import CONTROL_INDEX
@@ -200,6 +202,36 @@ def test_tools_by_their_keys_and_buttons(bench: Bench) -> None:
     window.actions_["link"].trigger()
     assert not window.tools.linked
     assert not window.actions_["link"].isChecked()
+
+
+def test_more_is_not_left_lit_once_its_menu_is_closed(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    bar = window.editor.tool_bar
+    (more,) = [b for b in bar.findChildren(QToolButton) if b.text().startswith("More")]
+    menu = more.menu()
+    assert menu is not None
+    more.setAttribute(Qt.WidgetAttribute.WA_UnderMouse)  # as when it was clicked
+    more.setDown(True)
+    menu.popup(QPoint(0, 0))
+    menu.close()
+    bench.qtbot.waitUntil(lambda: not more.testAttribute(Qt.WidgetAttribute.WA_UnderMouse))
+    assert not more.isDown()
+
+
+def test_the_slider_of_a_tool_pushes_no_button_about(bench: Bench) -> None:
+    window = bench.editing()
+    assert window.editor is not None
+    bar = window.editor.tool_bar
+
+    def places() -> list[QRect]:
+        run_events()
+        return [button.geometry() for button in bar.findChildren(QToolButton)]
+
+    before = places()
+    window.actions_["tool_smooth"].trigger()
+    assert bar.smooth.isVisible()
+    assert places() == before
 
 
 def test_the_keyboard_moves_the_focused_curve_as_one_step(bench: Bench) -> None:

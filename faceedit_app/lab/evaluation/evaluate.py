@@ -1,4 +1,4 @@
-"""All figures about some takes: each region's answers, closures, and the benchmark of edits."""
+"""All figures about takes of people: what users get, each region's answers, closures, edits."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, Control, control_named
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import LOWER, REGIONS, Region
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.benchmark import GOALS, Outcome, run_benchmark
 from faceedit_app.lab.evaluation.metrics import (
@@ -28,7 +27,10 @@ from faceedit_app.lab.evaluation.metrics import (
     squared_errors,
     vertex_errors,
 )
+from faceedit_app.lab.evaluation.people.figures import PeopleFigures, measure_people
+from faceedit_app.lab.evaluation.people.sources import of_people
 from faceedit_app.lab.evaluation.systems import SYSTEMS, Systems
+from faceedit_app.lab.training.card import trained_sources
 from faceedit_app.lab.training.data import Performance
 
 MOUTH_MM = tuple(0.5 * i for i in range(1, 13))
@@ -77,6 +79,7 @@ class Figures:
         closures: by what closes, and system.
         outcomes: of the benchmark of edits.
         curves: mouth opening (mm) of the first takes, by take and system, for the plots.
+        people: what users get, against references.
     """
 
     takes: list[tuple[str, str, float]]
@@ -84,6 +87,7 @@ class Figures:
     closures: dict[str, dict[str, Closures]]
     outcomes: list[Outcome] = field(default_factory=list)
     curves: dict[str, dict[str, Doubles]] = field(default_factory=dict)
+    people: PeopleFigures = field(default_factory=PeopleFigures)
 
     def as_json(self) -> dict[str, Any]:
         """The figures as plain JSON values; what cannot be measured is null."""
@@ -109,9 +113,10 @@ class Figures:
                     "tpr": [_number(v) for v in rates.tpr] if rates else empty,
                     "fpr": [_number(v) for v in rates.fpr] if rates else empty,
                 }
-        return {
+        people = self.people.as_json()
+        return people | {
             "regions": regions,
-            "closures": closing,
+            "closures": closing | people.get("closures", {}),
             "edits": {
                 mode: {k: _number(v) for k, v in edit_figures(self.outcomes, mode).items()}
                 for mode in ("preserve", "resynthesize")
@@ -149,13 +154,45 @@ def evaluate_takes(
     models: Path,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Figures:
-    """Measure a folder of models on takes.
+    """Measure a folder of models on takes of people; synthesised ones are left out.
+
+    Args:
+        performances: the takes, with the paths of their files.
+        models: the folder.
+        progress: called with the number of steps done and of all.
+
+    Raises:
+        FileError: a model is missing or damaged.
+        FaceEditError: the takes are too short, or all are synthesised.
+    """
+    people = of_people(performances)
+    if not people:
+        raise FaceEditError("all takes are synthesised; name takes of people to measure on")
+    figures = evaluate_networks(people, models, lambda done, of: progress(done, 2 * of))
+    rig = shipped_rig()
+    systems = Systems.load(models, rig)
+    figures.people = measure_people(
+        performances,
+        rig,
+        lambda source: systems,
+        trained_sources(models),
+        lambda done, of: progress(of + done, 2 * of),
+    )
+    return figures
+
+
+def evaluate_networks(
+    performances: Sequence[Performance],
+    models: Path,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Figures:
+    """Measure the networks of a folder on their own, and the benchmark of edits.
 
     Raises:
         FileError: a model is missing or damaged.
         FaceEditError: the takes are too short.
     """
-    rig = read_rig(shipped("assets/character.glb"))
+    rig = shipped_rig()
     systems = Systems.load(models, rig)
     figures = measure_systems(performances, systems, rig)
     takes = [open_take(take.path) for take in performances if take.path is not None]

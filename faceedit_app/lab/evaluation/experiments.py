@@ -9,34 +9,35 @@ than the shipped ones had.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import EYELIDS, LOWER
+from faceedit_app.editing.opening import load_engine
 from faceedit_app.lab.evaluation.evaluate import Figures
-from faceedit_app.lab.evaluation.goals import goals_part
+from faceedit_app.lab.evaluation.faces import faces_part
+from faceedit_app.lab.evaluation.goals import networks_goals_part
+from faceedit_app.lab.evaluation.people.report import goals_part, people_part
 from faceedit_app.lab.evaluation.report import (
     LABELS,
     NOTES,
-    cell,
     closure_charts,
     closures_table,
     curve_charts,
     edits_table,
     kinds_table,
     make_folder,
-    markdown_table,
     regions_table,
 )
 from faceedit_app.lab.evaluation.retraining import leave_one_out, recipes, table2
 from faceedit_app.lab.evaluation.robustness import robustness_part
 from faceedit_app.lab.evaluation.setting import Setting
 from faceedit_app.lab.evaluation.systems import Systems
-from faceedit_app.lab.training.card import with_figures
+from faceedit_app.lab.evaluation.tables import cell, markdown_table
+from faceedit_app.lab.training.card import CARD, with_figures
 from faceedit_app.lab.training.charts import Line, chart
-from faceedit_app.lab.training.run import CARD
 from faceedit_app.lab.training.sources import by_source
 from faceedit_app.lab.training.statistics import measure, spectrum, table
 
@@ -147,15 +148,31 @@ it. `synthetic` is what `faceedit synthesize` writes; no person was recorded for
     )
 
 
+def people(setting: Setting) -> Path:
+    """What users get on takes of people, against the goals and the references."""
+    return setting.write("people", f"# What users get, on people\n\n{people_part(setting.people)}")
+
+
+def faces(setting: Setting) -> Path:
+    """Pictures before and after gestures on the demo take."""
+    engine = load_engine(setting.rig, setting.models)
+    return setting.write("faces", faces_part(setting.output, setting.rig, engine))
+
+
 def card(setting: Setting) -> Path:
-    """Write the held-out figures into the model card, reached or not."""
+    """Write the figures on people into the model card, reached or not."""
     path = setting.models / CARD
-    text = with_figures(path.read_text(encoding="utf-8"), goals_part(setting.figures))
+    parts = [goals_part(setting.people)]
+    if setting.held_out:
+        parts += ["### The networks on their own", networks_goals_part(setting.figures)]
+    text = with_figures(path.read_text(encoding="utf-8"), "\n\n".join(parts))
     write_atomically(path, text.encode())
     return path
 
 
 EXPERIMENTS: dict[str, Experiment] = {
+    "people": people,
+    "faces": faces,
     "statistics": statistics,
     "held-out": held_out,
     "card": card,
@@ -168,16 +185,21 @@ EXPERIMENTS: dict[str, Experiment] = {
 }
 
 
-def run_experiment(name: str, setting: Setting) -> Iterator[Path]:
-    """Run one experiment, or all; yields each part of the report as it is written.
+def run_experiments(names: Sequence[str], setting: Setting) -> Iterator[Path]:
+    """Run some experiments, or all; yields each part of the report as it is written.
+
+    What several of them need is measured once.
 
     Raises:
         FaceEditError: there is no such experiment, or it lacks takes.
     """
-    if name not in EXPERIMENTS and name != "all":
-        raise FaceEditError(f"no experiment {name!r}; there are {', '.join(EXPERIMENTS)} and all")
-    for some in EXPERIMENTS if name == "all" else [name]:
-        yield EXPERIMENTS[some](setting)
+    for name in names:
+        if name not in EXPERIMENTS and name != "all":
+            raise FaceEditError(
+                f"no experiment {name!r}; there are {', '.join(EXPERIMENTS)} and all"
+            )
+    for name in EXPERIMENTS if "all" in names else dict.fromkeys(names):
+        yield EXPERIMENTS[name](setting)
         yield _index(setting)
 
 

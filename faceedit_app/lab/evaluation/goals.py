@@ -10,7 +10,8 @@ import numpy as np
 from faceedit_app.core.regions import EYELIDS, LOWER
 from faceedit_app.lab.evaluation.benchmark import GOALS
 from faceedit_app.lab.evaluation.evaluate import Figures, edit_figures
-from faceedit_app.lab.evaluation.report import WHAT, cell, markdown_table
+from faceedit_app.lab.evaluation.report import WHAT
+from faceedit_app.lab.evaluation.tables import cell, markdown_table
 
 NEAR_MM = 0.5
 TPR_WANTED, FPR_ALLOWED, FPR_AIM = 0.98, 0.22, 0.05
@@ -144,7 +145,7 @@ def _wild(figures: Figures) -> list[FigureGoal]:
     return out
 
 
-def goals_part(figures: Figures) -> str:
+def networks_goals_part(figures: Figures) -> str:
     """All goals as Markdown, with the takes that they were measured on."""
     seconds: dict[str, float] = {}
     for _, source, length in figures.takes:

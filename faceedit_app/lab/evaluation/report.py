@@ -12,24 +12,16 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.lab.evaluation.benchmark import NATURALNESS, Outcome
 from faceedit_app.lab.evaluation.evaluate import CLOSING, Figures, edit_figures
+from faceedit_app.lab.evaluation.people.report import people_part
+from faceedit_app.lab.evaluation.people.report import summary_lines as people_lines
 from faceedit_app.lab.evaluation.systems import SYSTEMS
+from faceedit_app.lab.evaluation.tables import cell, markdown_table
 from faceedit_app.lab.training.charts import Line, chart
 
 REPORT = "evaluation.md"
 LABELS = {"regressor": "regressor alone", "system": "full system", "holden": "Holden et al. 2016"}
 WHAT = {what: what.replace("_", " ") for what in CLOSING}
 CURVE_SECONDS = 6.0
-
-
-def cell(value: float, digits: int = 4) -> str:
-    """A number for a table; a dash where there is none."""
-    return f"{value:.{digits}f}" if np.isfinite(value) else "–"
-
-
-def markdown_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = ["| " + " | ".join(titles) + " |", "|" + "---|" * len(titles)]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
 def regions_table(figures: Figures) -> str:
@@ -182,6 +174,9 @@ def write_report(folder: Path, figures: Figures) -> Path:
     text = "\n\n".join(
         [
             "# Evaluation",
+            "## On people",
+            people_part(figures.people),
+            "## The networks on their own",
             f"{len(figures.takes)} takes, {seconds:.0f} seconds. {NOTES}",
             "## Regions",
             regions_table(figures),
@@ -226,7 +221,7 @@ def make_folder(folder: Path) -> None:
 
 def summary_lines(figures: Figures) -> list[str]:
     """The main figures for the terminal."""
-    out = []
+    out = people_lines(figures.people)
     for region, scores in figures.regions.items():
         parts = [f"{LABELS[s]} MSE {cell(score.mse)}" for s, score in scores.items()]
         out.append(f"{region}: " + ", ".join(parts))

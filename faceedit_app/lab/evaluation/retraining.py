@@ -11,8 +11,9 @@ from faceedit_app.core.controls import CONTROL_IDS, LIDS
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import EYELIDS, LOWER, UPPER, Region
 from faceedit_app.lab.evaluation.evaluate import MOUTH, Figures, measure_systems
-from faceedit_app.lab.evaluation.report import LABELS, cell, markdown_table
+from faceedit_app.lab.evaluation.report import LABELS
 from faceedit_app.lab.evaluation.setting import Setting
+from faceedit_app.lab.evaluation.tables import cell, markdown_table
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import SYNTHETIC
 from faceedit_app.lab.training.settings import FitSettings

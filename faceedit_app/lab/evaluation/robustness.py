@@ -17,8 +17,9 @@ from faceedit_app.core.regions import LOWER
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.evaluation.metrics import high_energy
-from faceedit_app.lab.evaluation.report import LABELS, cell, markdown_table
+from faceedit_app.lab.evaluation.report import LABELS
 from faceedit_app.lab.evaluation.systems import Systems
+from faceedit_app.lab.evaluation.tables import cell, markdown_table
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.data import Performance
 

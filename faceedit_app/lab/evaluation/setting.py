@@ -12,12 +12,16 @@ from rich.progress import Progress
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.core.regions import Region
+from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.opening import shipped_rig
-from faceedit_app.lab.evaluation.evaluate import Figures, evaluate_takes
+from faceedit_app.lab.evaluation.evaluate import Figures, evaluate_networks
+from faceedit_app.lab.evaluation.people.figures import PeopleFigures, measure_people
+from faceedit_app.lab.evaluation.people.references import captures_all_regions
+from faceedit_app.lab.evaluation.people.sources import of_people
 from faceedit_app.lab.evaluation.report import make_folder
 from faceedit_app.lab.evaluation.systems import Systems
+from faceedit_app.lab.training.card import trained_sources
 from faceedit_app.lab.training.data import Performance, load_performances
 from faceedit_app.lab.training.fit import Epoch, fit_region
 from faceedit_app.lab.training.holden import fit_holden
@@ -52,10 +56,13 @@ class Setting:
 
     @cached_property
     def unseen(self) -> list[Performance]:
-        """The takes to measure on."""
+        """The takes to measure on: those of people."""
         if not self.held_out:
             raise FaceEditError("this experiment needs takes to measure on: --held-out DIR")
-        return load_performances(self.held_out)
+        people = of_people(load_performances(self.held_out))
+        if not people:
+            raise FaceEditError("all takes of --held-out are synthesised; name takes of people")
+        return people
 
     @cached_property
     def known(self) -> list[Performance]:
@@ -67,14 +74,57 @@ class Setting:
 
     @cached_property
     def figures(self) -> Figures:
-        """The shipped models on the held-out takes."""
+        """The shipped models on the held-out takes, on their own."""
         bar = self.progress.add_task("Shipped models on held-out takes", total=None)
-        figures = evaluate_takes(
+        figures = evaluate_networks(
             self.unseen,
             self.models,
             lambda done, of: self.progress.update(bar, completed=done, total=of),
         )
         self.progress.update(bar, visible=False)
+        return figures
+
+    @cached_property
+    def people(self) -> PeopleFigures:
+        """What users get on all takes of people, each source by networks that never saw it.
+
+        The shipped models answer sources that they were not trained on; for the others, networks
+        are trained here on everything else. Where what is left lacks a region, the shipped models
+        answer, and the figures say so.
+        """
+        learnable = self.known if self.data else []
+        takes = [*learnable, *(self.unseen if self.held_out else ())]
+        shipped_models = Systems.load(self.models, self.rig)
+        known = trained_sources(self.models)
+        retrained: list[str] = []
+
+        def systems_for(source: str) -> Systems:
+            rest = [take for take in learnable if take.source != source]
+            if source not in known or not captures_all_regions(rest):
+                return shipped_models
+            retrained.append(source)
+            return self.train(f"Without {source}", REGIONS, rest, self.settings(), baseline=True)
+
+        bar = self.progress.add_task("People", total=None)
+        figures = measure_people(
+            takes,
+            self.rig,
+            systems_for,
+            known,
+            lambda done, of: self.progress.update(bar, completed=done, total=of),
+        )
+        self.progress.update(bar, visible=False)
+        figures.sources = [
+            replace(source, trained_on=source.trained_on and source.name not in retrained)
+            for source in figures.sources
+        ]
+        if retrained:
+            names = " and ".join(f"`{name}`" for name in retrained)
+            passes = "1 pass" if self.epochs == 1 else f"{self.epochs} passes"
+            figures.notes.append(
+                f"{names}: answered by networks that were trained here on everything else, with "
+                f"{passes} over the data for each; the shipped ones had more"
+            )
         return figures
 
     def settings(self, recipe: str = "faceedit") -> FitSettings:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +14,9 @@ from faceedit_app.lab.training.fit import Fitted
 from faceedit_app.lab.training.settings import FitSettings, as_json
 from faceedit_app.networks.engine import ENDING
 
+CARD = "README.md"
 LICENCES = "licences.md"
+DATA_TITLE = "## Data"
 FIGURES_START = "<!-- figures: written by faceedit experiment -->"
 FIGURES_END = "<!-- end of figures -->"
 NO_FIGURES = "Not measured yet: `faceedit experiment card` writes them here."
@@ -77,7 +80,7 @@ inside. They are not meant for recognising people or feelings, and have seen few
 The same takes and seed give the same networks on the same kind of processor; another one rounds
 differently.
 
-## Data
+{DATA_TITLE}
 
 | source | takes | seconds |
 |---|---|---|
@@ -108,6 +111,18 @@ people are the same. Losses by epoch: [losses.svg](losses.svg).
 
 {hashes}
 """
+
+
+def trained_sources(folder: Path) -> set[str]:
+    """The names of the sources that a folder's models were trained on, by its card.
+
+    Empty if there is no card.
+    """
+    path = folder / CARD
+    if not path.is_file():
+        return set()
+    data = path.read_text(encoding="utf-8").partition(DATA_TITLE)[2].partition("\n## ")[0]
+    return set(re.findall(r"^\| `([^`]+)` \|", data, re.MULTILINE))
 
 
 def with_figures(card: str, figures: str) -> str:

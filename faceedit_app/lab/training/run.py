@@ -18,7 +18,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
-from faceedit_app.lab.training.card import model_card
+from faceedit_app.lab.training.card import CARD, model_card
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.data import Performance, load_performances
 from faceedit_app.lab.training.fit import Epoch, Fitted, fit_region
@@ -28,7 +28,6 @@ from faceedit_app.lab.training.model_files import TrainedRegion, load_trained, s
 from faceedit_app.lab.training.settings import RECIPES, FitSettings
 from faceedit_app.networks.engine import ENDING
 
-CARD = "README.md"
 LOSSES = "losses.svg"
 CHECKPOINTS = "checkpoint"
 LOG_EVERY = 5  # epochs, where no progress bar can be drawn

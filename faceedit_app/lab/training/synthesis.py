@@ -102,7 +102,7 @@ def write_livelink(
 def livelink_bytes(weights: Floats, rate: float, start: str) -> bytes:
     """The content of the file that `write_livelink` writes."""
     ordered = weights[:, [ARKIT_INDEX[name] for name in _COLUMNS]].astype(np.float64)
-    values = np.concatenate([ordered, _rotations(weights)], axis=1)
+    values = np.concatenate([ordered, rotations(weights)], axis=1)
     first, step = _frames(start), TIMECODE_BASE / rate
     row = ",".join(["%.10f"] * values.shape[1])
     lines = [",".join(LIVELINK_HEADER)]
@@ -113,7 +113,7 @@ def livelink_bytes(weights: Floats, rate: float, start: str) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _rotations(weights: Floats) -> Doubles:
+def rotations(weights: Floats) -> Doubles:
     """(T, 9) radians: the head rests, the eyes turn as the eyeLook channels say.
 
     The factors are those between the application's own columns: 0.6 rad sideways and 0.5 rad

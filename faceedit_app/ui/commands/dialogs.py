@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from faceedit_app.editing.files.journal import Pending
     from faceedit_app.editing.filming import Shot
     from faceedit_app.formats.take import Take
+    from faceedit_app.live.protocols import Protocol
     from faceedit_app.media.film_writer import FilmFormat
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
@@ -127,6 +128,27 @@ def ask_film(
 
     dialog = FilmDialog(parent, rate, has_sound, has_film)
     return (dialog.chosen, dialog.shot) if dialog.exec() else None
+
+
+def ask_live(parent: QWidget) -> tuple[Protocol, str, int] | None:
+    """Where to send the face: protocol, address and port."""
+    from faceedit_app.ui.page.live_dialog import LiveDialog
+
+    dialog = LiveDialog(parent)
+    return dialog.chosen if dialog.exec() else None
+
+
+def ask_record(parent: QWidget) -> tuple[Protocol, str, int] | None:
+    """What to record: protocol, the phone's address, and the port to listen on."""
+    from faceedit_app.ui.page.live_dialog import RecordDialog
+
+    dialog = RecordDialog(parent)
+    return dialog.chosen if dialog.exec() else None
+
+
+def ask_record_name(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write a recording."""
+    return _save_name(parent, "Record to", suggestion, "Takes (*.csv);;All files (*)")
 
 
 def ask_stop_film(parent: QWidget) -> bool:
@@ -290,6 +312,12 @@ def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the take of a film."""
     kinds = "Live Link Face CSV (*.csv);;All files (*)"
     return _save_name(parent, "Save the tracked take as", suggestion, kinds)
+
+
+def ask_save_side_by_side(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write film and face side by side."""
+    kinds = "Films (*.mp4);;All files (*)"
+    return _save_name(parent, "Export film and face side by side", suggestion, kinds)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:

@@ -18,6 +18,7 @@ from faceedit_app.media import is_film
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.exports import Exports
+from faceedit_app.ui.commands.live import LivePreview, PhoneRecording
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
@@ -34,6 +35,8 @@ class FileCommands:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._window = workspace, workspace.window
         self._document, self._preferences = workspace.document, workspace.preferences
+        self.live = LivePreview(workspace)
+        self._recording = PhoneRecording(workspace, self.open_if_saved)
         self.character = CharacterCommands(workspace)
         self._exports = Exports(workspace, self._show_error)
         workspace.opener.opened.connect(self._remember)
@@ -163,8 +166,18 @@ class FileCommands:
         return self._exports.is_filming
 
     def stop(self) -> None:
-        """Give up what is being written, as the window closes."""
+        """Stop filming, sending and recording, as the window closes."""
         self._exports.stop()
+        self.live.stop()
+        self._recording.stop()
+
+    def live_preview(self) -> None:
+        """Send the face to another program, or stop."""
+        self.live.toggle()
+
+    def record(self) -> None:
+        """Record a take from a phone."""
+        self._recording.start()
 
     def export_as(self) -> None:
         """Export the take for another program."""
@@ -240,6 +253,8 @@ MENU: Menu[FileCommands] = Menu("File", (
     Command("open_demo", "Open &demo take", FileCommands.open_demo, (),
             "Open the take that ships with FaceEdit", needs_take=False),
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),
+    Command("record", "Record from &phone…", FileCommands.record, (),
+            "Record a take that a phone or another program sends", needs_take=False),
     Command("save", "&Save project", FileCommands.save, ("Ctrl+S",),
             "Save your edits, the view, sound and film as a project", "save",
             starts_group=True),
@@ -252,6 +267,9 @@ MENU: Menu[FileCommands] = Menu("File", (
     Command("export_film", "Export fil&m…", FileCommands.export_film, (),
             "Film the face, both faces, or the face beside the take’s film, with its sound",
             enabled=lambda file: not file.is_filming),
+    Command("live", "Li&ve preview…", FileCommands.live_preview, (),
+            "Send the face on screen to Unreal, VSeeFace and others, while you edit and play",
+            checked=lambda file: file.live.is_on),
     Command("save_edits", "Save list of edi&ts…", FileCommands.save_edits, (),
             "Save the list of edits, to use on another take or with “faceedit apply”"),
     Command("load_edits", "&Load edits…", FileCommands.ask_load_edits, (),

@@ -58,7 +58,7 @@ class WordCommands:
 
     def _choose(self) -> Path | None:
         preferences = self._workspace.preferences
-        path = dialogs.ask_words(self._workspace.window, preferences.folder("words"))
+        path = dialogs.ask_words(self._workspace.window, self._workspace.beside("words"))
         if path is not None:
             preferences.set_folder("words", path.resolve().parent)
         return path

@@ -15,6 +15,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import tint_of
 from faceedit_app.ui.look.palette import BORDER, TEXT
 
+_NEARER, _LOWER = 0.55, 0.012  # of the distance, and metres: small pictures show eyes and mouth
 Size = tuple[int, int]  # pixels
 
 
@@ -126,6 +127,21 @@ class FacePicture:
         self.image = QImage(
             pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
         )
+
+    def thumbnail(self, weights: Floats, side: int) -> QImage | None:
+        """A small square picture of the face with (K,) weights, from the front; None without one.
+
+        Drivers and PyOpenGL raise all kinds of errors.
+        """
+        if self._renderer is None or self._rig is None:
+            return None
+        self._begun = False
+        self._renderer.resize(side, side)
+        camera = render.aimed_camera(self._rig, render.Aim.FRONT).zoom(_NEARER).pan(0.0, -_LOWER)
+        pixels = self._renderer.draw(self._rig.vertices(weights), camera, smooth=True)
+        height, width = pixels.shape[:2]
+        picture = QImage(pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32)
+        return picture.copy()
 
     def prepare(self) -> None:
         """Prepare the next picture, unless one has been begun."""

@@ -191,6 +191,12 @@ class Viewport(QWidget):
                 painter.drawPixmap(self.legend.pos(), self.legend.grab())
         return image
 
+    def thumbnail(self, weights: Floats, side: int) -> QImage | None:
+        """A small square picture of the face with (K,) weights; None if it cannot be drawn."""
+        with contextlib.suppress(Exception):  # painting raises it again, and reports it
+            return self._picture.thumbnail(weights, side)
+        return None
+
     # --- drawing -----------------------------------------------------------------------------
 
     @guarded

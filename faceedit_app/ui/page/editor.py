@@ -23,6 +23,7 @@ from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
 from faceedit_app.ui.media.words_row import WordsRow
 from faceedit_app.ui.page.curve_menus import connect_menus
+from faceedit_app.ui.page.expressions import Expressions
 from faceedit_app.ui.page.first_steps import HintLayer, Step
 from faceedit_app.ui.page.overview import Overview
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
@@ -74,6 +75,7 @@ class Editor(QWidget):
         self.face = FacePane(actions, document, timeline)
         self.edits = EditsPanel(actions, document, timeline)
         self.problem_list = ProblemsList(actions, self.problems, timeline)
+        self.expressions = Expressions(actions, document, self.face.viewport)
         self.lists = QTabWidget()
         self.transport = Transport(actions, timeline, playback)
         self.transport.extras.addWidget(Volume(actions["mute"], media, sound_player))
@@ -89,6 +91,7 @@ class Editor(QWidget):
         self.lists.tabBar().setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.lists.addTab(self.edits, "Edits")
         self.lists.addTab(self.problem_list, "Problems")
+        self.lists.addTab(self.expressions, "Expressions")
         self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.lists)
         self.side.setSizes(_SIDE)
         self.side.setStretchFactor(0, 1)

@@ -29,6 +29,8 @@ class StatusBar(QStatusBar):
         self.facts, self.gaps, self.remarks, self.networks = (plain_label() for _ in range(4))
         for label in (self.facts, self.gaps, self.remarks):
             self.addWidget(label)
+        self.live = plain_label()
+        self.addPermanentWidget(self.live)
         self.work = self._work_display()
         self.addPermanentWidget(self.work)
         self.addPermanentWidget(self.networks)
@@ -78,6 +80,11 @@ class StatusBar(QStatusBar):
         self.bar.setMaximum(max(total, 1))
         self.bar.setValue(done)
         self.work.setVisible(done < total)
+
+    def set_live(self, text: str) -> None:
+        """Show where the face is sent."""
+        self.live.setText(text)
+        _mark(self.live, bool(text))
 
     def set_networks(self, state: str, reason: str = "") -> None:
         """Show the state of the model, `loading`, `ready` or `missing`, and why."""

@@ -109,6 +109,8 @@ class MainWindow(WindowBase):
         media.failed.connect(self._show_error)
         media.missed.connect(lambda error: self.banner.show_message(str(error), str(error)))
         self.start_page.chosen.connect(self.commands.file.open_if_saved)
+        self.commands.file.live.changed.connect(self.status.set_live)
+        self.commands.file.live.changed.connect(self.actions_.refresh)
         self.keys.glancing.connect(self.commands.view.glance)
 
     def _refresh_actions(self) -> None:

@@ -1,0 +1,1 @@
+"""Figures on takes of real people: what users get, against simple references."""

@@ -1,0 +1,114 @@
+"""Expressions and mouth shapes, each with a picture of the face."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QIcon, QPixmap, QResizeEvent, QShowEvent
+from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QWidget
+
+from faceedit_app.editing.help.poses import has_pose, pose_of
+from faceedit_app.editing.help.presets import Preset, shipped_presets
+from faceedit_app.ui.face.viewport import Viewport
+from faceedit_app.ui.look.theme import GAP
+from faceedit_app.ui.look.widgets import OneClick
+from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.document import Document
+
+PICTURE = 72  # pixels
+_WIDTH = PICTURE + 20
+
+
+class Expressions(QScrollArea):
+    """A button for each; a click applies it to the selection, or where its fix acts without one.
+
+    The pictures are drawn when they are first seen, one at a time, and again for another
+    character.
+    """
+
+    def __init__(self, actions: Actions, document: Document, viewport: Viewport) -> None:
+        super().__init__()
+        self._document, self._viewport = document, viewport
+        self._presets = tuple(preset for preset in shipped_presets() if has_pose(preset))
+        self._waiting: list[Preset] = []
+        self._drawn_for: object = None
+        self._next = QTimer(self, singleShot=True, interval=0)  # when no event is waiting
+        self._next.timeout.connect(self._draw_next)
+        self.buttons = {preset.id: self._button(actions, preset) for preset in self._presets}
+        self._build()
+        document.changed.connect(self._look)
+        viewport.opened.connect(self._look)
+
+    def _button(self, actions: Actions, preset: Preset) -> QToolButton:
+        action = actions[f"fix_{preset.id}"]
+        button = OneClick()
+        button.setObjectName("tool")
+        button.setText(preset.name)
+        button.setToolTip(action.toolTip())
+        button.setIcon(action.icon())
+        button.setIconSize(QSize(PICTURE, PICTURE))
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        button.setFixedWidth(_WIDTH)
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        button.clicked.connect(action.trigger)
+        return button
+
+    def _build(self) -> None:
+        self.setObjectName("expressions")
+        self.setAccessibleName("Expressions")
+        self.setFrameShape(QScrollArea.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        page = QWidget()
+        self._grid = QGridLayout(page)
+        self._grid.setContentsMargins(GAP, GAP // 2, GAP, GAP // 2)
+        self._grid.setSpacing(GAP // 2)
+        self._grid.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
+        self.setWidget(page)
+        self._place()
+
+    def _place(self) -> None:
+        """As many beside each other as there is room for."""
+        columns = max((self.viewport().width() - 2 * GAP) // (_WIDTH + GAP // 2), 1)
+        for number, button in enumerate(self.buttons.values()):
+            self._grid.addWidget(button, number // columns, number % columns)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fill the width."""
+        super().resizeEvent(event)
+        self._place()
+
+    # --- pictures ------------------------------------------------------------------------------
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether all pictures are those of the present character."""
+        return self._drawn_for is not None and not self._waiting
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Draw the pictures, if they are not there yet."""
+        super().showEvent(event)
+        self._look()
+
+    def _look(self) -> None:
+        """Draw the pictures again if character or networks are others."""
+        session = self._document.session
+        if session is None or not self.isVisible() or not self._viewport.can_draw:
+            return
+        wanted = session.rig, self._document.engine
+        if wanted != self._drawn_for:
+            self._drawn_for, self._waiting = wanted, list(self._presets)
+            self._next.start()
+
+    def _draw_next(self) -> None:
+        session = self._document.session
+        if session is None or not self._waiting:
+            return
+        preset = self._waiting.pop(0)
+        weights = pose_of(preset, session, self._document.engine)
+        ratio = self.devicePixelRatioF()
+        image = self._viewport.thumbnail(weights, round(PICTURE * ratio))
+        if image is not None:
+            image.setDevicePixelRatio(ratio)
+            self.buttons[preset.id].setIcon(QIcon(QPixmap.fromImage(image)))
+        if self._waiting:
+            self._next.start()

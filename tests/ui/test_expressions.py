@@ -1,0 +1,80 @@
+"""Expressions with pictures of the face: drawn for its character, applied by a click."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from support.faces import random_engine
+from support.windows import Bench, session_of
+
+from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.editing.help.poses import has_pose, pose_of
+from faceedit_app.editing.help.presets import shipped_presets
+from faceedit_app.ui.page.expressions import PICTURE, Expressions
+from faceedit_app.ui.start.window import MainWindow
+
+LEFT = Qt.MouseButton.LeftButton
+
+
+@pytest.fixture
+def window(bench: Bench) -> MainWindow:
+    window = bench.editing()
+    assert window.editor is not None
+    window.editor.lists.setCurrentWidget(window.editor.expressions)
+    return window
+
+
+def palette_of(window: MainWindow) -> Expressions:
+    assert window.editor is not None
+    return window.editor.expressions
+
+
+def test_each_expression_has_a_picture_of_the_face(bench: Bench, window: MainWindow) -> None:
+    palette = palette_of(window)
+    assert set(palette.buttons) >= {"smile", "sad_mouth", "pucker", "widen", "blink"}
+    assert "calm_down" not in palette.buttons, "it does nothing to a face at rest"
+    bench.qtbot.waitUntil(lambda: palette.is_drawn)
+    drawn = [size for size, _, _ in bench.renderers[0].calls if size == (PICTURE, PICTURE)]
+    assert len(drawn) == len(palette.buttons)
+    before = len(bench.renderers[0].calls)
+    window.document.use_engine(random_engine())
+    bench.qtbot.waitUntil(lambda: palette.is_drawn)
+    assert len(bench.renderers[0].calls) >= before + len(palette.buttons), "the networks' faces"
+
+
+def test_the_viewport_keeps_its_size_and_picture(bench: Bench, window: MainWindow) -> None:
+    bench.qtbot.waitUntil(lambda: palette_of(window).is_drawn)
+    assert window.editor is not None
+    viewport = window.editor.face.viewport
+    viewport.redraw()
+    draws = viewport.draws
+    bench.qtbot.waitUntil(lambda: viewport.draws > draws)
+    assert bench.renderers[0].size == (viewport.width(), viewport.height())
+
+
+def test_a_click_applies_it_once_and_a_double_click_too(window: MainWindow) -> None:
+    session, smile = session_of(window), palette_of(window).buttons["smile"]
+    window.timeline.select((1.0, 2.0))
+    QTest.mouseClick(smile, LEFT)
+    QTest.mouseDClick(smile, LEFT)
+    (edit,) = session.edits
+    assert (edit.name, edit.start, edit.end) == ("Smile", 1.0, 2.0)
+
+
+def test_a_pose_is_what_the_preset_does_to_a_face_at_rest(window: MainWindow) -> None:
+    session = session_of(window)
+    presets = {preset.id: preset for preset in shipped_presets() if has_pose(preset)}
+    rest = session.rig.controls(np.zeros((1, len(session.rig.channels)), np.float32))[0]
+
+    def change(name: str, control: str) -> float:
+        pose = pose_of(presets[name], session, None)[None]
+        column = CONTROL_INDEX[control]
+        return float(session.rig.controls(pose)[0, column] - rest[column])
+
+    assert change("smile", "left_corner") > 0.5
+    assert change("pucker", "mouth_width") < -1.0
+    assert change("widen", "mouth_width") > 1.0
+    assert change("blink", "left_eyelid") < -3.0
+    assert session.edits == ()
