@@ -18,6 +18,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
+from faceedit_app.editing.help.problems import Kind, Problem
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.page.editor import Editor
@@ -192,6 +193,28 @@ def test_accept_goes_on_to_the_next_problem(window: MainWindow) -> None:
     trigger(window, "fix_problem", "accept_fix")
     assert session.edits == (*first.fix, *second.fix)
     assert "no more problems" in window.status.currentMessage()
+
+
+def test_a_problem_of_any_kind_is_marked_and_listed(window: MainWindow) -> None:
+    editor = editor_of(window)
+    found = [Problem(kind, i, i + 0.5, i, (), "x", "1 mm", 0.5, ()) for i, kind in enumerate(Kind)]
+    editor.problems.problems = tuple(found)
+    editor.problems.found.emit()
+    rows = editor.problem_list.rows
+    texts = {rows.topLevelItem(i).text(0) for i in range(rows.topLevelItemCount())}
+    assert len(texts) == len(Kind)
+    assert editor.problem_list.kinds.count() == len(Kind) + 1
+    assert not editor.problems.grab().isNull()
+
+
+def test_a_problem_that_edits_cannot_fix_says_so(window: MainWindow) -> None:
+    editor = editor_of(window)
+    lost = Problem(Kind.DROPPED, 1.0, 1.1, 1.0, (), "1 frame is missing", "1 frame", 0.1, ())
+    editor.problems.problems = (lost, *editor.problems.problems)
+    window.commands.fix.go_to(0)
+    assert window.status.currentMessage() == "1 frame is missing; edits cannot help here"
+    window.commands.fix.go_to(1)
+    assert "cannot" not in window.status.currentMessage()
 
 
 def test_a_problem_is_shown_where_it_is_worst_and_large_enough_to_judge(

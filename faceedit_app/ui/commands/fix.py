@@ -157,7 +157,9 @@ class FixCommands:
         if page is not None:
             page.proposal.discard()
             page.problems.go_to(index)
-            self._workspace.message.emit(page.problems.problems[index].message)
+            problem = page.problems.problems[index]
+            helpless = "" if problem.fix else "; edits cannot help here"
+            self._workspace.message.emit(problem.message + helpless)
 
     def fix_problem(self) -> None:
         """Preview a fix for the problem at the playhead."""
