@@ -303,6 +303,17 @@ def test_a_layout_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "b.glb").exists()
 
 
+@pytest.mark.parametrize(("name", "key"), [("x.csv", "glb"), ("x.glb", "csv"), ("x.FBX", "usd")])
+def test_a_file_that_ends_like_one_of_another_format_is_refused(name: str, key: str) -> None:
+    with pytest.raises(FileError, match="does not end like a file of the format"):
+        choose(Path(name), key)
+
+
+@pytest.mark.parametrize(("name", "key"), [("x.csv", "livelink"), ("x.csv", "csv"), ("x", "glb")])
+def test_a_format_takes_its_own_ending_and_none(name: str, key: str) -> None:
+    assert choose(Path(name), key).key == key
+
+
 def test_a_character_that_is_none_is_refused(tmp_path: Path) -> None:
     for number, content in enumerate([b"", b"glTF\2\0\0\0", b"no character"]):
         path = tmp_path / f"{number}.glb"

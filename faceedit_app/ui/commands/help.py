@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
 from faceedit_app import __version__
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.palette import ACCENT, MUTED, TEXT
+from faceedit_app.ui.look.widgets import resize_on_screen
 from faceedit_app.ui.state.actions import Command, Menu
 
 Rows = Iterable[tuple[str, str, str]]  # section, keys or gesture, effect
@@ -128,7 +129,7 @@ def _dialog(parent: QWidget, title: str, html: str, size: tuple[int, int]) -> QD
     column = QVBoxLayout(dialog)
     column.addWidget(area, 1)
     column.addWidget(buttons)
-    dialog.resize(*size)
+    resize_on_screen(dialog, *size)
     return dialog
 
 
