@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QMenu, QToolButton, QTreeWidgetItem
+from PySide6.QtWidgets import QLabel, QMenu, QToolButton, QTreeWidgetItem
 from support.waiting import run_events
 from support.windows import Bench, session_of
 
@@ -205,6 +205,26 @@ def test_a_problem_of_any_kind_is_marked_and_listed(window: MainWindow) -> None:
     assert len(texts) == len(Kind)
     assert editor.problem_list.kinds.count() == len(Kind) + 1
     assert not editor.problems.grab().isNull()
+
+
+def test_a_search_that_finds_nothing_ends_in_the_list_too(window: MainWindow) -> None:
+    editor = editor_of(window)
+    for is_searched, text in ((False, "Looking for problems…"), (True, "No problems found")):
+        editor.problems.problems, editor.problems.is_searched = (), is_searched
+        editor.problems.found.emit()
+        shown = [label.text() for label in editor.problem_list.findChildren(QLabel)]
+        assert text in shown
+
+
+def test_a_preset_pressed_beside_the_problems_shows_its_edit(window: MainWindow) -> None:
+    editor = editor_of(window)
+    editor.list_problems()
+    trigger(window, "fix_smile")
+    assert editor.lists.currentWidget() is editor.edits
+    assert editor.edits.strength.isVisible()
+    editor.lists.setCurrentWidget(editor.expressions)
+    trigger(window, "fix_smile")
+    assert editor.lists.currentWidget() is editor.expressions
 
 
 def test_a_problem_that_edits_cannot_fix_says_so(window: MainWindow) -> None:

@@ -247,7 +247,7 @@ def _fixes() -> Iterator[Command[FixCommands]]:
 
 
 # fmt: off
-MENU: Menu[FixCommands] = Menu("Fix", (
+MENU: Menu[FixCommands] = Menu("Fi&x", (
     *_fixes(),
     Command("expression", "S&mile or sad…", FixCommands.expression, ("Ctrl+0",),
             "Set how happy the mouth looks, in the selection or the whole take",

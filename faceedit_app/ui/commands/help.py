@@ -134,7 +134,7 @@ def _dialog(parent: QWidget, title: str, html: str, size: tuple[int, int]) -> QD
 
 
 # fmt: off
-MENU: Menu[HelpCommands] = Menu("Help", (
+MENU: Menu[HelpCommands] = Menu("&Help", (
     Command("first_steps", "&First steps", HelpCommands.first_steps, (),
             "Show the main parts of the window and what they are for"),
     Command("shortcuts", "&Shortcuts", HelpCommands.shortcuts, ("F1",), needs_take=False),

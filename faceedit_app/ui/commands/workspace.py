@@ -111,6 +111,7 @@ class Workspace(QObject):
         """
         self.document.act(lambda session: session.add(*edits, name=step or name))
         if self.page is not None:
+            self.page.list_edits()
             self.page.edits.select_new(len(edits))
         start, end = min(e.start for e in edits), max(e.end for e in edits)
         self.message.emit(
