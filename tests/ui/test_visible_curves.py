@@ -122,7 +122,7 @@ def test_a_line_that_is_drawn_as_before_stays_the_same() -> None:
     session.add(nudge(2.0))
     curves.refresh()
     first = curves.lines(OPENING)
-    session.preview(nudge(2.0, 2.98))
+    session.preview_replace(0, nudge(2.0, 2.98))
     curves.refresh()
     second = curves.lines(OPENING)
     assert second.face is not first.face
