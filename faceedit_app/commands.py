@@ -202,6 +202,10 @@ def render(
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
+    if form is None and output.suffix.lower() not in ("", ".png", ".mp4", ".webm"):
+        raise FaceEditError(
+            f"{output}: must end in .png for a picture, or in .mp4 or .webm for a film"
+        )
     rig = shipped_rig()
     engine = load_engine(rig, models) if edits else None
     session = open_session(take, rig, engine, fps)

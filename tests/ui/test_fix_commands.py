@@ -410,6 +410,9 @@ def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
     assert session.asked[to, OPENING] == pytest.approx(session.tracked[source, OPENING], abs=0.2)
     trigger(window, "undo")
     assert session.edits == ()
+    line.go_to_time(9.5)
+    trigger(window, "paste")
+    assert "9.50 to 9.98 s" in window.status.currentMessage(), "not beyond the end of the take"
 
 
 def test_mirror_swaps_left_and_right(window: MainWindow) -> None:
