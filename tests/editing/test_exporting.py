@@ -174,6 +174,16 @@ def test_a_character_of_another_maker_keeps_its_names(ending: str, tmp_path: Pat
     assert b"Face_jawOpen" in path.read_bytes()
 
 
+def test_a_take_shorter_than_the_animation_of_the_character_opens_again(tmp_path: Path) -> None:
+    head, path = tmp_path / "head.glb", tmp_path / "talk.glb"
+    export(head)
+    clip = replace(CLIP, times=CLIP.times[:5], weights=CLIP.weights[:5])
+    export(path, replace(take_of(), clip=clip), character=head)
+    back = open_take(path)
+    np.testing.assert_array_equal(back.clip.weights, clip.weights)
+    assert "1 animation more: carried" in back.notes
+
+
 @pytest.mark.skipif(not (SHARED / "heads" / "facecap.glb").exists(), reason="shared is absent")
 def test_a_real_character_is_animated(tmp_path: Path) -> None:
     path = tmp_path / "talk.glb"
