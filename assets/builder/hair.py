@@ -18,7 +18,7 @@ from assets.builder.geometry import (
     smoothstep,
 )
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb, table
-from assets.builder.settings import HAIR
+from assets.builder.settings import COLOUR, HAIR
 from assets.builder.shapes import Face
 from assets.builder.skin import head_faces
 from assets.builder.source import Floats
@@ -66,6 +66,11 @@ class Hairline:
     def elevation(self, azimuths: Floats) -> Floats:
         """The line's elevation at any azimuth, radians."""
         return np.interp(azimuths, self.azimuths, self.elevations, period=2 * np.pi)
+
+    def divided(self, columns: int) -> Hairline:
+        """The same line in more columns."""
+        azimuths = np.arange(columns) * 2 * np.pi / columns
+        return Hairline(self.centre, self.skull, azimuths, self.elevation(azimuths))
 
     def above(self, points: Floats) -> Floats:
         """How far points (P, 3) lie above the line, radians."""
@@ -119,14 +124,15 @@ def above_hairline(face: Face, line: Hairline) -> Floats:
 
 
 def build_hair(line: Hairline, skin: Part, surface: Surface) -> list[Part]:
-    """The combed cap, the bun and the wisps."""
+    """The combed cap with its strands, the bun and the wisps."""
     random = np.random.default_rng(HAIR.seed)
+    line = line.divided(HAIR.cap_columns)
     pole = _spherical(np.array(np.pi), np.deg2rad(HAIR.pole))
-    shade = random.uniform(*HAIR.shade, HAIR.columns)
-    shade = (shade + np.roll(shade[::-1], 1)) / 2
+    shade = random.uniform(*HAIR.shade, HAIR.cap_columns)
     cap, crown = _cap(line, pole, shade, skin, surface)
     return [
         cap,
+        _strands(cap),
         _bun(line.centre + pole * (crown + HAIR.bun_out), pole),
         _wisps(line, skin, surface),
     ]
@@ -138,7 +144,7 @@ def _cap(
     """The cap, and the skull's distance from the centre at the pole, mm."""
     start = _spherical(line.azimuths, line.elevations)
     angle = np.arccos(np.clip(start @ pole, -1, 1))[:, None]
-    comb = np.cos(np.arange(HAIR.columns) * np.pi)  # every other column stands up
+    locks = _locks(line.azimuths)
     rows, colors, reaches = [], [], []
     middle, decrease = HAIR.middle_shade
     for i, share in enumerate(HAIR.rings):
@@ -147,22 +153,86 @@ def _cap(
         reach = line.reach(direction)
         reaches.append(reach if i < 2 else _round_mean(reach))
         thickness = table(HAIR.thickness, np.array([share]))
-        groove = HAIR.groove * comb * smoothstep(*HAIR.groove_from, share)
-        rows.append(line.centre + direction * (reaches[-1] + thickness + groove)[:, None])
-        bright = shade * (1 + HAIR.groove_shade * comb) * (middle - decrease * abs(share - 0.5))
-        colors.append(srgb(HAIR.color) * bright[:, None])
+        lock = locks * smoothstep(*HAIR.locks_from, share)
+        rows.append(line.centre + direction * (reaches[-1] + thickness + lock)[:, None])
+        bright = shade * (1 + HAIR.lock_shade * lock) * (middle - decrease * abs(share - 0.5))
+        colors.append(_on_scalp(bright, float(table(HAIR.scalp, np.array(share)))))
     crown = float(reaches[-1].mean())
     top = line.centre + pole * (crown + HAIR.thickness[-1][1])
     vertices = np.concatenate([*rows, [top]])
     rings = len(HAIR.rings)
-    last = (rings - 1) * HAIR.columns + np.arange(HAIR.columns)
+    last = (rings - 1) * HAIR.cap_columns + np.arange(HAIR.cap_columns)
     faces = np.concatenate(
-        [bridge_rows(rings, HAIR.columns, closed=True)[:, ::-1], fan(len(vertices) - 1, last)]
+        [bridge_rows(rings, HAIR.cap_columns, closed=True)[:, ::-1], fan(len(vertices) - 1, last)]
     )
-    fade = np.r_[np.repeat(np.exp(-np.array(HAIR.rings) / HAIR.move_fade), HAIR.columns), 0]
+    fade = np.r_[np.repeat(np.exp(-np.array(HAIR.rings) / HAIR.move_fade), HAIR.cap_columns), 0]
     deltas = surface.anchor(vertices).read(skin.deltas) * fade[:, None]
     color = np.concatenate([*colors, [srgb(HAIR.color)]])
     return make_part("hair", vertices, faces, "hair", color, deltas), crown
+
+
+def _locks(azimuths: Floats) -> Floats:
+    """How high the locks stand over the cap, (C,) mm: uneven waves around the head."""
+    random = np.random.default_rng(HAIR.seed + 1)
+    height = np.zeros_like(azimuths)
+    for waves, amplitude in HAIR.locks:
+        phase, sway = random.uniform(0, 2 * np.pi, 2)
+        wave = np.sin(waves * azimuths + phase + 1.5 * np.sin(2 * azimuths + sway))
+        height += amplitude * (2 * np.abs(wave) ** 0.8 - 1)  # round ridges, narrow furrows
+    return height
+
+
+def _on_scalp(bright: Floats, scalp: Floats | float) -> Floats:
+    """Colours (..., 3), sRGB, of hair of a brightness, through which so much scalp shows."""
+    hair = srgb(HAIR.color) * np.asarray(bright)[..., None]
+    return np.asarray(hair + (srgb(COLOUR.skin) - hair) * np.asarray(scalp)[..., None])
+
+
+def _strands(cap: Part) -> Part:
+    """Flat strands on the cap, along the comb; they break its smooth outline."""
+    random = np.random.default_rng(HAIR.seed + 2)
+    count, columns = HAIR.strands, HAIR.cap_columns
+    grid = cap.vertices[:-1].reshape(len(HAIR.rings), columns, 3)
+    column = random.uniform(0, columns, count)[:, None]
+    start = random.uniform(*HAIR.strand_start, count)[:, None]
+    length = random.uniform(*HAIR.strand_length, count)[:, None]
+    drift = random.uniform(-1, 1, count)[:, None] * HAIR.strand_drift * columns / (2 * np.pi)
+    along = np.linspace(0, 1, 4)
+    share = np.minimum(start + length * along, HAIR.rings[-1])
+    ring = np.interp(share, HAIR.rings, np.arange(len(HAIR.rings)))
+    point = _on_grid(grid, ring, column + drift * along)
+    ahead = _on_grid(grid, ring + 0.1, column + drift * along)
+    beside = _on_grid(grid, ring, column + drift * along + 0.5)
+    aside = trimesh.unitize((beside - point).reshape(-1, 3)).reshape(point.shape)
+    forward = trimesh.unitize((ahead - point).reshape(-1, 3)).reshape(point.shape)
+    out = np.cross(forward, aside)
+    lift = random.uniform(*HAIR.strand_lift, count)[:, None]
+    lifted = (lift + HAIR.strand_sink) * np.sin(np.pi * along) - HAIR.strand_sink
+    middle = point + out * lifted[..., None]
+    half = random.uniform(*HAIR.strand_width, count)[:, None, None] / 2 * aside
+    vertices = np.stack(
+        [
+            *(middle[:, 0], middle[:, 1] - half[:, 1], middle[:, 1] + half[:, 1]),
+            *(middle[:, 2] - half[:, 2], middle[:, 2] + half[:, 2], middle[:, 3]),
+        ],
+        axis=1,
+    )
+    corners = np.array([[0, 2, 1], [1, 2, 4], [1, 4, 3], [3, 4, 5]])
+    faces = (np.arange(count)[:, None, None] * 6 + corners).reshape(-1, 3)
+    shade = np.repeat(random.uniform(*HAIR.strand_shade, count), 6)
+    return make_part("strands", vertices.reshape(-1, 3), faces, "hair", _on_scalp(shade, 0.0))
+
+
+def _on_grid(grid: Floats, ring: Floats, column: Floats) -> Floats:
+    """Points (..., 3) between the vertices of a closed grid (R, C, 3)."""
+    ring = np.clip(ring, 0, len(grid) - 1.001)
+    row, first = np.floor(ring).astype(int), np.floor(column).astype(int)
+    down, right = (ring - row)[..., None], (column - first)[..., None]
+    columns = grid.shape[1]
+    left, beside = first % columns, (first + 1) % columns
+    upper = grid[row, left] * (1 - right) + grid[row, beside] * right
+    lower = grid[row + 1, left] * (1 - right) + grid[row + 1, beside] * right
+    return np.asarray(upper * (1 - down) + lower * down)
 
 
 def _bun(centre: Floats, out: Floats) -> Part:
@@ -195,41 +265,51 @@ def _bun(centre: Floats, out: Floats) -> Part:
 
 def _wisps(line: Hairline, skin: Part, surface: Surface) -> Part:
     """Thin strands that root in front of the hairline and lie on the combed hair."""
-    azimuth, before, length, shade = _wisp_choices()
+    azimuth, before, length, slope, width, shade = _wisp_choices()
     elevation = line.elevation(azimuth)
     reach = line.reach(_spherical(azimuth, elevation))
     root = line.centre + _spherical(azimuth, elevation - before / reach) * reach[:, None]
     behind = length - before
-    tip_direction = _spherical(azimuth * HAIR.wisp_lean, elevation + behind / reach)
+    tip_azimuth = azimuth + slope * behind / reach
+    tip_elevation = line.elevation(tip_azimuth) + behind / reach
+    tip_direction = _spherical(tip_azimuth, tip_elevation)
     tip_reach = line.reach(tip_direction) + table(HAIR.wisp_tip_lift, behind)
     tip = line.centre + tip_direction * tip_reach[:, None]
     anchors = surface.anchor(root)
     root = surface.position(anchors, HAIR.wisp_root_lift)
     out = trimesh.unitize(root - line.centre)
-    aside = trimesh.unitize(np.cross(tip - root, out)) * HAIR.wisp_width / 2
+    aside = trimesh.unitize(np.cross(tip - root, out)) * width[:, None] / 2
     middle = (root + tip) / 2 + out * HAIR.wisp_bulge
     vertices = np.stack([root, middle - aside, middle + aside, tip], axis=1)
     delta = anchors.read(skin.deltas)
     half, end = HAIR.wisp_follow
     deltas = np.stack([delta, delta * half, delta * half, delta * end], axis=2)
-    first = np.arange(len(root))[:, None] * 4
+    count = len(root)
+    first = np.arange(count)[:, None] * 4
+    root_skin, middle_skin, tip_skin = HAIR.wisp_scalp
     return make_part(
         "wisps",
         vertices.reshape(-1, 3),
         np.concatenate([first + np.array(corners) for corners in ((0, 2, 1), (1, 2, 3))]),
         "hair",
-        srgb(HAIR.color) * np.repeat(shade, 4)[:, None],
+        _on_scalp(
+            np.repeat(shade, 4), np.tile([root_skin, middle_skin, middle_skin, tip_skin], count)
+        ),
         deltas.reshape(CHANNEL_COUNT, -1, 3),
     )
 
 
-def _wisp_choices() -> tuple[Floats, Floats, Floats, Floats]:
-    """Azimuth (radians), root in front of the line (mm), length (mm), shade; mirrored."""
+def _wisp_choices() -> tuple[Floats, ...]:
+    """For each wisp: azimuth (radians), root in front of the line (mm), length (mm), slope
+    aside, width (mm), shade.
+    """
     random = np.random.default_rng(HAIR.seed)
-    count = HAIR.wisps // 2
-    azimuth = np.linspace(0.5, HAIR.wisp_span, count)
+    count = HAIR.wisps
+    azimuth = np.linspace(-HAIR.wisp_span, HAIR.wisp_span, count)
     azimuth = np.deg2rad(azimuth + random.uniform(-HAIR.wisp_jitter, HAIR.wisp_jitter, count))
     before = random.uniform(*HAIR.wisp_before, count)
     length = random.uniform(*HAIR.wisp_length, count)
+    slope = random.normal(0, HAIR.wisp_lean, count)
+    width = random.uniform(*HAIR.wisp_width, count)
     shade = random.uniform(*HAIR.wisp_shade, count)
-    return np.r_[azimuth, -azimuth], np.tile(before, 2), np.tile(length, 2), np.tile(shade, 2)
+    return azimuth, before, length, slope, width, shade

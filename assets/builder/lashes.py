@@ -35,11 +35,10 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow) -> Part:
     length = row.length * random.uniform(*LASHES.length_spread, row.strands)[:, None]
 
     root, root_delta = _read(face, edge, along)
-    tip, tip_delta = _read(face, tips, along + LASHES.sweep)
+    tip, _ = _read(face, tips, _clumped(along, row.clump) + LASHES.sweep)
     tip = root + (tip - root) * length
     if row is LASHES.upper:
-        tip_delta = root_delta + (tip_delta - root_delta) * length
-        tip_delta = tip_delta + _turn_with_lid(eye, root, root_delta, tip)
+        tip_delta = root_delta + _turn_with_lid(eye, root, root_delta, tip)
     else:
         tip_delta = root_delta  # short, and stiff enough
     bend = [0.0, -row.bend, LASHES.bend_forward]
@@ -57,9 +56,16 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow) -> Part:
         np.stack(vertices, axis=1).reshape(-1, 3),
         faces,
         "lashes",
-        srgb(LASHES.color),
+        srgb(row.color) * np.repeat(random.uniform(*LASHES.brightness, row.strands), 5)[:, None],
         np.stack(deltas, axis=2).reshape(CHANNEL_COUNT, -1, 3),
     )
+
+
+def _clumped(along: Floats, clump: int) -> Floats:
+    """Places of the tips (S,): strands lean together in groups of `clump`."""
+    group = np.arange(len(along)) // clump
+    middle = np.bincount(group, along) / np.bincount(group)
+    return np.asarray(along + (middle[group] - along) * LASHES.clumping)
 
 
 def _turn_with_lid(eye: Eye, root: Floats, root_delta: Floats, tip: Floats) -> Floats:

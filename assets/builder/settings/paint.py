@@ -16,7 +16,7 @@ class Colour:
     lids: str = "c08a78"
     lid_edge: str = "b0776a"
     lips: str = "b9605a"
-    mouth: str = "7d3434"
+    mouth: str = "8f3f3c"
     # Strengths, 0..1, and radii, mm.
     blush_amount: float = 0.42
     blush_radius: float = 26.0
@@ -60,6 +60,6 @@ class Colour:
     darkest_lips: float = 0.80
     shade_tint: tuple[float, float, float] = (0.80, 1.05, 1.12)  # exponents: warm shadows
     # The mouth darkens with the depth behind the lips: from, to (mm), and how much.
-    depth_mouth: tuple[float, float, float] = (9.0, 64.0, 0.80)
-    depth_tongue: tuple[float, float, float] = (31.0, 75.0, 0.45)
-    depth_teeth: tuple[float, float, float] = (16.0, 56.0, 0.75)
+    depth_mouth: tuple[float, float, float] = (14.0, 78.0, 0.80)
+    depth_tongue: tuple[float, float, float] = (26.0, 68.0, 0.80)
+    depth_teeth: tuple[float, float, float] = (18.0, 56.0, 0.60)

@@ -6,8 +6,8 @@ const vec3 RIM_FROM = vec3(0.66, 0.45, -0.60);
 // Half way from each light to a far camera; that it is near makes no visible difference.
 const vec3 KEY_HALF = vec3(-0.320, 0.276, 0.906);
 const vec3 FILL_HALF = vec3(0.447, 0.028, 0.894);
-const vec2 CATCH_AT = vec2(-0.11, 0.055); // the catch light: a round lamp, by its mirror normal
-const float CATCH_SIZE = 0.045;
+const vec2 CATCH_AT = vec2(-0.125, 0.12); // the catch light: a round lamp, by its mirror normal
+const float CATCH_SIZE = 0.062;
 const float KEY_GRAZING = 0.822; // squared cosine between light and half way
 const float FILL_GRAZING = 0.80;
 
@@ -58,7 +58,12 @@ void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
 
     light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (vec3(0.36, 0.29, 0.26) + 0.7 * arriving);
     light += KEY * lambert(key_facing, wrap) * arriving;
+#ifdef WET
+    back *= sky.y; // in the mouth, neither of them arrives
+    light += FILL * lambert(fill_facing, wrap) * sky.y + back;
+#else
     light += FILL * lambert(fill_facing, wrap) + back;
+#endif
 
     float mirror = (0.04 + 0.25 * fresnel * edge) * sky.y;
 #ifdef HAIR
@@ -69,7 +74,7 @@ void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
     across *= across;
     float streak = 0.75 + 0.25 * sin(around * 90.0) * sin(around * 37.0 + 1.0);
     vec3 shine = KEY * (max(key_facing + 0.3, 0.0) * across * across * 0.09 * streak);
-    shine *= 0.3 + 8.0 * albedo;
+    shine *= 0.3 + 8.0 * min(albedo, vec3(0.09)); // where skin shows through too
 #else
     vec3 shine = KEY * (gloss(max(dot(normal, KEY_HALF), 0.0), roughness, KEY_GRAZING)
                         * max(key_facing, 0.0));
@@ -83,7 +88,7 @@ void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
 #ifdef WET
     float off = length(normal.xy - CATCH_AT);
     float inside = clamp((CATCH_SIZE - off) / (1.2 * roughness * roughness) + 0.5, 0.0, 1.0);
-    shine += vec3(surface.z * 0.65 * inside);
+    shine += vec3(surface.z * 1.3 * inside);
 #endif
 
     added = shine + back * 0.05;
