@@ -33,10 +33,10 @@ def build_rig(source: Source) -> Rig:
     parts = [skin, build_base(skin, len(face.skin))]
     parts += [build_brow(eye.side, arch, skin, surface) for eye in face.eyes]
     for eye in face.eyes:
-        parts += build_lashes(face, eye)
+        parts += build_lashes(face, eye, skin, surface)
     parts += [build_eye(face, eye) for eye in face.eyes]
     for eye in face.eyes:
-        parts += build_wet(face, eye)
+        parts += build_wet(face, eye, skin, surface)
     parts += build_teeth(face)
     parts += build_hair(line, skin, surface)
     return _to_rig(_join(parts), face)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from assets.builder.geometry import bridge_rows, fan, fit_rigid, smoothstep
+from assets.builder.geometry import Surface, bridge_rows, fan, fit_rigid, smoothstep
 from assets.builder.parts import CHANNEL_COUNT, MATERIAL_INDEX, Part, make_part, srgb
 from assets.builder.settings import EYES
 from assets.builder.shapes import Eye, Face
@@ -69,19 +69,19 @@ def _colors() -> Floats:
     return np.asarray(colors * (1 - shade[:, None] * EYES.shade_tint))
 
 
-def build_wet(face: Face, eye: Eye) -> list[Part]:
+def build_wet(face: Face, eye: Eye, skin: Part, surface: Surface) -> list[Part]:
     """The wet edge of the lower lid and the caruncle, the pink flesh in the inner corner."""
-    return [_tear_line(face, eye), _caruncle(face, eye)]
+    anchors = surface.anchor(face.neutral[eye.lower[1]])
+    motion = anchors.read(skin.deltas)
+    return [_tear_line(face, eye, motion), _caruncle(face, eye, motion[:, :1])]
 
 
-def _tear_line(face: Face, eye: Eye) -> Part:
+def _tear_line(face: Face, eye: Eye, motion: Floats) -> Part:
     inner, edge = eye.lower[0], eye.lower[1]
     low = face.neutral[inner] + (face.neutral[edge] - face.neutral[inner]) * EYES.tear_width
     low[:, 1] += EYES.tear_lift
     out = trimesh.unitize(face.neutral[inner] + [0, EYES.tear_climb, 0] - eye.centre)
     high = eye.centre + out * (eye.radius * EYES.radius + EYES.tear_lift)
-    inner_delta, edge_delta = face.deltas[:, inner], face.deltas[:, edge]
-    low_delta = inner_delta + (edge_delta - inner_delta) * EYES.tear_width
     faces = bridge_rows(2, len(inner), closed=False)
     return make_part(
         f"tears{eye.side}",
@@ -89,11 +89,11 @@ def _tear_line(face: Face, eye: Eye) -> Part:
         faces if eye.side == "Left" else faces[:, ::-1],
         "tears",
         srgb(EYES.tear_color),
-        np.concatenate([inner_delta, low_delta], axis=1),
+        np.concatenate([motion, motion], axis=1),
     )
 
 
-def _caruncle(face: Face, eye: Eye) -> Part:
+def _caruncle(face: Face, eye: Eye, motion: Floats) -> Part:
     rows, columns = EYES.caruncle_grid
     outwards = 1.0 if eye.side == "Left" else -1.0
     tilt = np.pi * (np.arange(rows) + 0.5)[:, None] / rows
@@ -104,12 +104,11 @@ def _caruncle(face: Face, eye: Eye) -> Part:
     ).reshape(-1, 3)
     corner = eye.lower[1][0]
     centre = face.neutral[corner] + np.array(EYES.caruncle_shift) * [outwards, 1, 1]
-    delta = face.deltas[:, [corner]]
     return make_part(
         f"caruncle{eye.side}",
         centre + ball * EYES.caruncle_radii,
         bridge_rows(rows, columns, closed=True)[:, ::-1],
         "tears",
         srgb(EYES.caruncle_color),
-        np.repeat(delta, len(ball), axis=1),
+        np.repeat(motion, len(ball), axis=1),
     )

@@ -151,7 +151,9 @@ def _cap(
         along = np.sin((1 - share) * angle) * start + np.sin(share * angle) * pole
         direction = along / np.sin(angle)
         reach = line.reach(direction)
-        reaches.append(reach if i < 2 else _round_mean(reach))
+        for _ in range(HAIR.smoothing if i > 2 else 0):
+            reach = _round_mean(reach)
+        reaches.append(reach)
         thickness = table(HAIR.thickness, np.array([share]))
         lock = locks * smoothstep(*HAIR.locks_from, share)
         rows.append(line.centre + direction * (reaches[-1] + thickness + lock)[:, None])

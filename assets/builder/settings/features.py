@@ -53,6 +53,7 @@ class Hair:
         (0.7, 9.0),
         (1, 5),
     )
+    smoothing: int = 5  # rounds of averaging around the head
     # Scalp that shows between the roots at shares of that way, 0..1.
     scalp: tuple[tuple[float, float], ...] = ((0, 0.5), (0.018, 0.42), (0.04, 0.26), (0.08, 0))
     # Locks: how many waves go around the head, and how high each stands (mm).
@@ -155,6 +156,7 @@ class Lashes:
 
     upper: LashRow = LashRow(60, 0.74, 0.80, 0.35, 0.42, 3, "231813", "2a1c17")
     lower: LashRow = LashRow(34, 0.44, 0.26, -0.25, 0.16, 2, "5a4034", "9a6656")
+    root_lift: float = 0.1  # over the skin
     sweep: float = 0.25  # helper columns by which a tip leans outwards
     ends: tuple[float, float] = (0.4, 1.15)  # helper columns left bare: inside, outside
     jitter: float = 0.15  # helper columns
