@@ -170,7 +170,7 @@ def _cap(
     fade = np.r_[np.repeat(np.exp(-np.array(HAIR.rings) / HAIR.move_fade), HAIR.cap_columns), 0]
     deltas = surface.anchor(vertices).read(skin.deltas) * fade[:, None]
     color = np.concatenate([*colors, [srgb(HAIR.color)]])
-    return make_part("hair", vertices, faces, "hair", color, deltas), crown
+    return make_part("hair", vertices, faces, "hair", color, _settled(deltas)), crown
 
 
 def _locks(azimuths: Floats) -> Floats:
@@ -297,8 +297,17 @@ def _wisps(line: Hairline, skin: Part, surface: Surface) -> Part:
         _on_scalp(
             np.repeat(shade, 4), np.tile([root_skin, middle_skin, middle_skin, tip_skin], count)
         ),
-        deltas.reshape(CHANNEL_COUNT, -1, 3),
+        _settled(deltas.reshape(CHANNEL_COUNT, -1, 3)),
     )
+
+
+def _settled(deltas: Floats) -> Floats:
+    """Displacements (52, V, 3) without those of vertices that hardly move.
+
+    What stands still is drawn once for many pictures.
+    """
+    moves = np.linalg.norm(deltas, axis=2).max(0) >= HAIR.moves_from
+    return deltas * moves[:, None]
 
 
 def _wisp_choices() -> tuple[Floats, ...]:

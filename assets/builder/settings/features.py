@@ -11,7 +11,7 @@ class Hair:
 
     color: str = "3d2a21"
     columns: int = 48  # of the hairline, around the head
-    cap_columns: int = 96  # of the cap
+    cap_columns: int = 84  # of the cap
     centre_up: float = 25.0  # centre of the polar grid: above the eyes,
     centre_forward: float = 10.0  # in front of the ears
     skull_below: float = 130.0  # the skull's triangles, below the eyes at most
@@ -38,8 +38,8 @@ class Hair:
     pole: float = 38.0  # elevation of the point at the back towards which the hair is combed
     # Rings of the grid as shares of the way from the hairline to the pole.
     rings: tuple[float, ...] = (
-        *(0, 0.018, 0.04, 0.07, 0.11, 0.16, 0.23, 0.31),
-        *(0.4, 0.5, 0.6, 0.7, 0.8, 0.9),
+        *(0, 0.018, 0.04, 0.07, 0.12, 0.19, 0.28),
+        *(0.4, 0.53, 0.66, 0.79, 0.9),
     )
     # Thickness over the skull (mm) at shares of that way; it begins under the skin.
     thickness: tuple[tuple[float, float], ...] = (
@@ -62,6 +62,7 @@ class Hair:
     lock_shade: float = 0.16  # brightness of a lock that stands 1 mm high
     shade: tuple[float, float] = (0.80, 1.22)  # random brightness of a column, from and to
     middle_shade: tuple[float, float] = (1.12, 0.25)  # brightness half way, and its decrease
+    moves_from: float = 0.9  # mm: what the skin moves less stands still
     move_fade: float = 0.06  # share of the way over which the skin's motion fades out
     # Strands that lie on the cap, along the comb.
     strands: int = 170
@@ -81,10 +82,10 @@ class Hair:
     bun_shade: float = 0.22
     bun_front: tuple[float, float, float] = (0.64, 1.1, 0.75)  # share of the rows, shades
     # Fine strands that soften the hairline.
-    wisps: int = 420
+    wisps: int = 380
     wisp_length: tuple[float, float] = (5.0, 24.0)
-    wisp_width: tuple[float, float] = (0.25, 0.6)
-    wisp_before: tuple[float, float] = (-3.0, 4.2)  # how far they root in front of the line
+    wisp_width: tuple[float, float] = (0.25, 0.55)
+    wisp_before: tuple[float, float] = (-3.0, 6.0)  # how far they root in front of the line
     wisp_span: float = 84.0  # azimuths to either side that have them
     wisp_jitter: float = 1.5  # degrees
     wisp_shade: tuple[float, float] = (0.85, 1.45)
@@ -116,7 +117,7 @@ class Brows:
     inner_drop: float = 1.2  # how far the inner end lies below its neighbour
     outer_extra: float = 1.0
     strands: int = 110
-    width: float = 0.6
+    width: float = 0.5
     thickness: float = 4.4
     # Along the brow it swells from this share of the thickness as a sine of this pace, and
     # tapers by this share between two points.
@@ -132,7 +133,7 @@ class Brows:
     lean: tuple[float, float] = (14.0, -12.0)  # strands of the lower, the upper half
     angle_spread: float = 4.0
     length_spread: tuple[float, float] = (0.8, 1.15)
-    brightness: tuple[float, float] = (0.8, 1.15)
+    brightness: tuple[float, float] = (0.75, 1.35)
     seed: int = 3
 
 
@@ -154,8 +155,8 @@ class LashRow:
 class Lashes:
     """Lashes and the line at their roots."""
 
-    upper: LashRow = LashRow(60, 0.74, 0.80, 0.35, 0.42, 3, "231813", "2a1c17")
-    lower: LashRow = LashRow(34, 0.44, 0.26, -0.25, 0.16, 2, "5a4034", "9a6656")
+    upper: LashRow = LashRow(48, 0.76, 0.95, 0.35, 0.42, 3, "231813", "2a1c17")
+    lower: LashRow = LashRow(26, 0.46, 0.30, -0.25, 0.16, 2, "5a4034", "9a6656")
     root_lift: float = 0.1  # over the skin
     sweep: float = 0.25  # helper columns by which a tip leans outwards
     ends: tuple[float, float] = (0.4, 1.15)  # helper columns left bare: inside, outside
@@ -188,7 +189,7 @@ class Ring:
 class Eyes:
     """Painted eyeballs."""
 
-    columns: int = 36
+    columns: int = 32
     radius: float = 0.992  # share of the sphere that fits the helper eye
     moves_from: float = 0.4  # mm: shapes that move the helper less do not turn the eye
     streaks: tuple[float, float] = (0.72, 1.22)  # brightness, from and to
@@ -207,9 +208,8 @@ class Eyes:
         Ring(4.8, "050505", "pupil"),
         Ring(9.3, "070606", "pupil"),
         Ring(10.8, "4b4a3e", "iris", 0.6),
-        Ring(12.8, "7d7458", "iris", 1.0),
-        Ring(15.4, "6d8a8a", "iris", 1.0),
-        Ring(18.4, "56788a", "iris", 1.0),
+        Ring(13.0, "7b765d", "iris", 1.0),
+        Ring(17.2, "5f8190", "iris", 1.0),
         Ring(21.0, "46626f", "iris", 0.8),
         Ring(23.0, "2c3e47", "iris", 0.3),
         Ring(24.6, "2b363e", "iris"),
@@ -217,8 +217,7 @@ class Eyes:
         Ring(30.5, "e3ddd7", "sclera"),
         Ring(41.0, "e2d8d1", "sclera"),
         Ring(56.0, "d6c1b8", "sclera"),
-        Ring(74.0, "c8a69c", "sclera"),
-        Ring(92.0, "bf9f97", "sclera"),
+        Ring(74.0, "c6a39a", "sclera"),
     )
     # The wet edge of the lower lid: colour, how far it climbs the eyeball and its lift over it,
     # and its width as a share of the lid's.
