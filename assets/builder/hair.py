@@ -124,7 +124,7 @@ def above_hairline(face: Face, line: Hairline) -> Floats:
 
 
 def build_hair(line: Hairline, skin: Part, surface: Surface) -> list[Part]:
-    """The combed cap with its strands, the bun and the wisps."""
+    """The combed cap, the bun and the wisps."""
     random = np.random.default_rng(HAIR.seed)
     line = line.divided(HAIR.cap_columns)
     pole = _spherical(np.array(np.pi), np.deg2rad(HAIR.pole))
@@ -132,7 +132,6 @@ def build_hair(line: Hairline, skin: Part, surface: Surface) -> list[Part]:
     cap, crown = _cap(line, pole, shade, skin, surface)
     return [
         cap,
-        _strands(cap),
         _bun(line.centre + pole * (crown + HAIR.bun_out), pole),
         _wisps(line, skin, surface),
     ]
@@ -188,53 +187,6 @@ def _on_scalp(bright: Floats, scalp: Floats | float) -> Floats:
     """Colours (..., 3), sRGB, of hair of a brightness, through which so much scalp shows."""
     hair = srgb(HAIR.color) * np.asarray(bright)[..., None]
     return np.asarray(hair + (srgb(COLOUR.skin) - hair) * np.asarray(scalp)[..., None])
-
-
-def _strands(cap: Part) -> Part:
-    """Flat strands on the cap, along the comb; they break its smooth outline."""
-    random = np.random.default_rng(HAIR.seed + 2)
-    count, columns = HAIR.strands, HAIR.cap_columns
-    grid = cap.vertices[:-1].reshape(len(HAIR.rings), columns, 3)
-    column = random.uniform(0, columns, count)[:, None]
-    start = random.uniform(*HAIR.strand_start, count)[:, None]
-    length = random.uniform(*HAIR.strand_length, count)[:, None]
-    drift = random.uniform(-1, 1, count)[:, None] * HAIR.strand_drift * columns / (2 * np.pi)
-    along = np.linspace(0, 1, 4)
-    share = np.minimum(start + length * along, HAIR.rings[-1])
-    ring = np.interp(share, HAIR.rings, np.arange(len(HAIR.rings)))
-    point = _on_grid(grid, ring, column + drift * along)
-    ahead = _on_grid(grid, ring + 0.1, column + drift * along)
-    beside = _on_grid(grid, ring, column + drift * along + 0.5)
-    aside = trimesh.unitize((beside - point).reshape(-1, 3)).reshape(point.shape)
-    forward = trimesh.unitize((ahead - point).reshape(-1, 3)).reshape(point.shape)
-    out = np.cross(forward, aside)
-    lift = random.uniform(*HAIR.strand_lift, count)[:, None]
-    lifted = (lift + HAIR.strand_sink) * np.sin(np.pi * along) - HAIR.strand_sink
-    middle = point + out * lifted[..., None]
-    half = random.uniform(*HAIR.strand_width, count)[:, None, None] / 2 * aside
-    vertices = np.stack(
-        [
-            *(middle[:, 0], middle[:, 1] - half[:, 1], middle[:, 1] + half[:, 1]),
-            *(middle[:, 2] - half[:, 2], middle[:, 2] + half[:, 2], middle[:, 3]),
-        ],
-        axis=1,
-    )
-    corners = np.array([[0, 2, 1], [1, 2, 4], [1, 4, 3], [3, 4, 5]])
-    faces = (np.arange(count)[:, None, None] * 6 + corners).reshape(-1, 3)
-    shade = np.repeat(random.uniform(*HAIR.strand_shade, count), 6)
-    return make_part("strands", vertices.reshape(-1, 3), faces, "hair", _on_scalp(shade, 0.0))
-
-
-def _on_grid(grid: Floats, ring: Floats, column: Floats) -> Floats:
-    """Points (..., 3) between the vertices of a closed grid (R, C, 3)."""
-    ring = np.clip(ring, 0, len(grid) - 1.001)
-    row, first = np.floor(ring).astype(int), np.floor(column).astype(int)
-    down, right = (ring - row)[..., None], (column - first)[..., None]
-    columns = grid.shape[1]
-    left, beside = first % columns, (first + 1) % columns
-    upper = grid[row, left] * (1 - right) + grid[row, beside] * right
-    lower = grid[row + 1, left] * (1 - right) + grid[row + 1, beside] * right
-    return np.asarray(upper * (1 - down) + lower * down)
 
 
 def _bun(centre: Floats, out: Floats) -> Part:

@@ -45,12 +45,11 @@ class Hair:
     thickness: tuple[tuple[float, float], ...] = (
         (0, -1.2),
         (0.018, 0.2),
-        (0.04, 1.3),
-        (0.07, 2.9),
-        (0.12, 5.4),
-        (0.2, 8.2),
-        (0.35, 10.5),
-        (0.7, 9.0),
+        (0.04, 1.4),
+        (0.07, 3.4),
+        (0.12, 6.8),
+        (0.19, 9.0),
+        (0.7, 9.3),
         (1, 5),
     )
     smoothing: int = 5  # rounds of averaging around the head
@@ -64,15 +63,6 @@ class Hair:
     middle_shade: tuple[float, float] = (1.12, 0.25)  # brightness half way, and its decrease
     moves_from: float = 0.9  # mm: what the skin moves less stands still
     move_fade: float = 0.06  # share of the way over which the skin's motion fades out
-    # Strands that lie on the cap, along the comb.
-    strands: int = 170
-    strand_start: tuple[float, float] = (0.02, 0.5)  # share of the way to the pole
-    strand_length: tuple[float, float] = (0.18, 0.42)
-    strand_width: tuple[float, float] = (0.9, 2.6)
-    strand_lift: tuple[float, float] = (0.25, 1.0)  # of the middle, over the cap
-    strand_sink: float = 0.5  # of its ends, under the cap
-    strand_drift: float = 0.05  # radians by which its end lies aside
-    strand_shade: tuple[float, float] = (0.75, 1.45)
     bun_radius: float = 23.0
     bun_out: float = 15.0  # how far its centre stands off the pole
     bun_flat: float = 0.8
@@ -94,10 +84,10 @@ class Hair:
     # Height of the tips over the skull at a distance behind the hairline.
     wisp_tip_lift: tuple[tuple[float, float], ...] = (
         (-3, 0.4),
-        (0, 0.6),
-        (5, 2.9),
-        (12, 6.4),
-        (22, 8.9),
+        (0, 0.5),
+        (5, 1.4),
+        (12, 3.2),
+        (22, 5.9),
     )
     wisp_bulge: float = 0.5  # how far the middle stands off the straight line
     wisp_lean: float = 0.2  # slope by which a tip lies aside

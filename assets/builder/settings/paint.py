@@ -35,7 +35,7 @@ class Colour:
     brow_width: float = 2.4
     brow_from: float = -0.05  # share of the brow where the paint begins
     brow_fade: tuple[float, float] = (0.45, 0.8)  # share of the brow where the paint fades
-    hairline_amount: float = 0.45  # hair colour painted at the roots
+    hairline_amount: float = 0.36  # hair colour painted at the roots
     hairline_between: tuple[float, float] = (-0.10, 0.02)  # radians above the hairline
     # Skin texture: octaves of smooth noise (size in mm, share of brightness, share of redness).
     texture: tuple[tuple[float, float, float], ...] = (

@@ -39,6 +39,17 @@ vec3 srgb(vec3 linear) {
     return 0.662002687 * s1 + 0.684122060 * s2 - 0.323583601 * s3 - 0.0225411470 * linear;
 }
 
+#ifdef HAIR
+// 0..1, uneven from strand to strand: noise of two sizes over the angle around the head.
+float strands(float angle) {
+    vec2 at = angle * vec2(46.0, 121.0) + 600.0;
+    vec2 cell = floor(at);
+    vec2 low = fract(cell * fract(cell * 0.1031 + 0.31));
+    vec2 high = fract((cell + 1.0) * fract((cell + 1.0) * 0.1031 + 0.31));
+    return dot(mix(low, high, at - cell), vec2(0.55, 0.45));
+}
+#endif
+
 // The light that falls on a point, and what it sends back whatever its colour is. `sky`: how far
 // the normal points up, -1..1, and light that arrives from above; `surface`: roughness, flesh, wet.
 // Hair reads `strand`, `around` and `albedo` too.
@@ -67,14 +78,24 @@ void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
 
     float mirror = (0.04 + 0.25 * fresnel * edge) * sky.y;
 #ifdef HAIR
-    float along = dot(strand, KEY_HALF) / max(length(strand), 1e-3);
-    float across = max(1.0 - along * along, 0.0);
-    across *= across;
-    across *= across;
-    across *= across;
-    float streak = 0.75 + 0.25 * sin(around * 90.0) * sin(around * 37.0 + 1.0);
-    vec3 shine = KEY * (max(key_facing + 0.3, 0.0) * across * across * 0.09 * streak);
-    shine *= 0.3 + 8.0 * min(albedo, vec3(0.09)); // where skin shows through too
+    // Two highlights across the strands (Kajiya and Kay; Marschner et al.): a narrow one in the
+    // colour of the light and, behind it, a wide one in the hair's. Strands lie unevenly, which
+    // breaks both up.
+    float fine = strands(around);
+    float along = dot(strand, KEY_HALF) / max(length(strand), 1e-3) + 0.22 * (fine - 0.5);
+    float narrow = max(1.0 - (along + 0.10) * (along + 0.10), 0.0);
+    float wide = max(1.0 - (along - 0.16) * (along - 0.16), 0.0);
+    wide *= wide;
+    wide *= wide;
+    narrow *= narrow;
+    narrow *= narrow;
+    narrow *= narrow;
+    narrow *= narrow;
+    vec3 shine = KEY * (max(key_facing + 0.3, 0.0) * (0.55 + 0.9 * fine));
+    // Where skin shows between the roots, hair shines no more than elsewhere.
+    vec3 own = albedo * min(0.06 / max(albedo.r, 1e-3), 1.0);
+    shine *= narrow * narrow * 0.035 + wide * 0.8 * own;
+    light *= 0.80 + 0.40 * fine;
 #else
     vec3 shine = KEY * (gloss(max(dot(normal, KEY_HALF), 0.0), roughness, KEY_GRAZING)
                         * max(key_facing, 0.0));
