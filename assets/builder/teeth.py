@@ -97,7 +97,7 @@ def _row(arch: Arch, jaw: Jaw, bite: float, upward: int) -> tuple[Floats, Ints, 
     outward[:, 1] = 0
     normals, _ = trimesh.triangles.normals(points[triangles])
     towards = (normals * trimesh.unitize(outward)).sum(1)
-    return points, triangles[towards > TEETH.back_faces], _tooth_colors(len(vertices))
+    return points, triangles[towards > jaw.back_faces], _tooth_colors(len(vertices))
 
 
 def _widths(arch: Arch, jaw: Jaw) -> Floats:

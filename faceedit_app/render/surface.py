@@ -47,9 +47,9 @@ class Look:
 LOOKS = {
     "skin": Look(Shading.FLESH, flesh=1.0, shaded=1.0),
     "lips": Look(Shading.FLESH, flesh=0.8, shaded=0.8),
-    "mouth": Look(Shading.FLESH, flesh=0.8, shaded=0.5),
+    "mouth": Look(Shading.FLESH, flesh=1.0, shaded=0.4),
     "gums": Look(Shading.WET, flesh=0.8, wet=0.3, shaded=0.5),
-    "tongue": Look(Shading.WET, flesh=0.8, wet=0.12, shaded=0.6),
+    "tongue": Look(Shading.WET, flesh=1.0, wet=0.12, shaded=0.5),
     "tears": Look(Shading.WET, flesh=0.8, wet=0.35, shaded=0.5),
     "sclera": Look(Shading.WET, flesh=0.5, wet=1.0, shaded=0.7),
     "iris": Look(Shading.WET, wet=1.0, shaded=0.5),

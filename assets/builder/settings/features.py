@@ -232,14 +232,19 @@ class Jaw:
     back: float  # how far the arch is set back behind the helper's
     tip_drop: float  # how far below the helper's edge the teeth end
     second_short: float  # how far the second tooth ends above the first
+    back_faces: float  # faces that look further back than this cosine are dropped
 
 
 @dataclass(frozen=True)
 class Teeth:
     """Teeth and gums along the arch of the helper teeth; the tongue is the helper's."""
 
-    upper: Jaw = Jaw((8.6, 6.6, 7.6, 7.0, 6.8, 9.0), (9.4, 8.7, 9.4, 8.3, 7.7, 7.1), 1.5, 4.3, 0.7)
-    lower: Jaw = Jaw((5.4, 6.0, 7.0, 7.0, 7.0, 9.6), (8.2, 8.4, 9.0, 8.0, 7.6, 7.2), 3.3, 0.6, 0.0)
+    upper: Jaw = Jaw(
+        (8.6, 6.6, 7.6, 7.0, 6.8, 9.0), (10.0, 9.4, 10.7, 10.2, 9.8, 9.2), 1.5, 4.3, 0.7, -0.35
+    )
+    lower: Jaw = Jaw(
+        (5.4, 6.0, 7.0, 7.0, 7.0, 9.6), (8.2, 8.4, 9.0, 8.0, 7.6, 7.2), 3.3, 0.6, 0.0, -1.0
+    )
     narrow: float = 0.92  # the arch's width as a share of the helper's
     filled: float = 0.86  # share of the arch that bears teeth
     depths: tuple[float, ...] = (3.5, 3.5, 4.5, 6.0, 6.0, 7.0)
@@ -253,7 +258,6 @@ class Teeth:
         (1.0, 0.86, 0.34),
     )
     squareness: tuple[float, float] = (0.52, 0.66)  # exponents of the cross-section: x, z
-    back_faces: float = -0.35  # faces that look further back than this cosine are dropped
     color: str = "fbf3e6"
     # Colour of each level of a tooth as a factor: warm at the gum, clear at the edge.
     level_tints: tuple[tuple[float, float, float], ...] = (
