@@ -41,7 +41,7 @@ def build_lashes(face: Face, eye: Eye, skin: Part, surface: Surface) -> list[Par
         ("lower", eye.lower, LASHES.lower),
     ):
         edge = _edge(face, rows, skin, surface)
-        parts.append(_strands(f"{lid}Lashes{eye.side}", edge, eye, row))
+        parts.append(_strands(f"{lid}Lashes{eye.side}", edge, eye, row, skin, surface))
         parts.append(_line(f"{lid}Line{eye.side}", edge, row))
     return parts
 
@@ -54,13 +54,15 @@ def _edge(face: Face, rows: Ints, skin: Part, surface: Surface) -> _Edge:
     return _Edge(points, anchors.read(skin.deltas), helper[2] + moved, helper[-1] + moved)
 
 
-def _strands(name: str, edge: _Edge, eye: Eye, row: LashRow) -> Part:
+def _strands(name: str, edge: _Edge, eye: Eye, row: LashRow, skin: Part, surface: Surface) -> Part:
     random = np.random.default_rng(LASHES.seed)
     along = np.linspace(LASHES.ends[0], len(edge.points) - LASHES.ends[1], row.strands)
     along = along + random.uniform(-LASHES.jitter, LASHES.jitter, row.strands)
     length = row.length * random.uniform(*LASHES.length_spread, row.strands)[:, None]
 
-    root, root_delta = _between(edge.points, along), _between(edge.deltas, along)
+    anchors = surface.anchor(_between(edge.points, along))
+    root = surface.position(anchors, LASHES.root_lift)
+    root_delta = anchors.read(skin.deltas)
     tip = _between(edge.tips, _clumped(along, row.clump) + LASHES.sweep)
     tip = root + (tip - root) * length
     tip_delta = root_delta
@@ -117,9 +119,8 @@ def _line(name: str, edge: _Edge, row: LashRow) -> Part:
     )
 
 
-def _between(values: Floats, along: Floats) -> Floats:
-    """Values (..., C, 3) of columns at fractional columns (S,): (..., S, 3)."""
-    column = np.clip(np.floor(along).astype(int), 0, values.shape[-2] - 2)
+def _between(points: Floats, along: Floats) -> Floats:
+    """Points (C, 3) of columns at fractional columns (S,): (S, 3)."""
+    column = np.clip(np.floor(along).astype(int), 0, len(points) - 2)
     share = np.clip(along - column, None, 1)[:, None]
-    a, b = values[..., column, :], values[..., column + 1, :]
-    return np.asarray(a + (b - a) * share)
+    return np.asarray(points[column] * (1 - share) + points[column + 1] * share)

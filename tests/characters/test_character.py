@@ -49,9 +49,11 @@ def test_has_every_arkit_shape_and_each_one_moves_it(rig: Rig) -> None:
 
 
 def test_is_one_sound_mesh_of_moderate_size(rig: Rig) -> None:
-    assert 5_000 < len(rig.neutral) < 9_000
-    assert 9_000 < len(rig.faces) < 15_000
-    assert GLB.stat().st_size < 6e6
+    # Hair that stands still is most of what lies above 9,000 vertices; it is drawn once for many
+    # pictures. tests/render/test_character_look.py limits what moves.
+    assert 5_000 < len(rig.neutral) < 12_000
+    assert 9_000 < len(rig.faces) < 17_000
+    assert GLB.stat().st_size < 2e6
     assert np.array_equal(np.unique(rig.faces), np.arange(len(rig.neutral)))
     assert all(np.isfinite(field).all() for field in (rig.neutral, rig.deltas, rig.colors))
     assert rig.materials[0].start == 0
