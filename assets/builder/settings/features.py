@@ -145,7 +145,7 @@ class LashRow:
 class Lashes:
     """Lashes and the line at their roots."""
 
-    upper: LashRow = LashRow(48, 0.76, 0.95, 0.35, 0.42, 3, "231813", "2a1c17")
+    upper: LashRow = LashRow(48, 0.72, 0.90, 0.35, 0.38, 3, "2e211b", "35251e")
     lower: LashRow = LashRow(26, 0.46, 0.30, -0.25, 0.16, 2, "5a4034", "9a6656")
     root_lift: float = 0.1  # over the skin
     sweep: float = 0.25  # helper columns by which a tip leans outwards
