@@ -115,7 +115,7 @@ def _report(
     folder: Path, tracked: Tracked, take: Path, rig: Rig, edits: Path | None, fps: float | None
 ) -> tuple[Path, Path]:
     from faceedit_app.editing.opening import load_engine, open_session
-    from faceedit_app.tracking.side_by_side import write_report
+    from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
 
     edited = None
     if edits is not None:
@@ -124,7 +124,9 @@ def _report(
         session = open_session(take, rig, load_engine(rig))
         session.load_edits(edits)
         edited = session.weights
-    return write_report(folder, tracked, rig, edited)
+    folder.mkdir(parents=True, exist_ok=True)
+    shown = Shown.of_tracked(tracked, edited)
+    return write_side_by_side(folder / "side_by_side.mp4", shown, rig)
 
 
 def _facts(tracked: Tracked, take: Path) -> dict[str, Any]:

@@ -17,6 +17,8 @@ class Region:
         together: the name of its own controls when they are edited as one.
         channels: the K channels that its networks answer with, in this order.
         controls: ids of the controls that its networks take, in the order of `CONTROLS`.
+        accompanying: channels that no network answers, and that move with its own in takes that
+            use them.
     """
 
     id: str
@@ -24,6 +26,7 @@ class Region:
     together: str
     channels: tuple[str, ...]
     controls: tuple[str, ...]
+    accompanying: tuple[str, ...] = ()
 
     @property
     def own(self) -> tuple[str, ...]:
@@ -31,9 +34,11 @@ class Region:
         return tuple(control.id for control in CONTROLS if control.region == self.id)
 
 
-def _region(name: str, label: str, together: str, *channels: str) -> Region:
+def _region(
+    name: str, label: str, together: str, *channels: str, accompanying: tuple[str, ...] = ()
+) -> Region:
     heard = tuple(c.id for c in CONTROLS if name in (c.region, *c.heard_by))
-    return Region(name, label, together, channels, heard)
+    return Region(name, label, together, channels, heard, accompanying)
 
 
 def _both(*stems: str) -> tuple[str, ...]:
@@ -52,6 +57,13 @@ LOWER = _region(
     "mouthRollUpper",
     "mouthRollLower",
     *_both("mouthPress"),
+    accompanying=(
+        *_both("mouthDimple", "cheekSquint", "noseSneer"),
+        "jawForward",
+        "mouthShrugLower",
+        "mouthShrugUpper",
+        "cheekPuff",
+    ),
 )
 UPPER = _region(
     "upper",
@@ -70,3 +82,4 @@ EYELIDS = _region(
 
 REGIONS: tuple[Region, ...] = (LOWER, UPPER, EYELIDS)
 MODELLED_CHANNELS: tuple[str, ...] = tuple(c for region in REGIONS for c in region.channels)
+ACCOMPANYING_CHANNELS: tuple[str, ...] = tuple(c for r in REGIONS for c in r.accompanying)

@@ -79,5 +79,5 @@ def _subtracted(voice: Samples) -> Samples:
         sound[at] += part
         weight[at] += window**2
     cleaned = (sound / weight)[_FRAME : _FRAME + len(voice)]
-    samples: NDArray[np.int16] = np.clip(np.rint(cleaned), -32768, 32767).astype(np.int16)
-    return samples
+    quiet: Samples = np.clip(np.rint(cleaned), -32768, 32767).astype(np.int16)
+    return quiet

@@ -69,9 +69,9 @@ class Transcript:
     @cached_property
     def edges(self) -> tuple[float, ...]:
         """The times of all edges of words and phonemes, in order, each once."""
-        parts: list[Word | Phoneme] = [*self.words]
-        parts += [phoneme for word in self.words for phoneme in word.phonemes]
-        times = sorted(time for part in parts for time in (part.start, part.end))
+        times = [time for word in self.words for time in (word.start, word.end)]
+        times += [time for _, p in self.phonemes() for time in (p.start, p.end)]
+        times.sort()
         return tuple(time for i, time in enumerate(times) if not i or time - times[i - 1] > _SAME)
 
     def phonemes(self) -> Iterator[tuple[Word, Phoneme]]:

@@ -307,5 +307,10 @@ def test_a_long_journal_is_shortened_and_loses_nothing(
     assert longest < 10_000
     assert pending_journals(tmp_path) == [], "it still runs"
     assert [path.name for path in tmp_path.glob("*.new")] == []
+    left = tmp_path / "left.new"
+    left.write_bytes(b"")
+    os.utime(left, (0, 0))
+    assert pending_journals(tmp_path) == []
+    assert not left.exists()
     journal.close()
     assert [*tmp_path.glob("*.jsonl")] == []

@@ -7,7 +7,7 @@ import pytest
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import WITH_POINTS, Edit, Op
-from faceedit_app.editing.solving.request import SPILL, Request, affected, region_influence, request
+from faceedit_app.editing.solving.request import SPILL, Request, affected, request
 
 RATE = 50.0
 TIMES = np.arange(400) / RATE  # 8 s
@@ -159,12 +159,32 @@ def test_edit_of_several_controls_changes_each() -> None:
 
 def test_influence_covers_the_edit_and_fades_beyond_it() -> None:
     asked = ask(mouth(Op.OFFSET, 2.0))
-    influence = region_influence(asked, ("mouth_opening", "mouth_width"))
-    np.testing.assert_array_equal(influence, asked.influence[:, MOUTH])
+    influence = asked.influence[:, MOUTH]
     assert (influence[(TIMES >= 2.5) & (TIMES <= 4.5)] == 1).all()
     fading = influence[(TIMES > 2.5 - SPILL) & (TIMES < 2.5)]
     assert (np.diff(fading) > 0).all()
-    assert not region_influence(asked, ("left_eyelid",)).any()
+    assert not np.delete(asked.influence, MOUTH, axis=1).any()
+
+
+def test_far_too_much_is_all_that_is_possible_before_strength_applies() -> None:
+    limits = np.full(8, 5.0), np.full(8, 30.0)
+    tracked = np.full((len(TIMES), 8), 20.0)
+
+    def asked(value: float, strength: float) -> float:
+        edit = Edit(("mouth_opening",), Op.OFFSET, 2.5, 4.5, 0.0, value, strength=strength)
+        found = request(TIMES, RATE, tracked, MEDIANS, [edit], limits=limits)
+        return float(found.curves[HELD, MOUTH].mean())
+
+    assert asked(200.0, 1.0) == asked(200.0, 1.5) == 30.0
+    assert asked(200.0, 0.5) == 25.0
+    assert asked(-33.9, 1.0) == 5.0
+
+
+def test_only_the_last_edit_says_whether_calm_is_asked_for() -> None:
+    smooth = Edit(("mouth_opening",), Op.SMOOTH, 1.0, 5.0, 0.0, 0.05)
+    assert (ask(smooth).calm[HELD, MOUTH] == 1).all()
+    assert not np.delete(ask(smooth).calm, MOUTH, axis=1).any()
+    assert not ask(smooth, mouth(Op.OFFSET, 2.0)).calm[HELD, MOUTH].any()
 
 
 def test_edit_beyond_the_take_asks_for_nothing() -> None:

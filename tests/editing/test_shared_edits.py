@@ -12,7 +12,7 @@ from support.sessions import session_by_networks, session_by_rig, shipped_engine
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.names import canonical_channel
-from faceedit_app.core.regions import MODELLED_CHANNELS
+from faceedit_app.core.regions import ACCOMPANYING_CHANNELS, MODELLED_CHANNELS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import SPILL
@@ -20,6 +20,10 @@ from faceedit_app.formats.opening import open_take
 
 LIVELINK = sorted((SHARED / "data" / "livelink").glob("*.csv"))
 START, END, FALLOFF = 20.0, 20.4, 0.2
+
+# What an edit may change.
+EDITED = [ARKIT_INDEX[c] for c in (*MODELLED_CHANNELS, *ACCOMPANYING_CHANNELS)]
+CARRIED = [i for i in range(52) if i not in EDITED]
 
 pytestmark = pytest.mark.skipif(
     not LIVELINK, reason="no real takes here; FACEEDIT_SHARED may name their folder"
@@ -64,16 +68,14 @@ def test_one_edit_of_a_real_take(
     assert np.all(moved[open_to_move] * np.sign(millimetres) > 0)
     assert np.median(moved[open_to_move] / asked[open_to_move]) > 0.8
 
-    modelled = [ARKIT_INDEX[c] for c in MODELLED_CHANNELS]
     written = again.clip.arkit_weights()
     assert np.isfinite(written).all()
-    touched = (written != tracked.arkit_weights())[:, modelled]
-    values, before = written[:, modelled], tracked.arkit_weights()[:, modelled]
+    touched = (written != tracked.arkit_weights())[:, EDITED]
+    values, before = written[:, EDITED], tracked.arkit_weights()[:, EDITED]
     assert values[touched].min() >= 0
     # A tracked value above 1 is let go of as the edit fades in, never raised.
     assert np.all(values[touched] <= np.maximum(before, 1)[touched])
-    carried = [i for i in range(52) if i not in modelled]
-    np.testing.assert_array_equal(written[:, carried], tracked.arkit_weights()[:, carried])
+    np.testing.assert_array_equal(written[:, CARRIED], tracked.arkit_weights()[:, CARRIED])
 
 
 @every_take
@@ -90,13 +92,12 @@ def test_wild_edits_of_a_real_take_stay_within_what_a_face_can_do(path: Path) ->
         Edit(("mouth_opening",), Op.OFFSET, START, START + frame, 0.0, 80.0),
         Edit(("left_eyelid", "right_eyelid"), Op.OFFSET, 0.0, 1e4, 0.0, -20.0),
     )
-    modelled = [ARKIT_INDEX[c] for c in MODELLED_CHANNELS]
     tracked = session.take.clip.arkit_weights()
     changed = session.weights != tracked
     assert np.isfinite(session.weights).all()
     assert session.weights[changed].min() >= 0
     assert session.weights[changed].max() <= 1
-    assert not changed[:, [i for i in range(52) if i not in modelled]].any()
+    assert not changed[:, CARRIED].any()
     eyes = session.achieved[:, [CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["right_eyelid"]]]
     assert np.percentile(eyes, 95) < 1.5  # mm: closed
     assert session.achieved[:, CONTROL_INDEX["mouth_opening"]].max() < 60

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.media.encode import write_film
+from faceedit_app.lab.evaluation.film_file import write_film
 from faceedit_app.render.camera import default_camera
 from faceedit_app.render.renderer import open_renderer
 from support.faces import shipped_rig

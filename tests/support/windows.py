@@ -95,6 +95,7 @@ class Bench:
             *("open", "export", "save_edits", "load_edits", "save_project", "unsaved"),
             *("overwrite", "export_as", "film", "stop_film", "film_to_track", "save_take"),
             *("live", "record", "record_name"),
+            "save_side_by_side",
         ):
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
         monkeypatch.setattr(loading, "load_character", shipped_rig)

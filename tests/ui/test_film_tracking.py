@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
-from support.face_films import face_pictures, make_face_film, speaking
+from support.face_films import RATE, SIZE, face_pictures, make_face_film, speaking
 from support.films import make_film
 from support.media import editor_of, settle
 from support.tracker import needs_tracker
 from support.windows import Bench, drop, open_path, session_of, trigger
 
 from faceedit_app import tracking
-from faceedit_app.tracking import tracker
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.tracking import side_by_side, tracker
 from faceedit_app.ui.commands.tracking import suggested_take
 from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 from faceedit_app.ui.start.window import MainWindow
@@ -61,7 +62,7 @@ def test_a_film_becomes_a_take_beside_its_film(bench: Bench, own: Path) -> None:
     assert window.media.film is not None
     assert window.media.film.path == own
     assert not bench.errors
-    bench.qtbot.waitUntil(lambda: window.media.overlay.exists)
+    bench.qtbot.waitUntil(lambda: window.media.overlay.stored is not None)
     screen = editor_of(window).film.screen_
     bench.qtbot.waitUntil(lambda: screen.index == screen.wanted)
     shown = screen.grab().toImage()
@@ -132,3 +133,44 @@ def test_the_name_of_a_take_that_exists_is_not_suggested(tmp_path: Path) -> None
     assert suggested_take(tmp_path / "me.mov") == tmp_path / "me.csv"
     (tmp_path / "me.csv").touch()
     assert suggested_take(tmp_path / "me.mov") == tmp_path / "me_tracked.csv"
+
+
+def test_film_and_face_are_exported_side_by_side(
+    bench: Bench, own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[side_by_side.Shown] = []
+
+    def noted(output: Path, shown: side_by_side.Shown, _rig: object) -> tuple[Path, Path]:
+        made.append(shown)
+        return output.with_suffix(".png"), output
+
+    monkeypatch.setattr(side_by_side, "write_side_by_side", noted)
+    window = bench.window()
+    take = own.with_name("face.csv")
+    bench.answers |= {"film_to_track": own, "save_take": take}
+    trigger(window, "track_film")
+    tracked(bench, window, take)
+    bench.qtbot.waitUntil(lambda: window.media.overlay.stored is not None)
+    add = Edit(("mouth_opening",), Op.OFFSET, 0.2, 0.5, 0.1, 4.0)
+    session_of(window).add(add)
+    bench.answers["save_side_by_side"] = own.with_name("both.mp4")
+    trigger(window, "side_by_side")
+    bench.qtbot.waitUntil(lambda: "both.mp4" in window.status.currentMessage() and bool(made))
+    (shown,) = made
+    assert shown.film == own
+    assert shown.rows.tolist() == list(range(25))
+    assert shown.sure.all()
+    assert len(shown.faces) == 2
+    assert shown.places(3) is not None
+
+
+def test_a_face_that_comes_later_keeps_its_film_in_time(bench: Bench, tmp_path: Path) -> None:
+    dark = [np.full((SIZE, SIZE, 3), 60, np.uint8)] * 6
+    film = make_face_film(tmp_path / "late.mp4", [*dark, *face_pictures(speaking(14))])
+    window = bench.window()
+    bench.answers |= {"film_to_track": film, "save_take": tmp_path / "late.csv"}
+    trigger(window, "track_film")
+    tracked(bench, window, tmp_path / "late.csv")
+    assert window.media.film is not None
+    assert window.media.film.offset == pytest.approx(-6 / RATE, abs=1e-3)
+    assert window.document.is_clean

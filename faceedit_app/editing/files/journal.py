@@ -340,6 +340,10 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
         elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # no gesture was made
             with contextlib.suppress(OSError):
                 path.unlink()
+    for path in (folder or journal_folder()).glob(f"*{_NEW_SUFFIX}"):  # left by a crash
+        with contextlib.suppress(OSError):
+            if time.time() - path.stat().st_mtime > _YOUNG:
+                path.unlink()
     found.sort(key=lambda pending: pending.when, reverse=True)
     return [pending for k, pending in enumerate(found) if not _is_repeated(pending, found[:k])]
 

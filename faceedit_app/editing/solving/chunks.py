@@ -72,6 +72,7 @@ class Chunks:
     Attributes:
         rows: (n + 1,) the first frame of each chunk, then the number of frames.
         grid_ranges: (n, 2) the grid frames that the networks answer for each chunk.
+        own_ranges: (n, 2) those of them that lie in the chunk itself.
     """
 
     def __init__(
@@ -81,6 +82,7 @@ class Chunks:
         length = -(-CHUNK // scale) * scale
         starts = length * np.arange(max(-(-grid // length), 1))
         self.rows = np.append(np.searchsorted(times, starts / GRID_RATE - SLACK), len(times))
+        self.own_ranges = np.stack([starts, np.minimum(starts + length, grid)], axis=1)
         # Interpolation reads the grid frame before a frame and the two after it.
         margin = -(-(context + 3) // scale) * scale
         self.grid_ranges = np.stack(
@@ -96,6 +98,12 @@ class Chunks:
     def of_frame(self, frame: int) -> int:
         """The chunk that contains a frame."""
         return int(np.searchsorted(self.rows, frame, side="right")) - 1
+
+    def spread(self, most: int) -> list[int]:
+        """Up to `most` chunks with frames, evenly spread over the take."""
+        filled = np.flatnonzero(np.diff(self.rows) > 0)
+        places = np.linspace(0, len(filled) - 1, min(most, len(filled))).round().astype(np.intp)
+        return [int(chunk) for chunk in filled[places]]
 
     def slice(self, chunk: int) -> slice:
         """A chunk's frames."""

@@ -79,6 +79,8 @@ class Companions:
 
     def leads(self, edit: Edit) -> bool:
         """Whether any curve may follow an edit."""
+        if edit.op is Op.SMOOTH:  # shaking is no movement that others join in
+            return False
         named = {*edit.controls}
         return edit.companions is not Company.STAY and any(
             group.leaders & named and not {*group.followers} <= named
@@ -108,6 +110,8 @@ class Companions:
             (N, C) mm to add; 0 for the edit's own curves.
         """
         added = np.zeros_like(change)
+        if not self.leads(edit):
+            return added
         named = {*edit.controls}
         for group in self._groups[edit.companions]:
             free = [name not in named for name in group.followers]

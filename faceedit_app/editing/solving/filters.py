@@ -20,6 +20,20 @@ def gaussian(curve: Doubles, sigma: float) -> Doubles:
     return np.convolve(np.pad(curve, half_width, mode="edge"), kernel / kernel.sum(), mode="valid")
 
 
+def smoothed(curves: Doubles, sigma: float) -> Doubles:
+    """Curves (T, C), each smoothed as by `gaussian`; faster, for narrow Gaussians."""
+    half_width = int(4 * sigma + 0.5)
+    kernel = np.exp(-0.5 * (np.arange(half_width + 1) / sigma) ** 2)
+    kernel /= kernel[0] + 2 * kernel[1:].sum()
+    wide = np.pad(curves, ((half_width, half_width), (0, 0)), mode="edge")
+    count = len(curves)
+    smooth: Doubles = kernel[0] * curves
+    for step in range(1, half_width + 1):
+        before, after = half_width - step, half_width + step
+        smooth += kernel[step] * (wide[before : before + count] + wide[after : after + count])
+    return smooth
+
+
 def moving_mean(curves: Doubles, window: int) -> Doubles:
     """The mean of `window` frames around each frame of curves (T, C); the ends are repeated."""
     before = window // 2

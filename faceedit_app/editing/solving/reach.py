@@ -17,19 +17,23 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.rig import Distances
 
-ITERATIONS = 6
+ITERATIONS = 4
 # Shorter steps, tried if a full one leads farther away.
-STEPS = np.array([0.7, 0.4, 0.2, 0.1, 0.0])
+STEPS = np.array([0.6, 0.3, 0.1, 0.0])
 # A frame is done if its weights moved by no more than this: the next step would be a small part of
 # that, far too small to see.
 SETTLED = 2e-3
 # It is also done if its controls are at their targets: one that was asked for, within 0.016 mm.
 MET = 0.1
+# Or if a step has brought it this little nearer, as a share of what was left.
+GAIN = 0.1
 # Precision of controls that were asked for, and how much the others may give way, mm.
 ASKED_MM = 0.05
 FREE_MM = 1.5
 # mm that a control may lack before the search is repeated from the other side.
 MISSED_MM = 1.0
+# mm: lids that a tracker has closed too far are parted in full only if they are to be this open.
+APART_MM = 1.0
 # The longest change that still counts as natural, in standard deviations of the prior.
 NATURAL_LENGTH = 4.0
 
@@ -43,11 +47,24 @@ class Goal:
         strength: (N, C) in 0..1, how far to go from the present length to the target.
         asked: (N, C) bool, whether the user asked for this control; the others stay near their
             targets and give way.
+        tolerance: (N, C) mm that a control may miss its target by, added to what all may.
     """
 
     targets: Doubles
     strength: Doubles
     asked: Bools
+    tolerance: Doubles | float = 0.0
+
+    def targets_from(self, lengths: Doubles) -> Doubles:
+        """(N, C) mm where to go from present lengths."""
+        return lengths + self.strength * (self.targets - lengths)
+
+    def at(self, rows: Indices) -> Goal:
+        """The goal on some of the frames."""
+        tolerance = self.tolerance
+        if not isinstance(tolerance, float):
+            tolerance = tolerance[rows]
+        return Goal(self.targets[rows], self.strength[rows], self.asked[rows], tolerance)
 
 
 class Reach:
@@ -58,6 +75,9 @@ class Reach:
         channels: (K,) columns that may change.
         covariance: (K, K) of the channels in performances.
         coupled: positions (a, b) in `channels` with weight a <= weight b (mouthClose, jawOpen).
+        natural: (K, K) by which the length of a change is judged; None = `covariance`. A take
+            that hardly moves is not a face that can hardly move.
+        wide: (K, K) covariance for changes that `covariance` does not know; None = `covariance`.
     """
 
     def __init__(
@@ -66,48 +86,68 @@ class Reach:
         channels: Indices,
         covariance: Doubles,
         coupled: tuple[int, int] | None = None,
+        natural: Doubles | None = None,
+        wide: Doubles | None = None,
     ) -> None:
         self._distances, self._channels = distances, channels
         self._covariance, self._coupled = covariance, coupled
+        self._more = None if wide is None else wide - covariance
+        natural = covariance if natural is None else natural
         gradients = distances.gradients[channels].astype(np.float64)  # (K, C, 3)
         self._moves = gradients.reshape(len(channels), -1)
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
-        self._precision = np.linalg.inv(covariance + 1e-6 * np.eye(len(covariance)))
+        self._precision = np.linalg.inv(natural + 1e-6 * np.eye(len(natural)))
 
     def __call__(
-        self, weights: Doubles, goal: Goal, upper: Doubles, naturalness: float = 1.0
+        self,
+        weights: Doubles,
+        goal: Goal,
+        upper: Doubles,
+        naturalness: float = 1.0,
+        lower: Doubles | None = None,
+        exempt: Bools | None = None,
+        share: Doubles | None = None,
     ) -> Doubles:
         """The new weights (N, K) of the channels.
 
         Args:
             weights: (N, 52) present weights, of which those of `channels` may change.
             goal: see `Goal`.
-            upper: (N, K) largest allowed weights; the smallest is 0.
+            upper, lower: (N, K) largest and smallest allowed weights; by default, the smallest
+                is 0. A weight that is beyond a bound already may stay there.
             naturalness: 1 limits the length of the change to `NATURAL_LENGTH`, 0 does not.
+            exempt: (N,) frames whose change may have any length; None = none of them.
+            share: (N,) in 0..1, how far the wide covariance takes the place of the other.
         """
         start, vectors = weights[:, self._channels], self._distances.vectors(weights)
-        targets = np.maximum(self._distances.lengths(vectors), 0.0)
-        targets += goal.strength * (goal.targets - targets)
-        noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2
-        frames = _Frames(start, np.minimum(start, 0.0), upper, vectors, targets, noise)
-        limit = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
-        change, lengths = self._search(frames, limit, passed=False)
+        lengths = self._distances.lengths(vectors)
+        targets = goal.targets_from(np.maximum(lengths, 0.0))
+        # Vertices that have passed each other come apart little by little.
+        targets += np.minimum(lengths, 0.0) * np.clip(1.0 - targets / APART_MM, 0.0, 1.0)
+        noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2 + np.square(goal.tolerance)
+        lower = np.minimum(start, 0.0 if lower is None else lower)
+        longest = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
+        limit = np.full(len(start), longest)
+        if exempt is not None:
+            limit[exempt] = np.inf
+        share = np.zeros(len(start)) if share is None else share
+        frames = _Frames(start, lower, upper, vectors, targets, noise, limit, share)
+        change, lengths = self._search(frames)
         # Pressed lips may have passed each other: opening them then begins with what seems to
         # close them.
         missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
         if len(missed):
             those = frames.at(missed)
-            other, there = self._search(those, limit, passed=True)
+            other, there = self._search(those, passed=True)
             better = those.cost(there) < those.cost(lengths[missed])
             change[missed[better]] = other[better]
         # Rounding leaves weights such as -1e-17.
         return np.clip(start + change, frames.lower, np.maximum(start, upper))
 
-    def _search(self, frames: _Frames, limit: float, passed: bool) -> tuple[Doubles, Doubles]:
+    def _search(self, frames: _Frames, passed: bool = False) -> tuple[Doubles, Doubles]:
         """The change of the channels (N, K), and the resulting lengths (N, C), mm.
 
         Args:
-            limit: the longest change, in standard deviations.
             passed: start as if each pair of vertices had passed each other.
         """
         found, there = np.empty_like(frames.start), np.empty_like(frames.targets)
@@ -116,14 +156,17 @@ class Reach:
         here = self._place(frames, frames.vectors)
         for iteration in range(ITERATIONS):
             slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
-            aim = self._step(slopes, wanted, frames.noise, change, frozen)
-            aim *= self._shortening(aim, limit)
+            aim = self._step(frames, slopes, wanted, change, frozen)
+            aim *= self._shortening(aim, frames.limit)
             allowed = frames.bounded(aim, self._coupled)
             stopped = frozen | (np.abs(allowed - aim) > 1e-9)
+            before = here.costs
             new, here = self._line_search(frames, here, change, allowed)
             found[rows], there[rows] = new, here.lengths
             moving = (np.abs(new - change) > SETTLED) | (stopped != frozen)
             going = moving.any(axis=1) & (here.costs > MET)
+            if iteration:  # bounds show in the first step, and are kept to from the second
+                going &= here.costs < (1.0 - GAIN) * before
             change, frozen = new, stopped
             if not going.any():
                 break
@@ -147,12 +190,7 @@ class Reach:
         return slopes, frames.targets - here.lengths + np.einsum("nck,nk->nc", slopes, change)
 
     def _step(
-        self,
-        slopes: Doubles,
-        wanted: Doubles,
-        noise: Doubles,
-        change: Doubles,
-        frozen: Bools,
+        self, frames: _Frames, slopes: Doubles, wanted: Doubles, change: Doubles, frozen: Bools
     ) -> Doubles:
         """The most probable change with slopes x change = wanted; frozen channels keep theirs."""
         rest, free, held = wanted, slopes, change
@@ -161,14 +199,17 @@ class Reach:
             rest = wanted - np.einsum("nck,nk->nc", slopes, held)
             free = np.where(frozen[:, None, :], 0.0, slopes)
         spread = (free.reshape(-1, len(self._covariance)) @ self._covariance).reshape(free.shape)
+        if self._more is not None and frames.share.any():
+            wide = np.flatnonzero(frames.share)
+            spread[wide] += frames.share[wide, None, None] * (free[wide] @ self._more)
         system = spread @ free.transpose(0, 2, 1)
         diagonal = np.arange(system.shape[1])
-        system[:, diagonal, diagonal] += noise
+        system[:, diagonal, diagonal] += frames.noise
         solved = np.linalg.solve(system, rest[:, :, None])  # (N, C, 1)
         moved: Doubles = (solved.transpose(0, 2, 1) @ spread)[:, 0]
         return np.where(frozen, held, moved)
 
-    def _shortening(self, change: Doubles, limit: float) -> Doubles:
+    def _shortening(self, change: Doubles, limit: Doubles) -> Doubles:
         """(N, 1) factors that limit the length of each frame's change."""
         length = np.sqrt(((change @ self._precision) * change).sum(axis=1))
         factor: Doubles = np.minimum(1.0, limit / np.maximum(length, 1e-9))[:, None]
@@ -233,6 +274,8 @@ class _Frames:
         vectors: (N, C, 3) mm.
         targets: (N, C) mm.
         noise: (N, C) mm², how exactly each target has to be met.
+        limit: (N,) the longest change, in standard deviations.
+        share: (N,) in 0..1, the part of the wide covariance.
     """
 
     start: Doubles
@@ -241,11 +284,14 @@ class _Frames:
     vectors: Doubles
     targets: Doubles
     noise: Doubles
+    limit: Doubles
+    share: Doubles
 
     def at(self, rows: Indices | Bools) -> _Frames:
         """Some of the frames."""
-        arrays = (self.start, self.lower, self.upper, self.vectors, self.targets, self.noise)
-        return _Frames(*(array[rows] for array in arrays))
+        arrays = (self.start, self.lower, self.upper, self.vectors)
+        more = (self.targets, self.noise, self.limit, self.share)
+        return _Frames(*(array[rows] for array in (*arrays, *more)))
 
     def bounded(self, change: Doubles, coupled: tuple[int, int] | None) -> Doubles:
         """The nearest allowed change."""
@@ -261,5 +307,6 @@ class _Frames:
 
         Pairs that have passed each other count as touching.
         """
-        costs: Doubles = ((self.targets - np.maximum(lengths, 0.0)) ** 2 / self.noise).sum(axis=-1)
+        lengths = np.maximum(lengths, np.minimum(self.targets, 0.0))
+        costs: Doubles = ((self.targets - lengths) ** 2 / self.noise).sum(axis=-1)
         return costs

@@ -29,11 +29,18 @@ class Request:
         hold: (N, C) in 0..1, how firmly each curve is asked for (the edits' masks).
         influence: (N, C) in 0..1, where the networks may answer: 1 in an edit's span, fading
             over `SPILL` seconds beyond it.
+        calm: (N, C) in 0..1, how far a curve is asked to be calm, rather than to be where it is
+            asked for to a fraction of a millimetre (the masks of smooths).
     """
 
     curves: Doubles
     hold: Doubles
     influence: Doubles
+    calm: Doubles
+
+    def at(self, rows: slice) -> Request:
+        """The request on some of the frames."""
+        return Request(self.curves[rows], self.hold[rows], self.influence[rows], self.calm[rows])
 
 
 def active(edits: Sequence[Edit]) -> tuple[Edit, ...]:
@@ -54,8 +61,12 @@ def request(
     medians: Doubles,
     edits: Sequence[Edit],
     companions: Companions | None = None,
+    limits: tuple[Doubles, Doubles] | None = None,
 ) -> Request:
     """Apply `edits` in order to the tracked controls.
+
+    An edit that asks for more than a face can do asks for what it can do, before its strength
+    applies: half of far too much is half of all that is possible.
 
     Args:
         times: (N,) seconds.
@@ -63,9 +74,12 @@ def request(
         tracked: (N, C), mm.
         medians: (C,), mm: the take's median of each control, the fixed point of `scale`.
         companions: which curves follow which; None = no curve follows.
+        limits: (C,) mm each, the lowest and highest values that the take and a face can have;
+            None = 0 to `FARTHEST`.
     """
+    low, high = limits or (np.zeros(tracked.shape[1]), np.full(tracked.shape[1], FARTHEST))
     curves = tracked.astype(np.float64, copy=True)
-    hold, influence, claimed = (np.zeros_like(curves) for _ in range(3))
+    hold, influence, claimed, calm = (np.zeros_like(curves) for _ in range(4))
     for edit in active(edits):
         first, last = affected(edit)
         rows = slice(*map(int, np.searchsorted(times, (first - 1e-9, last + 1e-9))))
@@ -78,10 +92,10 @@ def request(
         for control in edit.controls:
             column = CONTROL_INDEX[control]
             wanted = _wanted(edit, rows, times, curves, tracked, medians, rate, column)
-            now = curves[rows, column]
-            # A distance cannot be negative; 0 is touching.
+            now, least, most = curves[rows, column], low[column], high[column]
+            wanted = np.clip(wanted, least, most)
             curves[rows, column] = np.where(
-                mask > 0, np.clip(now + share * (wanted - now), 0.0, FARTHEST), now
+                mask > 0, np.clip(now + share * (wanted - now), least, most), now
             )
             if edit.op is Op.RESET:
                 hold[rows, column] *= 1 - share
@@ -89,14 +103,17 @@ def request(
                 claimed[rows, column] *= 1 - share
             else:
                 hold[rows, column] = np.maximum(hold[rows, column], mask)
+                calmed = calm[rows, column]
+                smooths = edit.op is Op.SMOOTH
+                calm[rows, column] = np.maximum(calmed, mask) if smooths else calmed * (1 - mask)
                 influence[rows, column] = np.maximum(influence[rows, column], spread)
         if companions is not None and before is not None:
             added = companions.follow(edit, curves[rows] - before, claimed[rows])
-            moved = np.clip(curves[rows] + added, 0.0, FARTHEST)
+            moved = np.clip(curves[rows] + added, low, high)
             curves[rows] = np.where(added != 0, moved, curves[rows])
         for column in companions.claims(edit) if companions is not None else ():
             claimed[rows, column] = np.maximum(claimed[rows, column], mask)
-    return Request(curves, hold, influence)
+    return Request(curves, hold, influence, calm)
 
 
 def _spread(edit: Edit, times: Times) -> Doubles:
@@ -168,9 +185,3 @@ def _smooth(curve: Doubles, rows: slice, edit: Edit, rate: float) -> Doubles:
 def _drawn(edit: Edit, times: Times) -> Doubles:
     drawn: Doubles = np.interp(times, *edit.polyline)
     return drawn
-
-
-def region_influence(request: Request, controls: Sequence[str]) -> Doubles:
-    """(N,) in 0..1, where a region that listens to `controls` may answer."""
-    influence: Doubles = request.influence[:, [CONTROL_INDEX[c] for c in controls]].max(axis=1)
-    return influence

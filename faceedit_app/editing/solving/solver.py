@@ -3,6 +3,10 @@
 The take is computed in chunks; see `chunks.py` for what a chunk's result depends on. So undo needs
 no copies, an export has the same bytes whatever led to the edits, and moving an edit recomputes
 only the chunks that it touches.
+
+A request is divided into a slow and a quick part. The networks, corrected by the take's own last
+layer, answer the slow part. The quick part, most of it shaking that a smooth takes away, is
+answered by the channels that move quickly in this take, so that none begins to shake that did not.
 """
 
 from __future__ import annotations
@@ -14,21 +18,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Bools, Doubles, Floats
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS
-from faceedit_app.core.regions import REGIONS, Region
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
-from faceedit_app.core.rig import Distances, Rig
+from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.edits.settings import Mode, Settings
-from faceedit_app.editing.solving.answerable import find_lacks, region_covariance, without
+from faceedit_app.editing.solving.accompanying import across
+from faceedit_app.editing.solving.answerable import find_lacks, without
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
+from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
-from faceedit_app.editing.solving.reach import Goal, Reach
-from faceedit_app.editing.solving.request import Request, region_influence, request
+from faceedit_app.editing.solving.filters import smoothed
+from faceedit_app.editing.solving.last_layer import LastLayer
+from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
+from faceedit_app.editing.solving.request import Request, request
+from faceedit_app.editing.solving.take_statistics import IDLE
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
@@ -36,8 +45,15 @@ if TYPE_CHECKING:  # the window is there before the networks
 # Changed weights are multiples of this. The last bits of a matrix product depend on the processor;
 # rounded, nearly all weights are the same on every one. It moves a jaw by less than a micrometre.
 DECIMALS = 5
-# How far beyond the range seen in training a curve is followed, as a share of that range.
-BEYOND = 0.1
+# Chunks that the statistics of a take are measured on: 12 are 100 s.
+SAMPLED = 12
+# Results of regions that are kept.
+REMEMBERED = 12
+# Seconds of standard deviation of the Gaussian that divides a request into slow and quick.
+QUICK = 0.04
+# The take's closed lips: this percentile of its opening, if that is less than so many mm; else the
+# opening of closed lips in other performances.
+_SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
 
 
 @dataclass(frozen=True)
@@ -68,6 +84,9 @@ class Solver:
         self.controls = self.distances.measure(self.tracked)
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
+        opening = self.controls[:, CONTROL_INDEX[LIP_OPENING]]
+        shut = float(np.percentile(opening, _SHUT_PERCENTILE))
+        self.shut = shut if shut < _SHUT_MOST else _SHUT  # mm between closed lips
         self.use_engine(engine)
 
     def use_engine(self, engine: Engine | None) -> None:
@@ -79,17 +98,32 @@ class Solver:
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
         self.chunks = Chunks(clip.times, clip.rate, len(self.grid), scale, context)
         may = present if "jawOpen" in present else present - {"mouthClose"}
+        self._sample = self._measure()
         self._parts = {
-            region.id: _Part(region, engine, self.distances, may, self._missing)
+            region.id: Part(region, engine, self.distances, may, self._missing, self._sample)
             for region in REGIONS
         }
+        # Brows move lids a little; the mouth, which is edited most, comes last.
+        self._in_order = sorted(self._parts.items(), key=lambda entry: len(entry[1].own))
         self._companions = Companions(
             {part.own: part.control_covariance() for part in self._parts.values()}
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
         self._answers = Answers(engine, self.grid) if engine else None
+        moves = self._sample.high - self._sample.low > IDLE
+        used = [c for c in self.clip.channels if moves[ARKIT_INDEX[c]]]
+        self._across = across(used, self._sample.weights, self._sample.low, self.distances)
+        self._combining = {
+            name: Combining(part, self.shut, QUICK * clip.rate)
+            for name, part in self._parts.items()
+        }
+        self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
+        self._layers: dict[tuple[str, float], LastLayer] = {}
+        for name in self._parts if engine else ():
+            self._last_layer(name, Settings())  # now, so that the first drag need not wait for it
         self.limits = self._limits()
+        self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
         self.use_character(self._theirs)
 
     def use_character(self, theirs: Rig | None) -> None:
@@ -107,6 +141,51 @@ class Solver:
             if theirs is not None
             else None
         )
+
+    def _measure(self) -> Sample:
+        """The part of the take that its statistics are measured on."""
+        times = self.clip.times
+        weights, frames, curves = [], [], []
+        self._sampled = self.chunks.spread(SAMPLED)
+        for chunk in self._sampled:
+            first, last = (int(i) for i in self.chunks.own_ranges[chunk])
+            rows = self.chunks.slice(chunk)
+            near = slice(max(rows.start - 3, 0), rows.stop + 3)
+            weights.append(to_grid(times[near], self.tracked[near], first, last))
+            frames.append(self.tracked[rows].astype(np.float64))
+            curves.append(self.grid[first:last])
+        return Sample(
+            weights,
+            frames,
+            curves,
+            low=self.tracked.min(axis=0).astype(np.float64),
+            high=self.tracked.max(axis=0).astype(np.float64),
+            shortest=self.controls.min(axis=0).astype(np.float64),
+            longest=self.controls.max(axis=0).astype(np.float64),
+            seconds=self.clip.duration,
+        )
+
+    def _last_layer(self, region: str, settings: Settings) -> LastLayer | None:
+        """The take's own last layer of a region; None if it has no part in the answer."""
+        if self.engine is None or settings.mode is Mode.RESYNTHESIZE:
+            return None
+        return self._fitted_layer(region, settings.naturalness, self.engine)
+
+    def _fitted_layer(self, region: str, naturalness: float, engine: Engine) -> LastLayer:
+        """Linear in naturalness, as the answers are."""
+        if 0 < naturalness < 1:
+            ends = (self._fitted_layer(region, end, engine) for end in (0.0, 1.0))
+            return next(ends).towards(next(ends), naturalness)
+        key = region, naturalness
+        if key not in self._layers:
+            answers = []
+            for chunk in self._sampled:
+                own = self.chunks.own_ranges[chunk]
+                first, last = (int(i) for i in self.chunks.grid_ranges[chunk])
+                answer = engine.answer(region, self.grid[first:last], naturalness)
+                answers.append(answer[own[0] - first : own[1] - first])
+            self._layers[key] = self._parts[region].last_layer(answers, self._sample)
+        return self._layers[key]
 
     def _limits(self) -> list[tuple[float, float]]:
         """The lowest and highest value of each control that a face, or this take, can have, mm.
@@ -137,26 +216,50 @@ class Solver:
         rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
         tracked = self.controls[near].astype(np.float64)
         times, rate = self.clip.times[near], self.clip.rate
-        asked = request(times, rate, tracked, self.medians, task.edits, self._companions)
+        asked = request(
+            times, rate, tracked, self.medians, task.edits, self._companions, self._limit_arrays
+        )
         inner = slice(rows.start - near.start, rows.stop - near.start)
-        mine = Request(asked.curves[inner], asked.hold[inner], asked.influence[inner])
-        weights = self.tracked[rows].astype(np.float64)
-        wanted = self._believable(asked.curves, tracked)
+        mine = asked.at(inner)
+        before = self.tracked[rows].astype(np.float64)
+        weights = before.copy()
         influences = {}
-        for name, part in self._parts.items():
-            influence = region_influence(mine, part.listens_to)
+        for name, part in self._in_order:
+            influence = part.influence(mine.influence)
             if name in task.regions:
                 influence = np.ones_like(influence)
             if influence.any():
                 influences[name] = influence
-        answers = self._answer(task, tuple(influences), wanted - tracked)
-        for name, influence in influences.items():
-            self._combine(weights, self._parts[name], answers[name], influence, rows, settings)
-        for name in influences:
-            self._reach(weights, self._parts[name], mine, wanted[inner], settings)
+        if influences:
+            change = self._wanted_change(asked, tracked)
+            slow = smoothed(change, QUICK * rate)
+            answers = self._answer(task, tuple(influences), slow)
+            change, slow = change[inner], slow[inner]
+            for name, influence in influences.items():
+                part = self._parts[name]
+                heard, own = part.layer_columns, part.own_columns
+                wanted = RegionRequest(
+                    settings=settings,
+                    layer=self._last_layer(name, settings),
+                    answer=answers[name],
+                    unlike=part.unlike(change[:, own]),
+                    influence=influence,
+                    slow=slow[:, heard],
+                    before=tracked[inner][:, heard],
+                    quick=(change - slow)[:, own],
+                    tracked=tracked[inner][:, own],
+                    wanted=(tracked[inner] + change)[:, own],
+                    hold=mine.hold[:, own],
+                    calm=mine.calm[:, own],
+                )
+                self._solve_region(task.chunk, name, weights, wanted)
+            if settings.mode is Mode.PRESERVE:
+                for each in self._across:
+                    each.join(weights, before, mine.hold, mine.calm)
         result = weights.astype(np.float32)
         if self._closing is not None and settings.closes:
-            result = self._closing(result, influences)
+            share = {name: influence.max(axis=1) for name, influence in influences.items()}
+            result = self._closing(result, share)
         result = _rounded(result, self.tracked[rows])
         controls = self.distances.measure(result)
         # The last bits of a matrix product depend on the number of frames.
@@ -164,11 +267,22 @@ class Solver:
         controls[same] = self.controls[rows][same]
         return Patch(mine.curves.astype(np.float32), result, controls)
 
-    def _believable(self, curves: Doubles, tracked: Doubles) -> Doubles:
-        """(N, C) mm: the curves, limited to what faces do or this take already does."""
+    def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
+        """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
+
+        Curves that nobody asked for take the most probable change.
+        """
         low, high = np.minimum(self._low, tracked), np.maximum(self._high, tracked)
-        believable: Doubles = np.minimum(np.maximum(curves, low), high)
-        return believable
+        wanted = np.minimum(np.maximum(asked.curves, low), high)
+        lips = CONTROL_INDEX[LIP_OPENING]
+        shut = np.minimum(self.shut, tracked[:, lips])
+        wanted[:, lips] = np.maximum(wanted[:, lips], shut)
+        change: Doubles = wanted - tracked
+        for part in self._parts.values():
+            own = part.own_columns
+            if len(own):
+                change[:, own] = part.expectation.fill(change[:, own], asked.hold[:, own] > 0)
+        return change
 
     def _answer(
         self, task: ChunkTask, regions: tuple[str, ...], change: Doubles
@@ -180,60 +294,48 @@ class Solver:
         """
         rows, settings = self.chunks.slice(task.chunk), task.settings
         resynthesize = settings.mode is Mode.RESYNTHESIZE
-        if self._answers is None:
-            share, tracked = float(resynthesize), self.tracked[rows].astype(np.float64)
-            return {name: share * tracked[:, self._parts[name].columns] for name in regions}
-        if not regions:
-            return {}
+        answers = {name: self._unanswered(name, rows, resynthesize) for name in regions}
+        if self._answers is None or not regions:
+            return answers
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
         times = self.clip.times[slice(*task.near)]
         edited = self.grid[first:last] + to_grid(times, change, first, last)
         grid_range = first, last
-        answers = self._answers.to(regions, grid_range, edited, settings.naturalness)
+        found = self._answers.to(regions, grid_range, edited, settings.naturalness)
         if not resynthesize:
             unedited = self._answers.to_tracked(regions, grid_range, settings.naturalness)
-            answers = {name: answer - unedited[name] for name, answer in answers.items()}
-        stacked = np.concatenate([answers[name] for name in regions], axis=1)
-        ends = np.cumsum([answers[name].shape[1] for name in regions])[:-1]
+            found = {name: answer - unedited[name] for name, answer in found.items()}
+        stacked = np.concatenate([found[name] for name in regions], axis=1)
+        ends = np.cumsum([found[name].shape[1] for name in regions])[:-1]
         parts = np.split(from_grid(stacked, first, self.clip.times[rows]), ends, axis=1)
-        return dict(zip(regions, parts, strict=True))
+        for name, answer in zip(regions, parts, strict=True):
+            if resynthesize:
+                answers[name][:, : answer.shape[1]] = answer
+            else:
+                answers[name] = answer
+        return answers
 
-    def _combine(
-        self,
-        weights: Doubles,
-        part: _Part,
-        answer: Doubles,
-        influence: Doubles,
-        rows: slice,
-        settings: Settings,
-    ) -> None:
-        """Combine the networks' answer with the chunk's weights, within bounds."""
-        columns = part.columns[part.have]
-        answer = answer[:, part.have]
-        old = weights[:, columns]
-        if settings.mode is Mode.PRESERVE:
-            answer = old + influence[:, None] * answer
-        new = np.clip(answer, np.minimum(old, 0.0), _upper(old, influence))
-        weights[:, columns] = np.where(influence[:, None] > 0, new, old)
-        if "mouthClose" in part.region.channels:
-            _couple(weights, self.tracked[rows], influence > 0)
+    def _unanswered(self, name: str, rows: slice, resynthesize: bool) -> Doubles:
+        """(N, K) what stands in for the networks' answer if there is none."""
+        part = self._parts[name]
+        if resynthesize:
+            return self.tracked[rows][:, part.columns].astype(np.float64)
+        return np.zeros((rows.stop - rows.start, len(part.region.channels)))
 
-    def _reach(
-        self, weights: Doubles, part: _Part, mine: Request, wanted: Doubles, settings: Settings
-    ) -> None:
-        """Bring the region's own controls the rest of the way to what was asked for."""
-        where = np.flatnonzero(mine.hold[:, part.own_columns].any(axis=1))
-        if not len(where) or part.reach is None or settings.reach == 0:
-            return
-        columns = part.columns[part.have]
-        hold = mine.hold[np.ix_(where, part.own_columns)]
-        asked = hold > 0
-        strength = np.where(asked, hold, hold.max(axis=1, keepdims=True))
-        here = weights[where]
-        influence = region_influence(mine, part.listens_to)[where]
-        goal = Goal(wanted[np.ix_(where, part.own_columns)], settings.reach * strength, asked)
-        upper = _upper(here[:, columns], influence)
-        weights[np.ix_(where, columns)] = part.reach(here, goal, upper, settings.naturalness)
+    def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
+        """Put a region's weights into those of a chunk (N, 52).
+
+        The last result is kept: a drag changes one region, and the others ask for the same again.
+        """
+        part = self._parts[name]
+        seen = weights[:, part.sees]
+        known = self._solved.pop((chunk, name), None)
+        if known is None or not (np.array_equal(known[1], seen) and known[0].equals(asked)):
+            known = asked, seen, self._combining[name](weights, asked)
+        self._solved[chunk, name] = known
+        while len(self._solved) > REMEMBERED:
+            del self._solved[next(iter(self._solved))]  # the least recently used
+        weights[:, part.columns[part.have]] = known[2]
 
 
 def _rounded(weights: Floats, tracked: Floats) -> Floats:
@@ -245,73 +347,3 @@ def _rounded(weights: Floats, tracked: Floats) -> Floats:
     over = (result[:, lips] > result[:, jaw]) & (weights[:, lips] <= weights[:, jaw])
     result[over, lips] = result[over, jaw]
     return result
-
-
-class _Part:
-    """What the solver needs to know about a region, computed once.
-
-    Attributes:
-        own: ids of the controls that it moves, in columns `own_columns`; the upper face has none.
-        listens_to: ids of the controls that its networks or reach answer.
-        columns: (K,) its channels among the 52.
-        have: positions of the channels that may change, because the take has them.
-        reach: brings its own controls to a goal; None if it has none or no channel may change.
-    """
-
-    def __init__(
-        self,
-        region: Region,
-        engine: Engine | None,
-        distances: Distances,
-        may: frozenset[str],
-        missing: frozenset[str],
-    ) -> None:
-        self.region = region
-        self._model = engine.models[region.id].description if engine else None
-        self.own = tuple(name for name in region.own if name not in missing)
-        self.own_columns = np.array([CONTROL_INDEX[name] for name in self.own], np.intp)
-        self._distances = distances.select(self.own_columns)
-        heard = self._model.controls if self._model else region.controls
-        self.listens_to = tuple(dict.fromkeys((*heard, *self.own)))
-        self.columns = np.array([ARKIT_INDEX[c] for c in region.channels], np.intp)
-        self.have = np.array([i for i, c in enumerate(region.channels) if c in may], np.intp)
-        self._covariance = region_covariance(region, engine)
-        names = [region.channels[i] for i in self.have]
-        both = {"mouthClose", "jawOpen"} <= set(names)
-        coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
-        self.reach: Reach | None = None
-        if len(self.own) and len(self.have):
-            covariance = self._covariance[np.ix_(self.have, self.have)]
-            self.reach = Reach(self._distances, self.columns[self.have], covariance, coupled)
-
-    def control_covariance(self) -> Doubles:
-        """(C, C) mm²: the covariance of its own controls, linearised at rest."""
-        rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
-        slopes = self._distances.jacobian(rest)[1][0][:, self.columns].astype(np.float64)
-        covariance: Doubles = slopes @ self._covariance @ slopes.T
-        return covariance
-
-    def limits(self) -> tuple[Doubles, Doubles]:
-        """(C,) mm: the lowest and highest values to which its controls are followed."""
-        low, high = np.full(len(CONTROLS), -np.inf), np.full(len(CONTROLS), np.inf)
-        if self._model is not None:
-            heard = [CONTROL_INDEX[control] for control in self._model.controls]
-            slack = BEYOND * (self._model.high - self._model.low)
-            low[heard], high[heard] = self._model.low, self._model.high + slack
-        return low, high
-
-
-def _upper(old: Doubles, influence: Doubles) -> Doubles:
-    """The largest weight: 1; a tracked value above 1 is reduced only as the edit fades in."""
-    return 1.0 + np.maximum(old - 1.0, 0.0) * (1.0 - influence[:, None])
-
-
-def _couple(weights: Doubles, tracked: Floats, where: Bools) -> None:
-    """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
-
-    If the take itself exceeds this, the same excess is allowed.
-    """
-    close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
-    slack = np.maximum(tracked[:, close].astype(np.float64) - tracked[:, jaw], 0.0)
-    limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
-    weights[where, close] = limit[where]

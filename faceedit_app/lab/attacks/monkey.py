@@ -14,7 +14,7 @@ from typing import Any
 from PySide6.QtCore import QCoreApplication, QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QWidget
+from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QDialog, QWidget
 
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow
@@ -64,6 +64,9 @@ class Monkey:
         one = self._chance.choice(doing)
         self.last = one.__name__
         one()
+        for dialog in self._window.findChildren(QDialog):
+            if dialog.isVisible() and self._chance.random() < 0.5:
+                dialog.close()
 
     def command(self) -> None:
         """Choose a command from the menus, if it is enabled."""

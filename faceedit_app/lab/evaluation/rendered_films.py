@@ -13,7 +13,7 @@ from faceedit_app.core.arrays import Doubles, Floats, Pixels, Times
 from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
 from faceedit_app.formats.opening import open_take
-from faceedit_app.media.encode import write_film
+from faceedit_app.lab.evaluation.film_file import write_film
 from faceedit_app.render.camera import default_camera
 from faceedit_app.render.renderer import open_renderer
 

@@ -314,6 +314,12 @@ def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
     return _save_name(parent, "Save the tracked take as", suggestion, kinds)
 
 
+def ask_save_side_by_side(parent: QWidget, suggestion: Path) -> Path | None:
+    """Where to write film and face side by side."""
+    kinds = "Films (*.mp4);;All files (*)"
+    return _save_name(parent, "Export film and face side by side", suggestion, kinds)
+
+
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the picture of the face."""
     return _save_name(parent, "Save picture", suggestion, PICTURES)

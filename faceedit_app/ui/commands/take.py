@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.formats.take import Take
@@ -110,7 +111,7 @@ class TakeCommands:
     @property
     def has_landmarks(self) -> bool:
         """Whether the take was tracked in its film."""
-        return self._media.overlay.exists
+        return self._media.overlay.stored is not None
 
     @property
     def shows_landmarks(self) -> bool:
@@ -120,6 +121,37 @@ class TakeCommands:
     def toggle_landmarks(self) -> None:
         """Show the landmarks over the film, or hide them."""
         self._media.overlay.toggle()
+
+    def export_side_by_side(self) -> None:
+        """Write film, tracked face and edited face side by side, in the background."""
+        placed, stored = self._media.film, self._media.overlay.stored
+        session, rig = self._workspace.session, self._workspace.rig
+        if placed is None or stored is None or session is None or rig is None:
+            return
+        self._workspace.end_gestures()
+        suggestion = self._workspace.suggest("media", "_side_by_side", ".mp4")
+        output = dialogs.ask_save_side_by_side(self._workspace.window, suggestion)
+        if output is None:
+            return
+        film, clip, edited = placed, session.take.clip, session.weights.copy()
+
+        def work() -> tuple[Path, Path]:
+            from faceedit_app.media.film import Film
+            from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
+
+            shown = Shown.of_take(Film(film.path), stored, clip, film.offset, edited)
+            return write_side_by_side(output, shown, rig)
+
+        def done(written: tuple[Path, Path]) -> None:
+            self._workspace.message.emit(f"Wrote {written[1]} and {written[0].name}")
+
+        def failed(error: Exception) -> None:
+            if not isinstance(error, FaceEditError):
+                raise error
+            dialogs.show_error(self._workspace.window, error)
+
+        self._workspace.message.emit(f"Writing {output.name}…")
+        self._workspace.background.run(work, done, failed)
 
     # --- with a take -------------------------------------------------------------------------
 
@@ -166,6 +198,10 @@ MENU: Menu[TakeCommands] = Menu("Take", (
             tip="Show where the tracker saw lips and lids, in the colours of their curves",
             enabled=lambda do: do.has_film and do.has_landmarks,
             checked=lambda do: do.shows_landmarks),
+    Command("side_by_side", "Export film and face side by s&ide…",
+            TakeCommands.export_side_by_side,
+            tip="Write the film with its landmarks, the tracked and the edited face as MP4 and PNG",
+            enabled=lambda do: do.has_film and do.has_landmarks),
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
             tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
             starts_group=True),

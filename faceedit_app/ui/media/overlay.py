@@ -36,9 +36,9 @@ class Overlay(QObject):
         self.is_shown = True
 
     @property
-    def exists(self) -> bool:
-        """Whether the take has landmarks."""
-        return self._stored is not None
+    def stored(self) -> StoredLandmarks | None:
+        """The landmarks, if the take has any."""
+        return self._stored
 
     def follow(self, take: Path) -> None:
         """Another take is open."""

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QMenu, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QWidget
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.look.widgets import icon_button
+from faceedit_app.ui.look.widgets import context_menu, icon_button
 from faceedit_app.ui.media.words_strip import HEIGHT, WordsStrip
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.words.transcript import Transcript
 
-_MENU = ("play_around", "loop", "", "close_on_words", "shape_on_words", "say_clearly", "", "words")
+_MENU = (
+    ("play_around", "loop"),
+    ("close_on_words", "shape_on_words", "say_clearly"),
+    ("words", "remove_words"),
+)
 
 
 class _Search(QLineEdit):
@@ -43,7 +48,8 @@ class WordsRow(QWidget):
 
     def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
-        self._document, self._actions = document, actions
+        self._actions = actions
+        self._shown: Transcript | None = None
         self.strip = WordsStrip(document, timeline)
         self.strip.menu_asked.connect(self._show_menu)
         self.search = _Search()
@@ -76,25 +82,22 @@ class WordsRow(QWidget):
         self.setObjectName("words_row")
         for changed in (document.opened, document.changed, document.previewed):
             changed.connect(self.sync)
+        self.hide()
         self.sync()
 
     def sync(self) -> None:
-        """Show the take's words, or hide."""
-        has_words = self.strip.words is not None
-        if self.isHidden() == has_words:
-            self.setVisible(has_words)
-        if has_words:
-            self.strip.renew()
+        """Show the take's words, or hide; a drag of a curve leaves them as they are."""
+        words = self.strip.words
+        if words is self._shown:
+            return
+        self._shown = words
+        self.setVisible(words is not None)
+        self.strip.renew()
 
     def _show_menu(self, place: QPoint) -> None:
-        menu = QMenu(self)
-        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        for name in _MENU:
-            if name:
-                menu.addAction(self._actions[name])
-            else:
-                menu.addSeparator()
-        menu.popup(place)
+        self._actions.refresh()
+        groups = [[self._actions[name] for name in group] for group in _MENU]
+        context_menu(self, *groups).popup(place)
 
     def _find(self) -> None:
         self._show_found(self.strip.find(self.search.text()))

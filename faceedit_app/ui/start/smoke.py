@@ -90,6 +90,7 @@ class _Session(QObject):
             "torch": "torch" in sys.modules,
         }
         self._report()
+        document.session.mark_saved()  # no user is there to answer for the edits
         window.close()
 
     def _unexpected(

@@ -1,4 +1,7 @@
-"""Write pictures as a film: MP4 with H.264."""
+"""Write films as phones record them, to be tracked: at uneven times, and compressed as one likes.
+
+`media/film_writer.py` writes the films that users get, at a steady rate and with sound.
+"""
 
 from __future__ import annotations
 

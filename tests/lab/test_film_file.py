@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from faceedit_app.core.errors import FileError
-from faceedit_app.media.encode import write_film
+from faceedit_app.lab.evaluation.film_file import write_film
 from faceedit_app.media.film import Film
 
 

@@ -1,0 +1,239 @@
+"""One region of one chunk: the answer combined with the take, within its bounds, then reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Bools, Doubles, Indices
+from faceedit_app.core.controls import LIP_OPENING
+from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.solving.filters import smoothed
+from faceedit_app.editing.solving.last_layer import LastLayer
+from faceedit_app.editing.solving.parts import Part
+from faceedit_app.editing.solving.reach import Goal, Reach
+
+# How much a calmed curve may miss what is missing for a moment only, as a share of that.
+TWITCH = 1.0
+# The take's own range is left, little by little, for a curve that misses its target by this much.
+MISSING_MM = 0.2
+# mm by which lips have to close until a frown may not rise at all.
+_CLOSING_MM = 0.5
+
+
+@dataclass(frozen=True)
+class RegionRequest:
+    """What is asked of a region on the N frames of a chunk.
+
+    Attributes:
+        settings: how edits are answered.
+        layer: the take's own last layer; None without networks, or to resynthesize.
+        answer: (N, K) what the networks add to (preserve) or replace (resynthesize).
+        unlike: (N,) in 0..1, how unlike the take this request is.
+        influence: (N, K) in 0..1, where each channel may answer.
+        slow: (N, H) mm, the slow part of the change of the curves that the networks listen to.
+        before: (N, H) mm, these curves as tracked.
+        quick: (N, C) mm, the quick part of the change of its own curves.
+        tracked, wanted: (N, C) mm, its own curves as they are and as they should be.
+        hold: (N, C) in 0..1, how firmly its own curves are asked for.
+        calm: (N, C) in 0..1, how far they are asked to be calm.
+    """
+
+    settings: Settings
+    layer: LastLayer | None
+    answer: Doubles
+    unlike: Doubles
+    influence: Doubles
+    slow: Doubles
+    before: Doubles
+    quick: Doubles
+    tracked: Doubles
+    wanted: Doubles
+    hold: Doubles
+    calm: Doubles
+
+    def equals(self, other: RegionRequest) -> bool:
+        """Whether another request asks for exactly the same."""
+        for each in fields(self):
+            mine, theirs = getattr(self, each.name), getattr(other, each.name)
+            if isinstance(mine, np.ndarray):
+                if not np.array_equal(mine, theirs):
+                    return False
+            elif mine is not theirs and (each.name == "layer" or mine != theirs):
+                return False
+        return True
+
+
+class Combining:
+    """Computes the weights of one region.
+
+    Args:
+        part: the region.
+        shut: mm between the take's closed lips.
+        quick: frames of standard deviation of the Gaussian that divides slow from quick.
+    """
+
+    def __init__(self, part: Part, shut: float, quick: float) -> None:
+        self._part, self._shut, self._quick = part, shut, quick
+        self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
+
+    def __call__(self, weights: Doubles, asked: RegionRequest) -> Doubles:
+        """(N, K) weights of the channels that the take has.
+
+        Args:
+            weights: (N, 52) as tracked, and as solved for regions before this one.
+            asked: what is asked for.
+        """
+        part = self._part
+        result, columns = weights.copy(), part.columns[part.have]
+        most = self._most(weights[:, columns], asked)
+        self._combine(result, asked, most)
+        where = np.flatnonzero(asked.hold.any(axis=1))
+        if part.reach is not None and asked.settings.reach > 0 and len(where):
+            self._go_on(part.reach, result, asked, most, where)
+        return result[:, columns]
+
+    def _most(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
+        """(N, K) the largest weights that any answer may give.
+
+        That is 1; a tracked value above it is reduced only as the edit fades in. And lips that
+        are asked to close do not frown, unless the corners of the mouth are asked for as well.
+        """
+        part = self._part
+        most: Doubles = 1.0 + np.maximum(tracked - 1.0, 0.0) * (1.0 - asked.influence[:, part.have])
+        if self._lips is not None and len(part.frowns) and asked.settings.mode is Mode.PRESERVE:
+            closing = (asked.tracked - asked.wanted)[:, self._lips] / _CLOSING_MM
+            alone = ~(np.delete(asked.hold, self._lips, axis=1) > 0).any(axis=1)
+            firm = np.clip(closing, 0.0, 1.0) * alone
+            frowns = tracked[:, part.frowns]
+            most[:, part.frowns] = np.maximum(
+                frowns, most[:, part.frowns] - firm[:, None] * (most[:, part.frowns] - frowns)
+            )
+        return most
+
+    def _combine(self, weights: Doubles, asked: RegionRequest, most: Doubles) -> None:
+        """Combine the networks' answer with the weights (N, 52), in place."""
+        part = self._part
+        columns, influence = part.columns[part.have], asked.influence[:, part.have]
+        old, answer = weights[:, columns], asked.answer
+        if asked.settings.mode is Mode.PRESERVE:
+            unlike = asked.unlike[:, None]
+            answer = part.whole(answer, unlike)
+            if asked.layer is not None:
+                answer += asked.layer.change(asked.before, asked.before + asked.slow)
+            if part.reach is not None:
+                answer += asked.settings.reach * (asked.quick @ part.quick)
+            answer[:, part.idle] *= unlike
+            answer = old + influence * answer[:, part.have]
+        else:
+            answer = answer[:, part.have]
+        new = np.clip(answer, np.minimum(old, 0.0), most)
+        weights[:, columns] = np.where(influence > 0, new, old)
+        if "mouthClose" in part.region.channels:
+            _couple(weights, old, columns, influence.max(axis=1) > 0)
+
+    def _go_on(
+        self, reach: Reach, weights: Doubles, asked: RegionRequest, most: Doubles, where: Indices
+    ) -> None:
+        """Bring the region's own controls the rest of the way to what was asked for, in place."""
+        part, naturalness = self._part, asked.settings.naturalness
+        columns = part.columns[part.have]
+        lengths = part.lengths(weights)
+        passing = self._passing(asked, lengths)[where]
+        tolerance = TWITCH * np.abs(passing)
+        hold, wanted = asked.hold[where], asked.wanted[where] - passing
+        mask = hold > 0
+        strength = asked.settings.reach * np.where(mask, hold, hold.max(axis=1, keepdims=True))
+        aim = _Aim(
+            here=weights[where],
+            goal=Goal(wanted, strength, mask, tolerance),
+            still=asked.influence[where][:, part.have] == 0,
+            most=most[where],
+            closed=self._are_closures(wanted, mask),
+            share=asked.unlike[where],
+        )
+        beyond = np.maximum(part.beyond(wanted, hold), aim.share)
+        found = aim.here.copy()
+        found[:, columns] = aim.solve(reach, columns, part.bounds(beyond), naturalness)
+        missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
+        missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
+        rest = np.flatnonzero(missing > np.minimum(aim.share, beyond))
+        if len(rest):
+            # What the take does not show, others do.
+            bounds = part.bounds(np.maximum(beyond, missing)[rest])
+            more = replace(aim, share=np.maximum(aim.share, missing)).at(rest)
+            found[np.ix_(rest, columns)] = more.solve(reach, columns, bounds, naturalness)
+        weights[where] = found
+
+    def _passing(self, asked: RegionRequest, lengths: Doubles) -> Doubles:
+        """(N, C) mm: how far calmed curves may miss what is missing for a moment only.
+
+        Curves that are smoothed one by one are not always those of a face. Where they cannot be
+        met together but by a twitch, they need not be.
+        """
+        if not asked.calm.any():
+            return np.zeros_like(asked.hold)
+        missing = asked.hold * (asked.wanted - lengths)
+        passing: Doubles = asked.calm * (missing - smoothed(missing, self._quick))
+        return passing
+
+    def _are_closures(self, wanted: Doubles, asked: Bools) -> Bools:
+        """(N,) the frames on which the lips are asked to shut."""
+        if self._lips is None:
+            return np.zeros(len(wanted), np.bool_)
+        closures: Bools = asked[:, self._lips] & (wanted[:, self._lips] <= self._shut + 0.01)
+        return closures
+
+
+@dataclass(frozen=True)
+class _Aim:
+    """What reach starts from and aims at, on N frames.
+
+    Attributes:
+        here: (N, 52) weights.
+        goal: see `Goal`.
+        still: (N, K) channels that no edit influences.
+        most: (N, K) the largest weights that any answer may give.
+        closed: (N,) frames on which the lips are asked to shut.
+        share: (N,) in 0..1, how far the take is left for what other faces do.
+    """
+
+    here: Doubles
+    goal: Goal
+    still: Bools
+    most: Doubles
+    closed: Bools
+    share: Doubles
+
+    def at(self, rows: Indices) -> _Aim:
+        """The aim on some of the frames."""
+        arrays = (self.still[rows], self.most[rows], self.closed[rows], self.share[rows])
+        return _Aim(self.here[rows], self.goal.at(rows), *arrays)
+
+    def solve(
+        self,
+        reach: Reach,
+        columns: Indices,
+        bounds: tuple[Doubles, Doubles],
+        naturalness: float,
+    ) -> Doubles:
+        """(N, K) the weights of `columns` that reach finds within bounds, (N, K) each."""
+        start = self.here[:, columns]
+        lower = np.where(self.still, start, bounds[0])
+        upper = np.where(self.still, start, np.minimum(bounds[1], self.most))
+        return reach(self.here, self.goal, upper, naturalness, lower, self.closed, self.share)
+
+
+def _couple(weights: Doubles, old: Doubles, columns: Indices, where: Bools) -> None:
+    """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
+
+    If the take itself exceeds this, the same excess is allowed.
+    """
+    close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
+    before = weights.copy()
+    before[:, columns] = old
+    slack = np.maximum(before[:, close] - before[:, jaw], 0.0)
+    limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
+    weights[where, close] = limit[where]

@@ -1,0 +1,73 @@
+"""What the curves that were not asked for do while others are edited.
+
+Opening a mouth draws its corners in and lowers the lip; a face whose width is held while its jaw
+drops is not one that anybody makes. So the networks are not asked for the tracked values of the
+other curves but for the most probable ones (the mean of a Gaussian, conditioned on the change of
+the curves that were asked for), under the covariance of the take's own curves.
+
+The other side of a face is held, and so is what can touch: a wink does not close the other eye, and
+a smile does not part closed lips.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from faceedit_app.core.arrays import Bools, Doubles, Indices
+
+# Added variance, mm²: keeps nearly redundant curves apart.
+JITTER = 0.01
+# Weight of other performances in the covariance, in frames at 25 fps.
+PRIOR_FRAMES = 50.0
+
+
+class Expectation:
+    """The curves of one region.
+
+    Args:
+        curves: (T, C) mm: the take at 25 fps.
+        prior: (C, C) mm², their covariance in other performances.
+        mirror: (C,) the position of each curve's mirror image.
+        held: (C,) curves that change only if they are asked for.
+    """
+
+    def __init__(self, curves: Doubles, prior: Doubles, mirror: Indices, held: Bools) -> None:
+        centred = curves - curves.mean(axis=0)
+        covariance = centred.T @ centred + PRIOR_FRAMES * prior
+        covariance = covariance / (len(curves) + PRIOR_FRAMES)
+        self._covariance = 0.5 * (covariance + covariance[np.ix_(mirror, mirror)])
+        self._mirror, self._held = mirror, held
+        size = len(self._covariance)
+        self._precision = np.linalg.inv(self._covariance + JITTER * np.eye(size))
+        self._gains: dict[bytes, Doubles] = {}
+
+    def fill(self, change: Doubles, asked: Bools) -> Doubles:
+        """The change (N, C), mm, with that of the other curves filled in.
+
+        Args:
+            change: (N, C) mm, from the tracked curves to what is asked for.
+            asked: (N, C) whether the edits ask for this curve.
+        """
+        given = asked | (change != 0)
+        given |= given[:, self._mirror] | (given.any(axis=1)[:, None] & self._held)
+        numbers = given @ (1 << np.arange(given.shape[1]))
+        filled = change.copy()
+        for number in np.unique(numbers):
+            rows = np.flatnonzero(numbers == number)
+            known = given[rows[0]]
+            if known.any() and not known.all():
+                filled[np.ix_(rows, ~known)] = change[np.ix_(rows, known)] @ self._gain(known)
+        return filled
+
+    def distance(self, change: Doubles) -> Doubles:
+        """(N,) the length of changes (N, C), mm, in standard deviations of the take's curves."""
+        square: Doubles = ((change @ self._precision) * change).sum(axis=1)
+        return np.sqrt(square)
+
+    def _gain(self, known: Bools) -> Doubles:
+        key = known.tobytes()
+        if key not in self._gains:
+            variance = self._covariance[np.ix_(known, known)] + JITTER * np.eye(known.sum())
+            covariance = self._covariance[np.ix_(known, ~known)]
+            self._gains[key] = np.linalg.solve(variance, covariance)
+        return self._gains[key]

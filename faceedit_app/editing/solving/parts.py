@@ -1,0 +1,302 @@
+"""What the solver knows about each region of one take, computed once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
+from faceedit_app.core.arrays import Bools, Doubles, Indices
+from faceedit_app.core.controls import (
+    CONTROL_IDS,
+    CONTROL_INDEX,
+    CONTROLS,
+    MIRRORED_CONTROL,
+    control_named,
+)
+from faceedit_app.core.regions import Region
+from faceedit_app.core.rig import Distances
+from faceedit_app.editing.solving.accompanying import (
+    STAYS_IN_CLOSURES,
+    gains,
+    stem,
+    use,
+    with_accompanying,
+)
+from faceedit_app.editing.solving.answerable import ENOUGH, region_covariance
+from faceedit_app.editing.solving.expectation import Expectation
+from faceedit_app.editing.solving.last_layer import LastLayer
+from faceedit_app.editing.solving.reach import Reach
+from faceedit_app.editing.solving.take_statistics import IDLE, TakeStatistics
+
+if TYPE_CHECKING:  # the window is there before the networks
+    from faceedit_app.networks.engine import Engine
+
+# How far beyond the range seen in training a curve is followed, as a share of that range.
+BEYOND = 0.1
+# A request this far beyond what the take does, as a share of the range seen in training, may use
+# all that a face can do.
+_FAR = 0.1
+# Standard deviations of the take's curves: a request up to the first is answered as the take would,
+# one beyond the second as other faces would.
+ALIKE, UNLIKE = 4.0, 7.0
+# Channels with a smaller share of a curve's movement are not needed for it.
+_NEEDED = 0.02
+# mm: how exactly quick changes are answered.
+_FAST_MM = 0.1
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Stretches of a take at 25 fps, and its extremes.
+
+    Attributes:
+        weights: (N, 52) of each stretch.
+        frames: (N, 52) of each stretch, as tracked, at the take's own rate.
+        curves: (N, C) mm of each stretch.
+        low, high: (52,) the smallest and largest weights of the whole take.
+        shortest, longest: (C,) mm, the same of its curves.
+        seconds: the length of the take.
+    """
+
+    weights: list[Doubles]
+    frames: list[Doubles]
+    curves: list[Doubles]
+    low: Doubles
+    high: Doubles
+    shortest: Doubles
+    longest: Doubles
+    seconds: float
+
+
+class Part:
+    """One region of one take.
+
+    Attributes:
+        own: ids of the controls that it moves, in columns `own_columns`; the upper face has none.
+        listens_to: ids of the controls that its networks or reach answer.
+        columns: (K,) its channels among the 52: first those of the networks, then accompanying
+            ones that the take uses.
+        have: positions of the channels that may change, because the take has them.
+        mirror: (K,) the position of each channel's mirror image.
+        sees: columns among the 52 that its result depends on.
+        expectation: what its curves do that are not asked for.
+        frowns: positions in `have` of channels that do not rise while lips are closed.
+        reach: brings its own controls to a goal; None if it has none or no channel may change.
+        quick: (C, K) how far its channels go with a quick change of its controls, per mm.
+    """
+
+    def __init__(
+        self,
+        region: Region,
+        engine: Engine | None,
+        distances: Distances,
+        may: frozenset[str],
+        missing: frozenset[str],
+        sample: Sample,
+    ) -> None:
+        self.region = region
+        self._model = engine.models[region.id].description if engine else None
+        self.own = tuple(name for name in region.own if name not in missing)
+        self.own_columns = np.array([CONTROL_INDEX[name] for name in self.own], np.intp)
+        self._distances = distances.select(self.own_columns)
+        heard = self._model.controls if self._model else region.controls
+        self.listens_to = tuple(dict.fromkeys((*heard, *self.own)))
+        self.layer_columns = np.array([CONTROL_INDEX[name] for name in heard], np.intp)
+        self.heard_columns = np.array([CONTROL_INDEX[name] for name in self.listens_to], np.intp)
+        moves: Bools = np.asarray(sample.high - sample.low > IDLE)
+        moves |= moves[[ARKIT_INDEX[mirrored_channel(c)] for c in ARKIT_CHANNELS]]
+        more = [c for c in region.accompanying if c in may and moves[ARKIT_INDEX[c]]]
+        self.channels = (*region.channels, *more)
+        self.columns = np.array([ARKIT_INDEX[c] for c in self.channels], np.intp)
+        self.have = np.array([i for i, c in enumerate(self.channels) if c in may], np.intp)
+        self.mirror = np.array(
+            [self._place(mirrored_channel(c), c) for c in self.channels], np.intp
+        )
+        self._follow = gains(region.channels, more)
+        self._use = use(region.channels)
+        covariance = region_covariance(region, engine) * np.outer(self._use, self._use)
+        self._prior = with_accompanying(covariance, self._follow)
+        slopes = self._slopes(np.zeros(len(ARKIT_INDEX)))
+        self._statistics = TakeStatistics.of(
+            sample.low[self.columns],
+            sample.high[self.columns],
+            [block[:, self.columns] for block in sample.weights],
+            [block[:, self.columns] for block in sample.frames],
+            self._prior,
+            self.mirror,
+            self._needed(slopes, moves[self.columns]),
+            sample.seconds,
+        )
+        self._sides = self._own_sides(distances)
+        self._range = sample.shortest[self.own_columns], sample.longest[self.own_columns]
+        self.expectation = self._expectation(slopes, sample)
+        stays = [i for i in self.have if stem(self.channels[i]) in STAYS_IN_CLOSURES]
+        self.frowns = np.flatnonzero(np.isin(self.have, stays))
+        moving = np.flatnonzero(self._distances.gradients.any(axis=(1, 2)))
+        self.sees = np.union1d(moving, self.columns)
+        self.reach: Reach | None = None
+        if len(self.own) and len(self.have):
+            self.reach = self._new_reach()
+            self.quick = self._quick_gain(np.median(np.concatenate(sample.weights), axis=0))
+
+    def _place(self, channel: str, other: str) -> int:
+        """The position of a channel, or of another if the take lacks the first."""
+        return self.channels.index(channel if channel in self.channels else other)
+
+    def _slopes(self, pose: Doubles) -> Doubles:
+        """(C, K) mm per unit of weight, of its own controls."""
+        jacobian = self._distances.jacobian(pose[None].astype(np.float32))[1][0]
+        slopes: Doubles = jacobian[:, self.columns].astype(np.float64)
+        return slopes
+
+    def _needed(self, slopes: Doubles, moves: Bools) -> Bools:
+        """(K,) idle channels without which one of its own curves could not be answered."""
+        may = np.zeros(len(self.columns), np.bool_)
+        may[self.have] = True
+        needed = np.zeros(len(self.columns), np.bool_)
+        for slope in slopes:
+            shares = slope * (self._prior @ slope)
+            total = shares[may].sum()
+            if total > 0 and shares[may & moves].sum() < ENOUGH * total:
+                needed |= shares > _NEEDED * total
+        return needed
+
+    def _own_sides(self, distances: Distances) -> Bools | None:
+        """(K, C) which of the heard controls each channel follows; None = any of them.
+
+        Where every control has a mirror image, a channel follows those that it moves, and one that
+        moves none of them follows only what happens on both sides: a wink is one-sided.
+        """
+        if not all(control_named(name).mirror for name in self.listens_to):
+            return None
+        rest = np.zeros((1, len(ARKIT_INDEX)), np.float32)
+        slopes = distances.jacobian(rest)[1][0][np.ix_(self.heard_columns, self.columns)].T
+        moved: Bools = np.abs(slopes) > 0.1 * np.abs(slopes).max(initial=1e-9)
+        moved[~moved.any(axis=1)] = True
+        return moved
+
+    def influence(self, influence: Doubles) -> Doubles:
+        """(N, K) in 0..1, where each channel may answer.
+
+        Args:
+            influence: (N, all controls), see `Request`.
+        """
+        heard = influence[:, self.heard_columns]
+        if self._sides is None:
+            return np.repeat(heard.max(axis=1)[:, None], len(self.columns), axis=1)
+        spread: Doubles = np.where(self._sides, heard[:, None], 1.0).min(axis=2)
+        return spread
+
+    def _expectation(self, slopes: Doubles, sample: Sample) -> Expectation:
+        curves = np.concatenate(sample.curves)[:, self.own_columns]
+        places = {name: i for i, name in enumerate(self.own)}
+        mirror = np.array([places.get(MIRRORED_CONTROL[name], i) for name, i in places.items()])
+        held = np.array([control_named(name).closes is not None for name in self.own], np.bool_)
+        prior = slopes @ self._prior @ slopes.T
+        return Expectation(curves, prior, mirror.astype(np.intp), held)
+
+    def _new_reach(self) -> Reach:
+        names = [self.channels[i] for i in self.have]
+        both = {"mouthClose", "jawOpen"} <= set(names)
+        coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
+        have = np.ix_(self.have, self.have)
+        columns = self.columns[self.have]
+        own, wide = self._statistics.covariance[have], self._statistics.wide[have]
+        return Reach(self._distances, columns, own, coupled, self._prior[have], wide)
+
+    def _quick_gain(self, pose: Doubles) -> Doubles:
+        """(C, K) the most probable quick change of the channels for each millimetre."""
+        slopes = self._slopes(pose)
+        spread = slopes @ self._statistics.fast
+        noise = _FAST_MM**2 * np.eye(len(slopes))
+        return np.asarray(np.linalg.solve(spread @ slopes.T + noise, spread), np.float64)
+
+    def control_covariance(self) -> Doubles:
+        """(C, C) mm²: the covariance of its own controls in performances, linearised at rest."""
+        slopes = self._slopes(np.zeros(len(ARKIT_INDEX)))
+        covariance: Doubles = slopes @ self._prior @ slopes.T
+        return covariance
+
+    def limits(self) -> tuple[Doubles, Doubles]:
+        """(C,) mm: the lowest and highest values to which its controls are followed."""
+        low, high = np.full(len(CONTROLS), -np.inf), np.full(len(CONTROLS), np.inf)
+        if self._model is not None:
+            heard = [CONTROL_INDEX[control] for control in self._model.controls]
+            slack = BEYOND * (self._model.high - self._model.low)
+            low[heard], high[heard] = self._model.low, self._model.high + slack
+        return low, high
+
+    def beyond(self, wanted: Doubles, hold: Doubles) -> Doubles:
+        """(N,) in 0..1: how far a request leaves what the take does, see `TakeStatistics.bounds`.
+
+        Args:
+            wanted: (N, C) mm of its own controls.
+            hold: (N, C) in 0..1, how firmly they are asked for.
+        """
+        low, high = self._range
+        far = _FAR * np.maximum(high - low, 10.0)
+        if self._model is not None:
+            places = [i for i, c in enumerate(self._model.controls) if c in self.own]
+            names = [self.own.index(self._model.controls[i]) for i in places]
+            far[names] = _FAR * (self._model.high - self._model.low)[places]
+        excess = np.maximum(low - wanted, wanted - high) / far
+        beyond: Doubles = np.where(hold > 0, excess, 0.0).max(axis=1, initial=0.0).clip(0.0, 1.0)
+        return beyond
+
+    def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
+        """The smallest and largest weights (N, K) of the channels that it has."""
+        lower, upper = self._statistics.bounds(beyond)
+        return lower[:, self.have], upper[:, self.have]
+
+    def lengths(self, weights: Doubles) -> Doubles:
+        """(N, C) mm: its own controls with weights (N, 52)."""
+        lengths: Doubles = np.maximum(
+            self._distances.lengths(self._distances.vectors(weights)), 0.0
+        )
+        return lengths
+
+    @property
+    def idle(self) -> Indices:
+        """Positions of channels that stay still, because the take never uses them."""
+        return np.flatnonzero(~self._statistics.used)
+
+    def whole(self, answer: Doubles, unlike: Doubles | float = 0.0) -> Doubles:
+        """(N, K) the networks' answer, symmetric, and with accompanying channels.
+
+        Args:
+            answer: (N, M) for the channels of the networks.
+            unlike: (N, 1) in 0..1, how unlike the take a request is.
+        """
+        count = len(self.region.channels)
+        even = 0.5 * (answer + answer[:, self.mirror[:count]])
+        even *= self._use + unlike * (1.0 - self._use)
+        return np.concatenate([even, even @ self._follow], axis=1)
+
+    def unlike(self, change: Doubles) -> Doubles:
+        """(N,) in 0..1: how unlike the take changes (N, C) of its own curves are, mm."""
+        if not len(self.own):
+            return np.zeros(len(change))
+        distance = self.expectation.distance(change)
+        unlike: Doubles = ((distance - ALIKE) / (UNLIKE - ALIKE)).clip(0.0, 1.0)
+        return unlike
+
+    def last_layer(self, answers: list[Doubles], sample: Sample) -> LastLayer:
+        """Fit the take's own last layer.
+
+        Args:
+            answers: (N, M) the networks' answer to each stretch of the sample.
+        """
+        curves = np.concatenate(sample.curves)
+        lacking = np.concatenate(sample.weights)[:, self.columns]
+        lacking = lacking - self.whole(np.concatenate(answers))
+        # What a face does on one side it may do on the other.
+        heard, columns = curves[:, self.layer_columns], self.layer_columns
+        mirrored = curves[:, [CONTROL_INDEX[MIRRORED_CONTROL[CONTROL_IDS[i]]] for i in columns]]
+        return LastLayer.fit(
+            np.concatenate([heard, mirrored]),
+            np.concatenate([lacking, lacking[:, self.mirror]]),
+            weight=0.5,
+        )

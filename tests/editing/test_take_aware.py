@@ -1,0 +1,265 @@
+"""Answers respect the take: its channels, its range, its closures, both sides of its face."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.faces import shipped_rig
+from support.places import SHARED
+from support.sessions import demo_take, session_by_networks, shipped_engine, take_of
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, MOUTH_CORNERS
+from faceedit_app.core.regions import LOWER
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.editing.files.edits_file import read_edits
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import open_take
+
+MIRROR = [ARKIT_INDEX[mirrored_channel(c)] for c in ARKIT_CHANNELS]
+MOUTH = CONTROL_INDEX["mouth_opening"]
+RATE = 25.0
+
+
+def demo() -> Clip:
+    """The demo take in ARKit's order."""
+    clip = demo_take().clip
+    return replace(clip, weights=clip.arkit_weights(), channels=ARKIT_CHANNELS)
+
+
+def with_weights(clip: Clip, weights: Floats) -> Clip:
+    return replace(clip, weights=weights.astype(np.float32))
+
+
+def without(clip: Clip, *stems: str) -> Clip:
+    """The clip as a tracker writes it that never moves some channels."""
+    weights = clip.weights.copy()
+    weights[:, [i for c, i in ARKIT_INDEX.items() if c.startswith(stems)]] = 0.0
+    return with_weights(clip, weights)
+
+
+def session_on(clip: Clip) -> EditSession:
+    return session_by_networks(take_of(clip), shipped_engine())
+
+
+def held(session: EditSession, start: float, end: float) -> np.ndarray:
+    times = session.take.clip.times
+    return (times >= start) & (times <= end)
+
+
+def offset(*controls: str, value: float) -> Edit:
+    return Edit(controls, Op.OFFSET, 2.0, 4.0, 0.3, value)
+
+
+def moved(session: EditSession, stem: str) -> float:
+    """Mean change of a channel, or of both sides of it, in the hold of `offset`."""
+    rows = held(session, 2.0, 4.0)
+    columns = [i for c, i in ARKIT_INDEX.items() if c.startswith(stem)]
+    change = (session.weights - session.take.clip.arkit_weights())[rows][:, columns]
+    return float(change.mean())
+
+
+@pytest.mark.parametrize(
+    ("controls", "value"),
+    [(("mouth_opening",), 6.0), (MOUTH_CORNERS, 3.0), (("mouth_width",), -4.0), (LIDS, -4.0)],
+)
+def test_channels_that_the_take_never_uses_stay_still(
+    controls: tuple[str, ...], value: float
+) -> None:
+    idle = ("mouthFrown", "mouthStretch", "noseSneer", "browOuterUp")
+    session = session_on(without(demo(), *idle))
+    session.add(offset(*controls, value=value))
+    rows = held(session, 2.0, 4.0)
+    columns = [CONTROL_INDEX[c] for c in controls]
+    reached = (session.achieved - session.tracked)[rows][:, columns].mean()
+    assert reached == pytest.approx(value, abs=0.15 * abs(value))
+    for stem in idle:
+        assert abs(moved(session, stem)) < 0.005, stem
+
+
+def test_a_channel_that_a_curve_cannot_do_without_moves_all_the_same() -> None:
+    session = session_on(without(demo(), "jawOpen", "mouthClose"))
+    session.add(offset("mouth_opening", value=6.0))
+    assert moved(session, "jawOpen") > 0.05
+    change = (session.achieved - session.tracked)[held(session, 2.0, 4.0), MOUTH]
+    assert change.mean() > 5.0
+
+
+@pytest.mark.parametrize(
+    ("controls", "value"), [(("mouth_opening",), 4.0), (MOUTH_CORNERS, 3.0), (LIDS, -4.0)]
+)
+def test_a_symmetric_request_on_a_symmetric_take_is_answered_symmetrically(
+    controls: tuple[str, ...], value: float
+) -> None:
+    weights = demo().weights
+    session = session_on(with_weights(demo(), 0.5 * (weights + weights[:, MIRROR])))
+    session.add(offset(*controls, value=value))
+    assert session.changed_frames() > 40
+    np.testing.assert_allclose(session.weights, session.weights[:, MIRROR], atol=1e-5)
+
+
+@pytest.mark.parametrize("lid", LIDS)
+@pytest.mark.parametrize("falloff", [0.0, 0.15])
+def test_a_wink_moves_nothing_of_the_other_eye(lid: str, falloff: float) -> None:
+    session = session_on(demo())
+    session.add(Edit((lid,), Op.SET, 2.0, 2.3, falloff, 0.0))
+    (other,) = {*LIDS} - {lid}
+    column = CONTROL_INDEX[other]
+    np.testing.assert_array_equal(session.achieved[:, column], session.tracked[:, column])
+    rows = held(session, 2.0, 2.3)
+    assert session.achieved[rows, CONTROL_INDEX[lid]].min() < 0.5
+
+
+@pytest.mark.parametrize("at", [2.6, 3.4, 5.0, 6.4])
+def test_closed_lips_are_the_takes_own_and_do_not_frown(at: float) -> None:
+    session = session_on(demo())
+    opening = session.tracked[:, MOUTH]
+    own = float(np.percentile(opening, 2))
+    session.add(Edit(("mouth_opening",), Op.SET, at - 0.06, at + 0.06, 0.1, 0.0))
+    rows = held(session, at - 0.06, at + 0.06)
+    assert session.achieved[rows, MOUTH].min() == pytest.approx(own, abs=0.5)
+    frowns = [ARKIT_INDEX["mouthFrownLeft"], ARKIT_INDEX["mouthFrownRight"]]
+    risen = (session.weights - demo().weights)[:, frowns]
+    assert risen.max() < 0.01
+
+
+def test_a_take_that_never_closes_its_lips_closes_them_as_others_do() -> None:
+    weights = demo().weights.copy()
+    weights[:, ARKIT_INDEX["jawOpen"]] += 0.2
+    session = session_on(with_weights(demo(), weights))
+    assert session.tracked[:, MOUTH].min() > 4
+    session.add(Edit(("mouth_opening",), Op.SET, 3.0, 3.2, 0.1, 0.0))
+    assert session.achieved[held(session, 3.0, 3.2), MOUTH].min() == pytest.approx(1.15, abs=0.5)
+
+
+def test_a_smile_is_one_of_cheeks_dimples_and_eyes() -> None:
+    session = session_on(demo())
+    session.add(offset(*MOUTH_CORNERS, value=3.0))
+    assert moved(session, "mouthSmile") > 0.2
+    assert moved(session, "cheekSquint") > 0.08
+    assert moved(session, "mouthDimple") > 0.03
+    assert moved(session, "eyeSquint") > 0.02
+    assert moved(session, "mouthStretch") < 0.06
+
+
+def test_eyes_that_are_asked_for_do_not_narrow_with_a_smile() -> None:
+    session = session_on(demo())
+    session.add(offset(*LIDS, value=0.0), offset(*MOUTH_CORNERS, value=3.0))
+    assert abs(moved(session, "eyeSquint")) < 0.01
+
+
+def test_a_pucker_puckers() -> None:
+    session = session_on(demo())
+    session.add(offset("mouth_width", value=-5.0))
+    assert moved(session, "mouthPucker") > 0.25
+    assert moved(session, "mouthFrown") < 0.02
+
+
+def shaken(clip: Clip, *stems: str) -> Clip:
+    """The clip as a shaky tracker writes some of its channels."""
+    weights = clip.weights.copy()
+    random = np.random.default_rng(5)
+    for channel, i in ARKIT_INDEX.items():
+        if channel.startswith(stems):
+            weights[:, i] = np.clip(weights[:, i] + random.normal(0, 0.01, len(weights)), 0, 1)
+    return with_weights(clip, weights)
+
+
+def roughness(weights: Floats) -> np.ndarray:
+    rough: np.ndarray = np.sqrt((np.diff(weights.astype(np.float64), 2, axis=0) ** 2).mean(axis=0))
+    return rough
+
+
+def test_a_smooth_lets_no_channel_shake_that_did_not() -> None:
+    clip = shaken(without(demo(), "mouthFunnel", "mouthStretch"), "jawOpen", "mouthSmile")
+    session = session_on(clip)
+    session.add(*(Edit((c,), Op.SMOOTH, 0.0, clip.duration, 0.0, 0.04) for c in LOWER.own))
+    before, after = roughness(clip.weights), roughness(session.weights)
+    rises = after - before
+    assert rises.max() < 0.002, ARKIT_CHANNELS[int(rises.argmax())]
+    jaw = ARKIT_INDEX["jawOpen"]
+    assert after[jaw] < 0.8 * before[jaw]
+    assert roughness(session.achieved)[MOUTH] < 0.8 * roughness(session.tracked)[MOUTH]
+
+
+@pytest.mark.skipif(not (SHARED / "cases").exists(), reason="shared is absent")
+def test_a_take_that_flickered_when_smoothed_is_calm() -> None:
+    take = open_take(SHARED / "cases" / "smooth_makes_flicker.csv")
+    session = EditSession(take, shipped_rig(), shipped_engine())
+    session.add(*read_edits(SHARED / "cases" / "edit_smooth_all_40ms.json"))
+    before = roughness(take.clip.arkit_weights())
+    assert (roughness(session.weights) - before).max() < 0.002
+
+
+def damaged(clip: Clip, first: int, other: int, count: int) -> Clip:
+    """The clip with a stretch of it replaced by another stretch."""
+    weights = clip.weights.copy()
+    edge = np.minimum(np.arange(1, count + 1), np.arange(count, 0, -1)) / 4
+    share = np.minimum(edge, 1.0)[:, None]
+    here, there = clip.weights[first : first + count], clip.weights[other : other + count]
+    weights[first : first + count] = share * there + (1 - share) * here
+    return with_weights(clip, weights)
+
+
+def test_a_damaged_stretch_is_restored_by_what_the_rest_of_the_take_does() -> None:
+    clip = demo()
+    true = session_on(clip).tracked
+    columns = [ARKIT_INDEX[c] for c in LOWER.channels]
+    errors = []
+    for first, other in ((40, 160), (90, 200), (150, 20)):
+        broken = damaged(clip, first, other, 40)
+        rows = slice(first, first + 40)
+        times = clip.times[rows]
+        session = session_on(broken)
+        session.add(
+            *(
+                Edit((c,), Op.DRAW, times[0], times[-1], 0.0, points=tuple(
+                    zip(times.tolist(), true[rows, CONTROL_INDEX[c]].tolist(), strict=True)
+                ))
+                for c in LOWER.own
+            )
+        )  # fmt: skip
+        truth = clip.weights[rows][:, columns]
+        left = ((session.weights[rows][:, columns] - truth) ** 2).mean()
+        errors.append(left / ((broken.weights[rows][:, columns] - truth) ** 2).mean())
+    assert np.mean(errors) < 0.2
+
+
+def test_a_short_take_is_answered_nearly_as_the_networks_do() -> None:
+    """Half a second says nothing about a face, so the networks' answer stays."""
+    clip = demo()
+    brief = Clip(clip.weights[50:63], clip.channels, clip.times[:13], clip.rate)
+    session = session_on(brief)
+    session.configure(Settings(reach=0.0))
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 0.0, 1.0, 0.0, 3.0))
+    assert (session.achieved - session.tracked)[:, MOUTH].mean() > 1.0
+
+
+def test_naturalness_moves_the_answer_without_a_jump() -> None:
+    session = session_on(demo())
+    session.add(offset("mouth_opening", value=4.0))
+    found = []
+    for naturalness in (0.0, 0.5, 0.501, 1.0):
+        session.configure(Settings(naturalness=naturalness, reach=0.0))
+        found.append(session.weights.astype(np.float64))
+    assert np.abs(found[2] - found[1]).max() < 0.01
+    assert np.abs(found[1] - 0.5 * (found[0] + found[3])).max() < 0.05
+
+
+def test_curves_of_the_take_are_within_what_may_be_asked_for() -> None:
+    session = session_on(demo())
+    for control in CONTROL_IDS:
+        low, high = session.limits[CONTROL_INDEX[control]]
+        assert low <= session.tracked[:, CONTROL_INDEX[control]].min()
+        assert high >= session.tracked[:, CONTROL_INDEX[control]].max()
+    session.add(Edit(("left_eyelid",), Op.OFFSET, 2.0, 3.0, 0.1, -33.9))
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 2.0, 3.0, 0.1, 500.0))
+    for control in ("left_eyelid", "mouth_opening"):
+        low, high = session.limits[CONTROL_INDEX[control]]
+        asked = session.asked[:, CONTROL_INDEX[control]]
+        assert low - 1e-4 <= asked.min() <= asked.max() <= high + 1e-4
