@@ -54,7 +54,7 @@ class Hair:
     )
     smoothing: int = 5  # rounds of averaging around the head
     # Scalp that shows between the roots at shares of that way, 0..1.
-    scalp: tuple[tuple[float, float], ...] = ((0, 0.5), (0.018, 0.42), (0.04, 0.26), (0.08, 0))
+    scalp: tuple[tuple[float, float], ...] = ((0, 0.45), (0.018, 0.36), (0.04, 0.18), (0.07, 0))
     # Locks: how many waves go around the head, and how high each stands (mm).
     locks: tuple[tuple[int, float], ...] = ((9, 0.7), (14, 0.6), (23, 0.45))
     locks_from: tuple[float, float] = (0.04, 0.3)  # share of the way where they rise
@@ -100,15 +100,15 @@ class Hair:
 class Brows:
     """One-triangle strands along an arch of skin vertices."""
 
-    color: str = "523a2c"
+    color: str = "5b4233"
     path: tuple[int, ...] = (6984, 6983, 6980, 6979, 6981, 6982)  # left, base mesh, from inside
     raise_path: tuple[float, ...] = (3.0, 3.0, 3.5, 5.0, 5.0, 1.0)
     inner_end: float = 10.5  # x of the inner end
     inner_drop: float = 1.2  # how far the inner end lies below its neighbour
     outer_extra: float = 1.0
-    strands: int = 110
-    width: float = 0.5
-    thickness: float = 4.4
+    strands: int = 150
+    width: float = 0.42
+    thickness: float = 4.6
     # Along the brow it swells from this share of the thickness as a sine of this pace, and
     # tapers by this share between two points.
     ends: float = 0.62
@@ -119,9 +119,9 @@ class Brows:
     tip_lift: float = 0.8
     # Along the brow (0 inside, 1 outside): angle of the strands, and their length.
     angles: tuple[tuple[float, float], ...] = ((0, 78), (0.15, 55), (0.5, 18), (1, -22))
-    lengths: tuple[tuple[float, float], ...] = ((0, 5.0), (0.3, 6.2), (1, 4.5))
+    lengths: tuple[tuple[float, float], ...] = ((0, 3.8), (0.3, 5.4), (1, 4.2))
     lean: tuple[float, float] = (14.0, -12.0)  # strands of the lower, the upper half
-    angle_spread: float = 4.0
+    angle_spread: float = 6.0
     length_spread: tuple[float, float] = (0.8, 1.15)
     brightness: tuple[float, float] = (0.75, 1.35)
     seed: int = 3

@@ -31,11 +31,11 @@ class Colour:
     lid_edge_width: float = 5.0
     lid_edge_reach: float = 30.0  # above and below the eyes at most
     lips_amount: float = 0.85
-    brow_amount: float = 0.55  # painted under the strands
+    brow_amount: float = 0.60  # painted under the strands
     brow_width: float = 2.4
     brow_from: float = -0.05  # share of the brow where the paint begins
     brow_fade: tuple[float, float] = (0.45, 0.8)  # share of the brow where the paint fades
-    hairline_amount: float = 0.36  # hair colour painted at the roots
+    hairline_amount: float = 0.45  # hair colour painted at the roots
     hairline_between: tuple[float, float] = (-0.10, 0.02)  # radians above the hairline
     # Skin texture: octaves of smooth noise (size in mm, share of brightness, share of redness).
     texture: tuple[tuple[float, float, float], ...] = (
