@@ -259,7 +259,7 @@ def _settled(deltas: Floats) -> Floats:
     What stands still is drawn once for many pictures.
     """
     moves = np.linalg.norm(deltas, axis=2).max(0) >= HAIR.moves_from
-    return deltas * moves[:, None]
+    return np.asarray(deltas * moves[:, None])
 
 
 def _wisp_choices() -> tuple[Floats, ...]:

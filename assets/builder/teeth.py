@@ -198,7 +198,8 @@ def _tongue(face: Face) -> Part:
     vertices = face.neutral[used] * narrow
     back = smoothstep(*TEETH.tongue_lower_between, vertices[:, 2])
     x, y = vertices[:, 0], vertices[:, 1].copy()
-    top = smoothstep(*np.quantile(y, [0.3, 0.7]), y + TEETH.tongue_lower * back * 0.5)
+    low, high = np.quantile(y, [0.3, 0.7])
+    top = smoothstep(low, high, y + TEETH.tongue_lower * back * 0.5)
     depth, width = TEETH.tongue_groove
     furrow = np.exp(-((x / width) ** 2)) * top
     vertices[:, 1] -= TEETH.tongue_lower * back + depth * furrow

@@ -40,7 +40,7 @@ def weights(rig: Rig, **channels: float) -> np.ndarray:
 
 
 def picture(
-    renderer: FaceRenderer, rig: Rig, camera: Camera, smooth: bool = True, **channels: float
+    renderer: FaceRenderer, rig: Rig, camera: Camera, /, smooth: bool = True, **channels: float
 ) -> np.ndarray:
     """(SIZE, SIZE, 3) float RGB, 0..255."""
     image = renderer.draw(rig.vertices(weights(rig, **channels)), camera, smooth)
@@ -97,7 +97,7 @@ def test_lashes_stay_rooted_in_the_lids(rig: Rig, closed: float, squint: float) 
 def test_teeth_are_light_and_not_grey(renderer: FaceRenderer, rig: Rig) -> None:
     shown = {"mouthUpperUpLeft": 1.0, "mouthUpperUpRight": 1.0}
     shown |= {"mouthLowerDownLeft": 1.0, "mouthLowerDownRight": 1.0}
-    image = picture(renderer, rig, aimed_camera(rig, Aim.MOUTH), **shown)
+    image = picture(renderer, rig, aimed_camera(rig, Aim.MOUTH), True, **shown)
     teeth = image[_only(renderer, rig, ("teeth",), **shown)]
     assert len(teeth) > 1000
     red, _, blue = np.median(teeth, axis=0)

@@ -54,14 +54,14 @@ class Hair:
     )
     smoothing: int = 5  # rounds of averaging around the head
     # Scalp that shows between the roots at shares of that way, 0..1.
-    scalp: tuple[tuple[float, float], ...] = ((0, 0.45), (0.018, 0.36), (0.04, 0.18), (0.07, 0))
+    scalp: tuple[tuple[float, float], ...] = ((0, 0.45), (0.018, 0.36), (0.04, 0.16), (0.08, 0))
     # Locks: how many waves go around the head, and how high each stands (mm).
     locks: tuple[tuple[int, float], ...] = ((9, 0.7), (14, 0.6), (23, 0.45))
     locks_from: tuple[float, float] = (0.04, 0.3)  # share of the way where they rise
     lock_shade: float = 0.16  # brightness of a lock that stands 1 mm high
     shade: tuple[float, float] = (0.80, 1.22)  # random brightness of a column, from and to
     middle_shade: tuple[float, float] = (1.12, 0.25)  # brightness half way, and its decrease
-    moves_from: float = 0.9  # mm: what the skin moves less stands still
+    moves_from: float = 1.6  # mm: what the skin moves less stands still
     move_fade: float = 0.06  # share of the way over which the skin's motion fades out
     bun_radius: float = 23.0
     bun_out: float = 15.0  # how far its centre stands off the pole
@@ -106,7 +106,7 @@ class Brows:
     inner_end: float = 10.5  # x of the inner end
     inner_drop: float = 1.2  # how far the inner end lies below its neighbour
     outer_extra: float = 1.0
-    strands: int = 150
+    strands: int = 132
     width: float = 0.42
     thickness: float = 4.6
     # Along the brow it swells from this share of the thickness as a sine of this pace, and
