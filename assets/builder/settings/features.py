@@ -11,7 +11,7 @@ class Hair:
 
     color: str = "3d2a21"
     columns: int = 48  # of the hairline, around the head
-    cap_columns: int = 84  # of the cap
+    cap_columns: int = 72  # of the cap
     centre_up: float = 25.0  # centre of the polar grid: above the eyes,
     centre_forward: float = 10.0  # in front of the ears
     skull_below: float = 130.0  # the skull's triangles, below the eyes at most
@@ -54,7 +54,7 @@ class Hair:
     )
     smoothing: int = 5  # rounds of averaging around the head
     # Scalp that shows between the roots at shares of that way, 0..1.
-    scalp: tuple[tuple[float, float], ...] = ((0, 0.45), (0.018, 0.36), (0.04, 0.16), (0.08, 0))
+    scalp: tuple[tuple[float, float], ...] = ((0, 0.58), (0.018, 0.46), (0.04, 0.24), (0.09, 0))
     # Locks: how many waves go around the head, and how high each stands (mm).
     locks: tuple[tuple[int, float], ...] = ((9, 0.7), (14, 0.6), (23, 0.45))
     locks_from: tuple[float, float] = (0.04, 0.3)  # share of the way where they rise
@@ -72,7 +72,7 @@ class Hair:
     bun_shade: float = 0.22
     bun_front: tuple[float, float, float] = (0.64, 1.1, 0.75)  # share of the rows, shades
     # Fine strands that soften the hairline.
-    wisps: int = 380
+    wisps: int = 320
     wisp_length: tuple[float, float] = (5.0, 24.0)
     wisp_width: tuple[float, float] = (0.25, 0.55)
     wisp_before: tuple[float, float] = (-3.0, 6.0)  # how far they root in front of the line
@@ -179,7 +179,7 @@ class Ring:
 class Eyes:
     """Painted eyeballs."""
 
-    columns: int = 32
+    columns: int = 30
     radius: float = 0.992  # share of the sphere that fits the helper eye
     moves_from: float = 0.4  # mm: shapes that move the helper less do not turn the eye
     streaks: tuple[float, float] = (0.72, 1.22)  # brightness, from and to
@@ -248,7 +248,7 @@ class Teeth:
     narrow: float = 0.92  # the arch's width as a share of the helper's
     filled: float = 0.86  # share of the arch that bears teeth
     depths: tuple[float, ...] = (3.5, 3.5, 4.5, 6.0, 6.0, 7.0)
-    sides: int = 12  # corners of a tooth's cross-section
+    sides: int = 10  # corners of a tooth's cross-section
     # Levels of a tooth: share of its height from the root, of its width, of its depth.
     levels: tuple[tuple[float, float, float], ...] = (
         (0, 0.78, 0.92),
