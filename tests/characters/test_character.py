@@ -14,6 +14,7 @@ from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS, MIRRORED_CONTROL
 from faceedit_app.core.rig import Rig
+from faceedit_app.tracking.face_points import IRISES
 
 GLB = ROOT / "assets" / "character.glb"
 DEFINITIONS = ROOT / "assets" / "character.controls.json"
@@ -116,6 +117,20 @@ def test_the_definitions_agree_with_the_character(rig: Rig) -> None:
         assert (entry["label"], entry["region"]) == (control.label, control.region)
         assert entry["vertices"] == pair
         assert entry["neutral_length_mm"] == pytest.approx(neutral[control.id], abs=0.01)
+
+
+def test_landmarks_lie_on_the_skin_and_in_the_pupils(rig: Rig) -> None:
+    """They name vertices, whose numbers change when a part is built of more or fewer of them."""
+    landmarks = json.loads((ROOT / "assets" / "character.landmarks.json").read_text())
+    parts = {m.name: np.unique(rig.faces[m.start : m.stop]) for m in rig.materials}
+    for number, (vertices, _) in landmarks.items():
+        wanted = ("pupil",) if int(number) in IRISES else ("skin", "lips")
+        assert np.isin(vertices, np.concatenate([parts[name] for name in wanted])).all(), number
+    for number, side in zip(IRISES, (-1, 1), strict=True):
+        pupil = parts["pupil"][side * rig.neutral[parts["pupil"], 0] > 0]
+        middle = rig.neutral[pupil].mean(axis=0)
+        apart = rig.neutral[landmarks[str(number)][0][0]] - middle
+        assert np.linalg.norm(apart[:2]) < 1e-4, "metres"
 
 
 def test_building_it_again_gives_the_same_bytes(
