@@ -13,7 +13,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.help.events import (
     LID_COLUMNS,
     closed_lips,
@@ -34,6 +34,7 @@ SHARE = 0.25
 SHAKE_WINDOW = 0.5  # seconds
 STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
+BESIDE = 0.15  # seconds on either side of a gap that may change so that motion runs through
 JUMP = 1.5  # mm across a gap that are noticeable
 TOGETHER = 0.3  # seconds; faults closer than this are reported as one
 # What counts as entirely wrong, for `Problem.severity`.
@@ -251,11 +252,7 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
         jumps = steps.max(axis=0, initial=0.0)
         worst = float(clip.times[first + int(steps.max(axis=1).argmax())]) if len(steps) else start
         moved = tuple(name for name, jump in zip(CONTROL_IDS, jumps, strict=True) if jump > JUMP)
-        fix = (
-            (Edit(moved, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump"),)
-            if moved
-            else ()
-        )
+        fix = (_through(clip, moved, start, end),) if moved else ()
         size = counted(missing, "frame"), _share(missing, MANY)
         frames = "1 frame is" if missing == 1 else f"{missing} frames are"
         message = f"{frames} missing" + (
@@ -263,6 +260,17 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
         )
         found.append(Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix))
     return found
+
+
+def _through(clip: Clip, controls: tuple[str, ...], start: float, end: float) -> Edit:
+    """An edit that lets the motion run through a gap from `start` to `end` seconds.
+
+    The frames that are missing stay missing; those beside them change.
+    """
+    first, last = max(start - BESIDE, 0.0), min(end + BESIDE, float(clip.times[-1]))
+    if last - first > LONGEST_FILL:
+        return Edit(controls, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump")
+    return Edit(CONTROL_IDS, Op.FILL, round(first, 4), round(last, 4), 0.0, name="Fill the gap")
 
 
 def _share(amount: float, most: float) -> float:
