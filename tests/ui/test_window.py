@@ -271,5 +271,6 @@ def test_in_a_narrow_window_a_count_ends_in_dots_not_in_half_a_letter(bench: Ben
     window.resize(1600, 720)
     assert label.shown == label.text()
     window.resize(1000, 660)
+    label.setText(3 * label.text())
     bench.qtbot.waitUntil(lambda: label.shown.endswith("…"))
-    assert label.toolTip() == label.text()
+    assert label.text().startswith(label.shown[:-1])

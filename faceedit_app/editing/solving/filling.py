@@ -20,15 +20,16 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices, Times
 from faceedit_app.core.clip import Clip
 
-CONTEXT = 0.2  # seconds on either side that have to be like those of a donor
+CONTEXT = 0.25  # seconds on either side that have to be like those of a donor
 _SAMPLES = 4  # frames of the context that are compared
-_FADE, _EASE = 0.4, 0.15  # seconds in which an offset of value, or of velocity, fades
+_FADE, _EASE = 0.8, 0.2  # seconds in which an offset of value, or of velocity, fades
 _PIECE = 0.8  # seconds of a donor that follows a guide
 _SHORTEST = 0.25  # seconds of a donor
 _FROZEN = 0.15  # seconds; trackers that lose a face repeat its last frame
 _NEAREST = 20_000  # frames around the stretch in which donors are looked for
 _BEST = 24  # donors of each piece that are tried with those before and after
 _APART = 0.3  # seconds between the donors of two variations
+_SPEED = 0.1  # seconds: a velocity counts like the way made in so much time
 _GUIDE = 0.3  # the weight of a guide against how alike the motion around is
 
 
@@ -63,6 +64,7 @@ class Filling:
     def __init__(self, clip: Clip, tracked: Floats, opening: Floats) -> None:
         self._times, self._rate = clip.times, clip.rate
         self._weights = tracked
+        self._speed = (_SPEED * clip.rate) ** 2
         self._opening = opening.astype(np.float64)
         self._broken = _broken(clip, tracked)
         self._low, self._high = tracked.min(axis=0), tracked.max(axis=0)
@@ -130,9 +132,10 @@ class Filling:
         bad = np.concatenate([[0], np.cumsum(self._broken)])
         starts = np.arange(count)
         ends = starts + size
-        inside = ends < count
-        valid = inside & (bad[np.minimum(ends, count - 1)] - bad[starts] == 0)
-        valid &= (ends < stretch.first) | (starts >= stretch.stop)
+        # One step more on either side gives the velocity there.
+        first, last = np.maximum(starts - 1, 0), np.minimum(ends + 1, count - 1)
+        valid = (ends < count) & (bad[last] - bad[first] == 0)
+        valid &= (ends < stretch.first - 1) | (starts > stretch.stop)
         middle, half = (stretch.first + stretch.stop) // 2, _NEAREST // 2
         near: Bools = valid & (starts >= middle - half) & (ends <= middle + half)
         return near if near.any() else valid
@@ -167,12 +170,18 @@ class Filling:
                 cost[: len(away)] += _GUIDE * (cuts[i + 1] - cuts[i]) / cuts[-1] * away / spread
         places = np.linspace(0, self.context - 1, _SAMPLES).round().astype(np.intp)
         frames = np.arange(count)
+        moves = np.diff(self._weights, axis=0, prepend=self._weights[:1]).astype(np.float64)
         if len(stretch.before):
+            speed = stretch.before[-1].astype(np.float64) - stretch.before[-2:][0]
+            costs[0] += self._speed * np.square(moves - speed).sum(axis=1)
             for back in places[places < len(stretch.before)]:
                 away = self._away(stretch.before[-1 - back])
                 costs[0] += away[np.maximum(frames - back, 0)] / _SAMPLES
         if len(stretch.after):
             size = int(cuts[-1] - cuts[-2])
+            speed = stretch.after[:2][-1].astype(np.float64) - stretch.after[0]
+            away = self._speed * np.square(moves - speed).sum(axis=1)
+            costs[-1] += away[np.minimum(frames + size + 1, count - 1)]
             for on in places[places < len(stretch.after)]:
                 away = self._away(stretch.after[on])
                 costs[-1] += away[np.minimum(frames + size + on, count - 1)] / _SAMPLES
@@ -246,8 +255,8 @@ def _broken(clip: Clip, weights: Floats) -> Bools:
     still = np.append((np.diff(weights, axis=0) == 0).all(axis=1), False)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
     for first, stop in edges.reshape(-1, 2).tolist():
-        if stop - first < _FROZEN * clip.rate:
-            still[first:stop] = False
+        # When the face is found again, it jumps.
+        still[first : stop + 1] = stop - first >= _FROZEN * clip.rate
     still[[gap.frame for gap in clip.gaps]] = True
     return still
 
@@ -303,9 +312,9 @@ def _between(weights: Floats, piece: tuple[int, int, int], start: int) -> tuple[
 
 
 def _fading(share: Doubles) -> Doubles:
-    """1 at 0, 0 from 1 on, with no velocity at either."""
-    u = np.minimum(share, 1.0)
-    fading: Doubles = 1.0 - u * u * (3.0 - 2.0 * u)
+    """1 at 0, 0 from 1 on, with no velocity or acceleration at either."""
+    left = 1.0 - np.minimum(share, 1.0)
+    fading: Doubles = left**3 * (10.0 - 15.0 * left + 6.0 * left**2)
     return fading
 
 
@@ -317,7 +326,7 @@ def _offset(steps: Doubles, value: Doubles, speed: Doubles, fade: float, ease: f
         value, speed: (52,).
         fade, ease: steps in which the value and the velocity fade.
     """
-    slowing = steps * np.square(np.maximum(1.0 - steps / ease, 0.0))
+    slowing = steps * np.square(np.maximum(1.0 - np.square(steps / ease), 0.0))
     offset: Doubles = _fading(steps / fade)[:, None] * value + slowing[:, None] * speed
     return offset
 
