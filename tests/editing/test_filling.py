@@ -97,7 +97,7 @@ def test_a_curve_drawn_in_the_range_stays_whichever_came_first() -> None:
         kept = session.achieved[rows, CONTROL_INDEX[LIP_OPENING]]
         assert np.abs(kept - 3.0).max() < 0.5
         results.append(session.weights.copy())
-    assert np.array_equal(*results)
+    assert np.array_equal(results[0], results[1])
 
 
 def test_edits_act_on_the_filled_motion() -> None:

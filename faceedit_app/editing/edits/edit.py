@@ -22,7 +22,7 @@ from faceedit_app.core.fields import (
 
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
-LONGEST_FILL = 4.0  # seconds that the window and presets fill at once
+LONGEST_FILL = 4.0  # seconds that Fill makes at once
 MOST_SEED = 999
 MOST_POINTS = 200_000
 MOST_EDITS = 10_000  # of one take; with more, a drag could not be followed

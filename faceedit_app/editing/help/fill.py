@@ -88,7 +88,7 @@ def opening_heard(
     """
     clip = session.take.clip
     first, last = max(start - _LEARNED, 0.0), min(end + _LEARNED, float(clip.times[-1]))
-    grid = np.arange(round(first / _STEP), round(last / _STEP) + 1) * _STEP
+    grid = np.arange(round(first / _STEP), round(last / _STEP) + 1).astype(np.float64) * _STEP
     curve = session.tracked[:, CONTROL_INDEX[LIP_OPENING]].astype(np.float64)
     opening = np.interp(grid, clip.times, curve)
     features = _features(grid, heard)
