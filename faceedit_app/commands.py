@@ -124,10 +124,11 @@ def apply(
     models: ModelsOption = None,
     overwrite: OverwriteOption = False,
 ) -> None:
-    """Apply edits to a take and export it in its own format.
+    """Apply edits to a take and export it as it came, or in the format of the output's ending.
 
     With --character, lips and lids also close on that character where edits close them.
     """
+    from faceedit_app.editing import exporting
     from faceedit_app.editing.edits.settings import Mode, Settings
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 
@@ -144,7 +145,12 @@ def apply(
         session.use_character(character_commands.rig_of(character))
     session.load_edits(edits)
     _warn_of_unanswerable(session, engine)
-    session.export(output, overwrite)
+    form = exporting.by_ending(output, session.take)
+    if form is None:
+        session.export(output, overwrite)
+    else:
+        options = exporting.Options(character=character, overwrite=overwrite)
+        exporting.export_session(session, output, form, options)
     say(
         f"{output}: {len(session.edits)} edits, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"

@@ -341,3 +341,14 @@ def test_apply_never_replaces_the_recording_by_mistake(
     assert main(command) == 0
     assert take.read_bytes() == other.read_bytes()
     assert take.with_name("take.csv.bak").read_bytes() == before
+
+
+def test_apply_writes_the_format_of_the_ending(take: Path, tmp_path: Path, models: str) -> None:
+    edits = edits_file(tmp_path, EDIT)
+    for name in ("out.csv", "out.glb", "out.json", "out.take"):
+        out = tmp_path / name
+        assert main(["apply", str(take), str(edits), "-o", str(out), "--models", models]) == 0
+    own, glb, json_ = (open_take(tmp_path / f"out.{end}") for end in ("csv", "glb", "json"))
+    assert (tmp_path / "out.take").read_bytes() == (tmp_path / "out.csv").read_bytes()
+    assert (glb.format, json_.format) == ("GLB animation", "Audio2Face JSON")
+    np.testing.assert_allclose(glb.clip.arkit_weights(), own.clip.arkit_weights(), atol=1e-7)

@@ -34,6 +34,8 @@ class Clip:
         rate: nominal frames per second.
         gaps: where frames are missing.
         timecodes: the T timecodes as the source writes them; empty if it has none.
+        rotations: (T, 9) yaw, pitch and roll of the head, the left and the right eye, in radians,
+            if the source has them; edits leave them.
     """
 
     weights: Floats
@@ -42,6 +44,7 @@ class Clip:
     rate: float
     gaps: tuple[Gap, ...] = ()
     timecodes: tuple[str, ...] | None = None
+    rotations: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.weights)

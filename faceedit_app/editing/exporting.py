@@ -17,6 +17,7 @@ from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
 from faceedit_app.formats.converting import convert, resampled
+from faceedit_app.formats.csv_take import ROTATIONS
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
 
@@ -55,6 +56,11 @@ class OutFormat:
     def is_compact(self) -> bool:
         """Whether it can store weights compactly."""
         return isinstance(self.kind, SceneFormat) and self.kind.is_compact
+
+    @property
+    def takes_any_rate(self) -> bool:
+        """Whether it can be written at another rate than the take's own."""
+        return isinstance(self.kind, SceneFormat) or self.kind.write is not None
 
     def hints(self, rate: float) -> list[str]:
         """What to do with the file in other programs, a sentence each."""
@@ -130,6 +136,15 @@ def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutF
     raise FaceEditError(f"{path}: no format with this ending can be written; use {known}")
 
 
+def by_ending(path: Path, take: Take) -> OutFormat | None:
+    """The format for a file by its ending; None = the take's own, also for an unknown ending."""
+    try:
+        form = choose(path, take=take)
+    except FaceEditError:
+        return None
+    return None if form == own_format(take) else form
+
+
 def own_format(take: Take) -> OutFormat | None:
     """The format that a take was opened from."""
     return next((OutFormat(f) for f in registry.FORMATS if f.name == take.kind), None)
@@ -170,6 +185,8 @@ def export_take(
         backup = make_way(path, take.path, options.overwrite)
         clip = convert(path, take, kind, options.rate, weights)
         lost = () if same else take.carried
+        if kind.keeps_rotations and clip.rotations is not None:
+            lost = tuple(name for name in lost if name.lower() not in ROTATIONS)
     else:
         clip = resampled(replace(take.clip, weights=weights), options.rate)
         content = scene_content(

@@ -85,18 +85,22 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
     if keeps_rate and (steady or not fill_gaps):
         return clip
     rate = clip.rate if rate is None else rate
-    weights = at_rate(clip.times, clip.weights, rate, clip.rate)
-    times = np.arange(len(weights)) / rate
+    parts = [clip.weights, *([] if clip.rotations is None else [clip.rotations])]
+    values = at_rate(clip.times, np.concatenate(parts, axis=1), rate, clip.rate)
+    times = np.arange(len(values)) / rate
     if not fill_gaps:
         seen = ~_inside_gaps(times, clip)
-        times, weights = times[seen], weights[seen]
+        times, values = times[seen], values[seen]
+    floats = values.astype(np.float32)
+    channels = len(clip.channels)
     return Clip(
-        weights=weights.astype(np.float32),
+        weights=np.ascontiguousarray(floats[:, :channels]),
         channels=clip.channels,
         times=times,
         rate=rate,
         gaps=find_gaps(times, rate),
         timecodes=_timecodes(clip.timecodes, times) if clip.timecodes else None,
+        rotations=None if clip.rotations is None else floats[:, channels:],
     )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
@@ -17,6 +18,10 @@ from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
 
 _COUNTS = ("blendshapecount", "numproperties")
+# Live Link Face's rotations, which an export at another rate must not lose.
+ROTATIONS = tuple(
+    part + axis for part in ("head", "lefteye", "righteye") for axis in ("yaw", "pitch", "roll")
+)
 _NAMES = {
     "timecode": "CSV with timecodes",
     "clock": "CSV with times",
@@ -66,7 +71,9 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
     lower = [column.lower() for column in table.names]
     count = next((lower.index(wanted) for wanted in _COUNTS if wanted in lower), None)
     clocks = [k for k in time_columns(table.names) if k not in found.indices]
-    texts = [*clocks, *([] if count is None else [count])]
+    turns = [lower.index(name) for name in ROTATIONS if name in lower]
+    turns = turns if len(turns) == len(ROTATIONS) else []
+    texts = [*clocks, *turns, *([] if count is None else [count])]
     rows = table.read(texts, found.indices, count)
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
@@ -83,6 +90,7 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
         timecodes=_timecodes(clocks, rows, times),
         carried=tuple(table.names[k] or "(unnamed)" for k in carried),
         notes=(*_empty_notes(found, columns), *_count_notes(table, rows, count)),
+        rotations=_rotations(rows, len(clocks)) if turns else None,
     )
     source = partial(CsvSource, table, tuple(rows.lines), columns.indices)
     return finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
@@ -101,6 +109,17 @@ def _timecodes(clocks: list[int], rows: Rows, times: RowTimes) -> tuple[str, ...
         return None
     place = clocks.index(times.column)
     return tuple(rows.texts[row][place] for row in np.flatnonzero(~rows.lost).tolist())
+
+
+def _rotations(rows: Rows, start: int) -> Floats | None:
+    """(T, 9) of the text columns from `start`; None if a cell is not a number."""
+    frames = np.flatnonzero(~rows.lost).tolist()
+    try:
+        cells = [rows.texts[row][start : start + len(ROTATIONS)] for row in frames]
+        found = np.array(cells, np.float64).astype(np.float32)
+    except ValueError:
+        return None
+    return found if np.isfinite(found).all() else None
 
 
 def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:

@@ -61,12 +61,13 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 
 
 def write(clip: Clip) -> bytes:
-    """A clip as the application writes it: all 52 shapes, 9 rotations of 0, timecodes.
+    """A clip as the application writes it: all 52 shapes, 9 rotations (or 0), timecodes.
 
     The timecode begins at the clip's, if it has one, else at 0. Lost frames are left out, as the
     application does.
     """
-    return write_with(clip, np.zeros((len(clip), len(_ROTATIONS)), np.float32))
+    still = np.zeros((len(clip), len(_ROTATIONS)), np.float32)
+    return write_with(clip, still if clip.rotations is None else clip.rotations)
 
 
 def write_with(clip: Clip, rotations: Floats, lost: Times | None = None) -> bytes:

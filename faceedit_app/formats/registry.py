@@ -42,6 +42,7 @@ class Format:
         write: encodes any clip in this format; None if only takes that were read from it can be
             written.
         tells_times: whether its frames have times, not only a rate.
+        keeps_rotations: whether `write` keeps the rotations of head and eyes.
         hints: for a format that can be written, by program, what to do there; `{rate}` stands for
             the frame rate.
     """
@@ -55,6 +56,7 @@ class Format:
     read: Callable[[Path, bytes, float | None], Take]
     write: Callable[[Clip], bytes] | None = None
     tells_times: bool = True
+    keeps_rotations: bool = False
     hints: tuple[tuple[str, str], ...] = ()
 
 
@@ -62,7 +64,7 @@ class Format:
 FORMATS: tuple[Format, ...] = (
     Format("livelink", livelink.FORMAT, (".csv",), "text/csv",
            "Live Link Face on an iPhone; Face_Landmark_Link and others that write its layout",
-           livelink.sniff, livelink.read, livelink.write, hints=(
+           livelink.sniff, livelink.read, livelink.write, keeps_rotations=True, hints=(
                ("Unreal", "switch on the plug-in Live Link Face Importer, and drag the file into "
                 "the Content Browser: it becomes a Level Sequence"),
                ("Blender", "the add-on Faceit imports it (Mocap > Import Live Link Face)"),

@@ -77,6 +77,7 @@ class Recording:
         timecodes: as `Clip.timecodes`.
         carried: as `Take.carried`.
         notes: the format's own notes.
+        rotations: as `Clip.rotations`.
     """
 
     path: Path
@@ -88,6 +89,7 @@ class Recording:
     timecodes: tuple[str, ...] | None = None
     carried: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    rotations: Floats | None = None
 
 
 def finish_take(
@@ -125,6 +127,7 @@ def finish_take(
         rate=timing.rate,
         gaps=gaps,
         timecodes=recording.timecodes,
+        rotations=recording.rotations,
     )
     notes = (
         *recording.notes,

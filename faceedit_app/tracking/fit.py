@@ -49,7 +49,7 @@ class FitSettings:
 
     landmark: float = 0.6
     rows: float = 8.0
-    gap: float = 0.35
+    gap: float = 0.12
     lid: float = 0.15
     gap_share: float = 0.3
     sparse: float = 1.0

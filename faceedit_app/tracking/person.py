@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, MOUTH_WIDTH
@@ -15,6 +16,7 @@ from faceedit_app.tracking.pose import Lens, Poses, fit_poses
 _NEUTRAL = 1 / 15  # share of the pictures that count as neutral
 _FEWEST = 3
 _MOST = 1500  # pictures, spread over the film, that show enough of a person
+_WHILE = 9  # pictures
 _DEPTH = 0.5  # how far the landmarks' depth is believed
 _TOUCH = 3.0  # percentile of the distance between the lips at which they touch
 _OPEN = 70.0  # percentile of the distance between the lids at which an eye is at rest
@@ -109,7 +111,7 @@ def gap_of(model: FaceModel, points: Doubles, control: str) -> Doubles:
 
 
 def _quiet(gaps: dict[str, Doubles]) -> Indices:
-    """The calmest pictures: mouth shut, lids and width as they mostly are."""
+    """The calmest pictures: mouth shut, lids and width as they mostly are, nothing moving."""
 
     def apart(values: Doubles) -> Doubles:
         away: Doubles = np.abs(values / max(float(np.median(values)), 1e-6) - 1.0)
@@ -118,6 +120,10 @@ def _quiet(gaps: dict[str, Doubles]) -> Indices:
     lips = gaps[LIP_OPENING]
     unrest = (lips - lips.min()) / 5.0 + apart(gaps[MOUTH_WIDTH])
     unrest = unrest + 2.0 * sum(apart(gaps[lid]) for lid in LIDS)
+    # Lips that are pressed for a b are shut as well: a face at rest stays as it is for a while.
+    together = np.stack(list(gaps.values()))
+    steps = np.abs(np.diff(together, axis=1, prepend=together[:, :1])).sum(axis=0)
+    unrest = unrest + uniform_filter1d(steps, _WHILE, mode="nearest")
     count = max(_FEWEST, round(len(lips) * _NEUTRAL))
     return np.argsort(unrest, kind="stable")[:count].astype(np.intp)
 

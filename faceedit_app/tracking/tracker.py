@@ -26,6 +26,7 @@ from faceedit_app.tracking.person import Person, find_person
 
 SURE = 0.5  # confidence below which a picture is a gap
 _FEWEST = 8  # pictures with a face
+_GOOD = 0.9  # probability of a face in pictures that show the person's neutral face
 _TURNED = np.radians((35.0, 60.0))  # from here the far side is hidden, and there nothing is left
 _STRANGE = (2.0, 4.0)  # times the usual residual: what does not look like a face, or is hidden
 _SMALLEST = 1.5  # mm, the least of these residuals
@@ -161,7 +162,10 @@ def fit_landmarks(
         )
     seen = film.points[found][:, model.numbers] * (1.0, -1.0, -1.0)
     middle = 0.5 * np.array(film.size) * (1.0, -1.0)
-    person = find_person(model, seen, film.probabilities[found] > 0.9, middle)
+    good = film.probabilities[found] > _GOOD
+    if good.sum() < _FEWEST:
+        good[:] = True
+    person = find_person(model, seen, good, middle)
     trust = np.clip(film.probabilities[found], 0.05, 1.0)
     fit = fit_weights(model, person, seen, film.times[found], trust, settings, progress)
     count = len(film.times)

@@ -162,3 +162,25 @@ def test_what_cannot_be_converted_is_said_in_one_line(
 def test_an_unknown_format_is_refused() -> None:
     with pytest.raises(FaceEditError, match="must be one of"):
         choose_format(Path("x.csv"), "usd")
+
+
+def test_the_rotations_of_head_and_eyes_survive_another_rate(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    names = [p + a for p in ("Head", "LeftEye", "RightEye") for a in ("Yaw", "Pitch", "Roll")]
+    turns = np.linspace(-0.5, 0.5, 9 * 60).reshape(60, 9)
+    header = ["Timecode", "BlendshapeCount", *livelink_names(), *names]
+    lines = [",".join(header)]
+    for frame, row in enumerate(turns):
+        cells = ["0.25"] * 52 + [f"{value:.6f}" for value in row]
+        lines.append(",".join([f"10:00:00:{frame:02d}.000", "61", *cells]))
+    take = tmp_path / "take.csv"
+    take.write_text("\n".join(lines) + "\n")
+    assert main(["convert", str(take), str(tmp_path / "out.csv"), "--fps", "30"]) == 0
+    assert "left out" not in capfd.readouterr().out
+    with (tmp_path / "out.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    found = np.array([[float(row[name]) for name in names] for row in rows])
+    np.testing.assert_allclose(found[1:-1], turns[2:-2:2], atol=1e-5)
+    assert main(["convert", str(take), str(tmp_path / "out.glb")]) == 0
+    assert "left out because they are not channels: HeadYaw" in capfd.readouterr().out

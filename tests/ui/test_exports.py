@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PySide6.QtWidgets import QProgressDialog, QPushButton
 from pytestqt.qtbot import QtBot
+from support import recordings
 from support.character_files import write_glb
 from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, trigger
@@ -70,6 +71,19 @@ def test_the_dialog_says_what_to_do_at_the_chosen_rate(dialog: ExportDialog) -> 
     assert dialog.options.rate == 24
 
 
+def test_a_layout_that_cannot_be_made_keeps_its_rate(qtbot: QtBot, tmp_path: Path) -> None:
+    path = tmp_path / "take.txt"
+    path.write_text(recordings.facecap(recordings.face(60)))
+    dialog = ExportDialog(None, open_take(path))
+    qtbot.addWidget(dialog)
+    dialog.rate.setCurrentText("24 fps")
+    assert not dialog.rate.isEnabled()
+    assert dialog.options == Options()
+    choose_format(dialog, "csv")
+    assert dialog.rate.isEnabled()
+    assert dialog.options.rate == 24
+
+
 def test_what_is_on_screen_is_exported_as_a_character(bench: Bench) -> None:
     window = bench.editing()
     add_edit(window)
@@ -85,6 +99,15 @@ def test_what_is_on_screen_is_exported_as_a_character(bench: Bench) -> None:
     assert path == out
     assert any(line.startswith("Blender: ") for line in lines)
     assert not bench.errors
+
+
+def test_an_ending_of_another_format_means_that_format(bench: Bench) -> None:
+    window = bench.editing()
+    out = bench.folder / "talk.glb"
+    bench.answers["export"] = out
+    trigger(window, "export")
+    bench.qtbot.waitUntil(lambda: bool(bench.exported), timeout=20_000)
+    assert open_take(out).format == "GLB animation"
 
 
 def test_the_character_on_screen_plays_the_take(bench: Bench) -> None:

@@ -12,7 +12,15 @@ from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.actions import shown_keys
 
 # What every application has, and menus within menus.
-SELF_EXPLANATORY = {"recent", "recent_characters", "quit", "presets", "shortcuts", "about"}
+SELF_EXPLANATORY = {
+    "recent",
+    "history",
+    "recent_characters",
+    "quit",
+    "presets",
+    "shortcuts",
+    "about",
+}
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import random
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint
+from PySide6.QtCore import QEvent, QObject, QPoint
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
@@ -74,6 +74,28 @@ def test_nothing_stale_stays_on_screen(qtbot: QtBot, frames: int) -> None:
         QTest.mouseRelease(widget, LEFT, pos=at)
         assert_nothing_is_stale(panel, f"{gesture} on {plot.control.id}, let go of")
     assert session.edits
+
+
+class Rounds(QObject):
+    """Counts how often a window is painted."""
+
+    count = 0
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        self.count += event.type() == QEvent.Type.UpdateRequest
+        return False
+
+
+def test_all_plots_are_painted_in_one_round(qtbot: QtBot) -> None:
+    panel = open_panel(qtbot, tiny_session())
+    panel.timeline.select((1.0, 2.0))
+    QApplication.processEvents()
+    rounds = Rounds(panel)
+    panel.window().installEventFilter(rounds)
+    panel.timeline.go_to_frame(panel.timeline.frame + 20)  # moves the playhead in each
+    QApplication.processEvents()
+    assert rounds.count == 1
+    assert_nothing_is_stale(panel, "after one round")
 
 
 def test_a_selection_is_as_high_as_its_plot_whatever_the_axis_does(qtbot: QtBot) -> None:

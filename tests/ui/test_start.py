@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from support.windows import Bench, drag_curve, drop, open_path, trigger
 from faceedit_app import render
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
+from faceedit_app.ui.start.application import keep_for_good, rarely_collect
 from faceedit_app.ui.state import loading
 
 OPENING = CONTROL_INDEX["mouth_opening"]
@@ -252,3 +254,16 @@ def test_the_take_that_was_asked_for_last_wins(
     gate.set()
     wait_for_background(window.workspace.background)
     assert open_path(window) == bench.take
+
+
+def test_garbage_is_collected_as_usual_once_the_start_is_over() -> None:
+    usual = gc.get_threshold()
+    rarely_collect()
+    try:
+        assert gc.isenabled()
+        assert gc.get_threshold()[0] > 100 * usual[0]
+        keep_for_good()
+        assert gc.get_threshold() == usual
+    finally:
+        gc.set_threshold(*usual)
+        gc.unfreeze()

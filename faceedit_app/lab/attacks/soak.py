@@ -103,7 +103,7 @@ def soak(
                         soaked.problems.append(f"after “{monkey.last}”: {said}")
                         break
                 else:
-                    _check(window, folder, soaked)
+                    _check(window, monkey, folder, soaked)
                 advance(time.monotonic() - began)
                 if gestures is not None and soaked.gestures >= gestures:
                     break
@@ -116,10 +116,12 @@ def soak(
     return soaked
 
 
-def _check(window: MainWindow, folder: Path, soaked: Soaked) -> None:
+def _check(window: MainWindow, monkey: Monkey, folder: Path, soaked: Soaked) -> None:
     """Compare what is shown with what is exported, and with the same edits on a fresh session."""
     window.workspace.end_gestures()
     session = session_of(window)
+    if session.is_previewing:
+        soaked.problems.append(f"a preview stays after all gestures, after “{monkey.last}”")
     session.live.work()
     soaked.checks += 1
     soaked.memory.append(_memory())
@@ -130,8 +132,12 @@ def _check(window: MainWindow, folder: Path, soaked: Soaked) -> None:
         shown = getattr(session, name)
         if not np.isfinite(shown).all():
             soaked.problems.append(f"{name} is not finite")
-        if not np.array_equal(shown, getattr(fresh, name)):
-            soaked.problems.append(f"{name} depends on how the edits were made")
+        differs = (shown != getattr(fresh, name)).any(axis=1)
+        if differs.any():
+            frames = f"{differs.sum()} frames from {differs.argmax()}"
+            soaked.problems.append(
+                f"{name} depends on how the edits were made ({frames}, after “{monkey.last}”)"
+            )
     exported = folder / f"exported{session.take.path.suffix}"
     window.document.export(exported)
     written = open_take(exported, session.take.fps).clip.weights

@@ -13,7 +13,7 @@ from faceedit_app.ui.commands.film_export import FilmExport
 from faceedit_app.ui.commands.workspace import Workspace
 
 if TYPE_CHECKING:
-    from faceedit_app.editing.exporting import Exported
+    from faceedit_app.editing.exporting import Exported, Options, OutFormat
 
 
 class Exports:
@@ -25,6 +25,8 @@ class Exports:
 
     def export(self) -> bool:
         """Export the take as it came; False if the user cancels or it fails."""
+        from faceedit_app.editing.exporting import Options, by_ending
+
         self._workspace.end_gestures()
         document = self._workspace.document
         assert document.path is not None
@@ -33,6 +35,11 @@ class Exports:
             return False
         path, overwrite = place
         self._note_wait()
+        session = self._workspace.session
+        form = by_ending(path, session.take) if session is not None else None
+        if form is not None:  # take.glb was typed for a take that came as a CSV
+            self._write(path, form, Options(character=document.character, overwrite=overwrite))
+            return True
         try:
             document.export(path, overwrite)
         except FaceEditError as error:
@@ -43,8 +50,6 @@ class Exports:
 
     def export_as(self) -> None:
         """Export the take in a format, at a rate and on a character that the user chooses."""
-        from faceedit_app.editing.exporting import export_take
-
         self._workspace.end_gestures()
         session = self._workspace.session
         if session is None:
@@ -63,8 +68,14 @@ class Exports:
         if place is None:
             return
         path, overwrite = place
-        options = replace(options, overwrite=overwrite, character=shown)
-        document = self._workspace.document
+        self._write(path, form, replace(options, overwrite=overwrite, character=shown))
+
+    def _write(self, path: Path, form: OutFormat, options: Options) -> None:
+        """Write the take in the background, and say what to do with it."""
+        from faceedit_app.editing.exporting import export_take
+
+        document, session = self._workspace.document, self._workspace.session
+        assert session is not None
         self._note_wait()
         document.work_off()
         take, weights = session.take, session.clip_weights()

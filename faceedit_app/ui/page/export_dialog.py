@@ -75,12 +75,14 @@ class ExportDialog(QDialog):
     @property
     def options(self) -> Options:
         """The rest of what was chosen."""
-        return Options(self._chosen_rate, compact=self.compact.isChecked())
+        return Options(
+            self._chosen_rate, compact=self.compact.isChecked() and self.chosen.is_compact
+        )
 
     @property
     def _chosen_rate(self) -> float | None:
         rate: float | None = self.rate.currentData()
-        return rate
+        return rate if self.chosen.takes_any_rate else None
 
     def _format_box(self, own: OutFormat | None) -> Choice:
         self.format = Choice()
@@ -102,4 +104,5 @@ class ExportDialog(QDialog):
         form = self.chosen
         self.character.setEnabled(form.has_character)
         self.compact.setEnabled(form.is_compact)
+        self.rate.setEnabled(form.takes_any_rate)
         self.hints.setText("\n".join(form.hints(self._chosen_rate or self._take.clip.rate)))
