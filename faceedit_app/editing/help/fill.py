@@ -74,7 +74,7 @@ def filled_message(clip: Clip, start: float, end: float, heard: bool) -> str:
     if heard:
         text += ", as loud as the sound"
     if lost:
-        text += f". The file has no row for {counted(sum(lost), 'frame')} in it: these stay missing"
+        text += f"; {counted(sum(lost), 'frame')} without a face stay lost in the file"
     return text
 
 
