@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.sessions import demo_take, session_by_rig
+from support.sessions import demo_take, session_by_rig, take_of
 
 from faceedit_app.core.clip import Gap
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIP_OPENING
@@ -100,6 +100,6 @@ def test_what_cannot_be_filled_is_said(span: tuple[float, float], why: str) -> N
 
 
 def test_rows_that_the_file_lacks_are_said_to_stay_missing() -> None:
-    clip = replace(demo_take().clip, gaps=(Gap(300, 12),))
-    assert "12 frames" in filled_message(clip, 4.0, 6.0, heard=False)
-    assert "missing" not in filled_message(clip, 6.0, 7.0, heard=False)
+    take = take_of(replace(demo_take().clip, gaps=(Gap(300, 12),)))
+    assert "no row for 12 lost frames" in filled_message(take, 4.0, 6.0, heard=False)
+    assert "no row" not in filled_message(take, 6.0, 7.0, heard=False)

@@ -12,6 +12,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIP_OPENING
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import counted
 from faceedit_app.media.loudness import loudness
 
@@ -66,15 +67,19 @@ def variations(edit: Edit) -> tuple[Edit, ...]:
     return tuple(replace(edit, seed=edit.seed + number) for number in range(VARIATIONS))
 
 
-def filled_message(clip: Clip, start: float, end: float, heard: bool) -> str:
+def filled_message(take: Take, start: float, end: float, heard: bool) -> str:
     """What a fill did, for the user."""
-    times = clip.times
-    lost = [gap.missing for gap in clip.gaps if start <= times[gap.frame] < end]
-    text = "Filled with other motion of the take"
+    clip, text = take.clip, "Filled with other motion of the take"
     if heard:
         text += ", as loud as the sound"
-    if lost:
-        text += f"; {counted(sum(lost), 'frame')} without a face stay lost in the file"
+    lost = sum(g.missing for g in clip.gaps if start <= clip.times[g.frame] < end)
+    places = np.array(take.lost_rows.positions if take.lost_rows is not None else ())
+    seconds = np.interp(places, np.arange(len(clip)), clip.times)
+    found = int(((seconds > start) & (seconds < end)).sum())
+    if found:
+        text += f"; the export gets a face in {counted(found, 'row')} without one"
+    if lost > found:
+        text += f"; the file has no row for {counted(lost - found, 'lost frame')}"
     return text
 
 

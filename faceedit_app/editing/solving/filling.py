@@ -82,19 +82,29 @@ class Filling:
         A take without any other motion gives a smooth way from one end to the other; a stretch
         that is the whole take stays as it is.
         """
-        rows = slice(stretch.first, stretch.stop)
         if not len(stretch.before) and not len(stretch.after):
-            return self._weights[rows].astype(np.float64)
+            return self._weights[stretch.first : stretch.stop].astype(np.float64)
         steps = self._steps(stretch)
-        pieces = self._pieces(stretch, int(steps[-1]))
+        return self._made(stretch, int(steps[-1]))[steps[:-1]]
+
+    def between(self, stretch: Stretch, seconds: Times) -> Doubles:
+        """(N, 52) weights at any times (N,) within a stretch that has frames on a side."""
+        steps = self._steps(stretch)
+        start = self._times[stretch.first] - float(steps[0]) / self._rate
+        at = np.round((seconds - start) * self._rate).astype(np.intp)
+        return self._made(stretch, int(steps[-1]))[np.clip(at, 0, int(steps[-1]))]
+
+    def _made(self, stretch: Stretch, length: int) -> Doubles:
+        """(M + 1, 52) weights on every step of 1 / rate, both ends included."""
+        pieces = self._pieces(stretch, length)
         if pieces is None:
-            content = _way(stretch, int(steps[-1]))
+            content = _way(stretch, length)
         else:
             content = _joined(self._weights, pieces, self._rate)
         start = pieces[0][0] if pieces is not None else None
         end = pieces[-1][0] + int(np.diff(pieces[-1][1:])[0]) if pieces is not None else None
         self._meet(content, stretch, start, end)
-        result = np.clip(content[steps[:-1]], self._low, self._high)
+        result: Doubles = np.clip(content, self._low, self._high)
         close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
         result[:, close] = np.minimum(result[:, close], result[:, jaw] + self._excess)
         return result

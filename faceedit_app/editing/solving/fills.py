@@ -73,15 +73,7 @@ class Fills:
         """(N, 52) what an edit puts in place of the take."""
         if edit.op is Op.RESET:
             return self._tracked[first:stop].astype(np.float64)
-        begin, end = first - near.start, stop - near.start
-        stretch = Stretch(
-            first,
-            stop,
-            out[max(begin - self.around, 0) : begin],
-            out[end : end + self.around],
-            edit.seed,
-            edit.polyline if edit.points else None,
-        )
+        stretch = self._stretch(edit, out, near, first, stop)
         around = stretch.before.tobytes(), stretch.after.tobytes()
         key = (first, stop, edit.seed, edit.points, *around)
         content = self._known.pop(key, None)
@@ -91,6 +83,47 @@ class Fills:
         while len(self._known) > REMEMBERED:
             del self._known[next(iter(self._known))]  # the least recently used
         return content
+
+    def _stretch(self, edit: Edit, out: Floats, near: slice, first: int, stop: int) -> Stretch:
+        """What a fill has to fill, in the take with earlier fills (N, 52) on the frames `near`."""
+        begin, end = first - near.start, stop - near.start
+        return Stretch(
+            first,
+            stop,
+            out[max(begin - self.around, 0) : begin],
+            out[end : end + self.around],
+            edit.seed,
+            edit.polyline if edit.points else None,
+        )
+
+    def found(self, edits: Sequence[Edit], positions: Sequence[float], weights: Floats) -> Floats:
+        """(L, 52) weights for rows that lost the face, where a fill covers them; else NaN.
+
+        What other edits change in the frames around is added, in proportion.
+
+        Args:
+            positions: (L) see `LostRows`.
+            weights: (T, 52) the result with all edits.
+        """
+        times, whole = self._clip.times, slice(0, len(self._tracked))
+        before = np.floor(positions).astype(np.intp)
+        share = np.asarray(positions, np.float64) - before
+        seconds = times[before] + share * (times[before + 1] - times[before])
+        out = np.full((len(before), self._tracked.shape[1]), np.nan)
+        for i, edit in enumerate(edits):
+            covered = edit.mask(seconds) > 0.5
+            if len(self._columns(edit)) < len(self._present) or not covered.any():
+                continue
+            if edit.op is Op.RESET:
+                out[covered] = np.nan
+            first, stop = fill_frames(times, edit.span)
+            if edit.op is Op.FILL and 0 < stop - first < len(times):
+                stretch = self._stretch(edit, self.applied(edits[:i], whole), whole, first, stop)
+                out[covered] = self._filling.between(stretch, seconds[covered])
+        change = (weights - self.applied(edits, whole)).astype(np.float64)
+        share = share[:, None]
+        out += (1.0 - share) * change[before] + share * change[before + 1]
+        return np.round(np.clip(out, 0.0, 1.0), DECIMALS).astype(np.float32)
 
     def _columns(self, edit: Edit) -> Indices:
         """The channels that a fill replaces, or that a reset brings back.

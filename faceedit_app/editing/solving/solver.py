@@ -37,8 +37,9 @@ from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
-from faceedit_app.editing.solving.request import Request, request
+from faceedit_app.editing.solving.request import Request, active, request
 from faceedit_app.editing.solving.take_statistics import IDLE
+from faceedit_app.formats.take import LostRows
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
@@ -215,6 +216,15 @@ class Solver:
         whole = Op.FILL, Op.RESET  # they count by region
         parts = (edit if edit.op in whole else without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
+
+    def found(self, lost: LostRows, edits: Sequence[Edit], weights: Floats) -> Floats:
+        """(L, K) weights for the rows without a face that fills cover; else NaN.
+
+        Args:
+            weights: (T, 52) the result of the edits.
+        """
+        columns = [ARKIT_INDEX[c] for c in self.clip.channels]
+        return self._fills.found(active(edits), lost.positions, weights)[:, columns]
 
     def solve(self, task: ChunkTask) -> Patch:
         """Compute one chunk."""

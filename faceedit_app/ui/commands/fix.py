@@ -108,7 +108,7 @@ class FixCommands:
         sound = self._workspace.media.sound
         heard = fill.Heard(sound.item, sound.offset) if sound is not None else None
         edit = fill.fill_edit(session, *selection, heard)
-        text = fill.filled_message(clip, *selection, bool(edit.points))
+        text = fill.filled_message(session.take, *selection, bool(edit.points))
         found = [(each,) for each in fill.variations(edit)]
         page.proposal.offer(text, (edit,), "Fill", variations=found)
 
