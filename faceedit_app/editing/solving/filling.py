@@ -85,14 +85,18 @@ class Filling:
         if not len(stretch.before) and not len(stretch.after):
             return self._weights[stretch.first : stretch.stop].astype(np.float64)
         steps = self._steps(stretch)
-        return self._made(stretch, int(steps[-1]))[steps[:-1]]
+        content = self._made(stretch, int(steps[-1]))
+        frames: Doubles = content[steps[:-1]]
+        return frames
 
     def between(self, stretch: Stretch, seconds: Times) -> Doubles:
         """(N, 52) weights at any times (N,) within a stretch that has frames on a side."""
         steps = self._steps(stretch)
         start = self._times[stretch.first] - float(steps[0]) / self._rate
         at = np.round((seconds - start) * self._rate).astype(np.intp)
-        return self._made(stretch, int(steps[-1]))[np.clip(at, 0, int(steps[-1]))]
+        content = self._made(stretch, int(steps[-1]))
+        frames: Doubles = content[np.clip(at, 0, len(content) - 1)]
+        return frames
 
     def _made(self, stretch: Stretch, length: int) -> Doubles:
         """(M + 1, 52) weights on every step of 1 / rate, both ends included."""

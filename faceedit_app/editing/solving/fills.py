@@ -123,7 +123,8 @@ class Fills:
         change = (weights - self.applied(edits, whole)).astype(np.float64)
         share = share[:, None]
         out += (1.0 - share) * change[before] + share * change[before + 1]
-        return np.round(np.clip(out, 0.0, 1.0), DECIMALS).astype(np.float32)
+        found: Floats = np.round(np.clip(out, 0.0, 1.0), DECIMALS).astype(np.float32)
+        return found
 
     def _columns(self, edit: Edit) -> Indices:
         """The channels that a fill replaces, or that a reset brings back.
