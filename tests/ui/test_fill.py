@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
+from support.takes import make_livelink_csv
 from support.windows import Bench, session_of, trigger
 
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.help.problems import Kind
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 
@@ -71,3 +75,17 @@ def test_other_proposals_have_no_variations(window: MainWindow) -> None:
     assert editor_of(window).proposal.is_open
     assert not window.actions_["next_variation"].isEnabled()
     assert not editor_of(window).proposal.count.isVisibleTo(editor_of(window))
+
+
+def test_rows_without_a_face_are_filled_in_variations(bench: Bench, tmp_path: Path) -> None:
+    take = make_livelink_csv(tmp_path / "take.csv", 8.0, untracked=range(200, 216))
+    window = bench.window(take)
+    bar, session = editor_of(window).proposal, session_of(window)
+    editor_of(window).problems.search()
+    gap = next(p for p in editor_of(window).problems.problems if p.kind is Kind.DROPPED)
+    window.timeline.go_to_time(gap.time)
+    trigger(window, "fix_problem")
+    assert bar.count.text() == "1 of 4"
+    trigger(window, "next_variation")
+    trigger(window, "accept_fix")
+    assert [(edit.op, edit.seed) for edit in session.edits] == [(Op.FILL, 1)]

@@ -81,8 +81,10 @@ class Problem:
 
 def find_problems(session: EditSession) -> list[Problem]:
     """The problems of the take with its edits, in order of time."""
-    clip, rigs = session.take.clip, (session.rig, session.shown_rig)
-    return problems_of(clip, session.weights, session.achieved, rigs, closures_of(session))
+    take, rigs = session.take, (session.rig, session.shown_rig)
+    lost = take.lost_rows.positions if take.lost_rows is not None else ()
+    shown = session.weights, session.achieved
+    return problems_of(take.clip, *shown, rigs, closures_of(session), lost)
 
 
 def problems_of(
@@ -91,6 +93,7 @@ def problems_of(
     controls: Floats,
     rigs: tuple[Rig, Rig] | None = None,
     spoken: Sequence[Closure] = (),
+    lost: Sequence[float] = (),
 ) -> list[Problem]:
     """The problems of a clip, in order of time.
 
@@ -100,6 +103,7 @@ def problems_of(
         controls: (T, C) mm, measured with these weights.
         rigs: FaceEdit's own character, and the one shown.
         spoken: each m, b and p, if the words are known.
+        lost: the rows that a fill can give a face to, see `LostRows.positions`.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
@@ -107,7 +111,7 @@ def problems_of(
         *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
         *_jitter(clip, measured),
-        *_dropped(clip, measured),
+        *_dropped(clip, measured, lost),
     ]
     if rigs is not None and rigs[0] is not rigs[1]:
         found += map(_on_character, gaps_on_character(clip, weights, *rigs))
@@ -241,7 +245,7 @@ def _ripple(curves: Doubles) -> Doubles:
     return ripple
 
 
-def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
+def _dropped(clip: Clip, controls: Doubles, lost: Sequence[float]) -> list[Problem]:
     found = []
     for first, last in _joined([gap.frame for gap in clip.gaps], clip):
         missing = sum(gap.missing for gap in clip.gaps if first <= gap.frame <= last)
@@ -252,7 +256,8 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
         jumps = steps.max(axis=0, initial=0.0)
         worst = float(clip.times[first + int(steps.max(axis=1).argmax())]) if len(steps) else start
         moved = tuple(name for name, jump in zip(CONTROL_IDS, jumps, strict=True) if jump > JUMP)
-        fix = (_through(clip, moved, start, end),) if moved else ()
+        helps = bool(moved) or any(first < position < last + 1 for position in lost)
+        fix = (_through(clip, moved or CONTROL_IDS, start, end),) if helps else ()
         size = counted(missing, "frame"), _share(missing, MANY)
         frames = "1 frame is" if missing == 1 else f"{missing} frames are"
         message = f"{frames} missing" + (
