@@ -408,7 +408,9 @@ class EditSession:
         Raises:
             FileError: it cannot be written, or is such a take; an existing file is then untouched.
         """
-        content = encoded_take(path, self.take, self.clip_weights())
+        weights, lost = self.clip_weights(), self.take.lost_rows
+        found = self._solver.found(lost, self.edits, self.weights) if lost is not None else None
+        content = encoded_take(path, self.take, weights, found)
         backup = make_way(Path(path), self.take.path, overwrite)
         if is_same_file(Path(path), self.take.path):
             self.exported_over = fingerprint_of_content(content)

@@ -59,8 +59,16 @@ def write_take(path: Path | str, take: Take, weights: Floats) -> None:
     write_atomically(path, encoded_take(path, take, weights))
 
 
-def encoded_take(path: Path | str, take: Take, weights: Floats) -> bytes:
-    """What `write_take` writes; `path` is for messages.
+def encoded_take(
+    path: Path | str, take: Take, weights: Floats, found: Floats | None = None
+) -> bytes:
+    """What `write_take` writes.
+
+    Args:
+        path: for messages.
+        take: the take.
+        weights: (T, K).
+        found: (L, K) for its `lost_rows`; a row of NaN stays without a face.
 
     Raises:
         FileError: a weight is not a finite number.
@@ -75,4 +83,7 @@ def encoded_take(path: Path | str, take: Take, weights: Floats) -> bytes:
             f"was not written: {channel} at frame {frame} is not a number",
             "undo the last edit and export again",
         )
-    return take.source.encode(take.clip.weights, weights.astype(np.float32))
+    source = take.source
+    if found is not None and take.lost_rows is not None:
+        source = take.lost_rows.written(found)
+    return source.encode(take.clip.weights, weights.astype(np.float32))

@@ -41,6 +41,8 @@ def describe(edit: Edit) -> str:
             return f"Draw {_lower(what)}"
         case Op.ADD:
             return f"Add to {_lower(what)}"
+        case Op.FILL:
+            return f"Fill {_lower(what)}" if len(edit.controls) < len(CONTROLS) else "Fill"
 
 
 def describe_edits(edits: Sequence[Edit]) -> str:

@@ -22,6 +22,8 @@ from faceedit_app.core.fields import (
 
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
+LONGEST_FILL = 4.0  # seconds that Fill makes at once
+MOST_SEED = 999
 MOST_POINTS = 200_000
 MOST_EDITS = 10_000  # of one take; with more, a drag could not be followed
 
@@ -36,6 +38,9 @@ class Op(StrEnum):
     RESET = "reset"  # back to the take as tracked; `value` is ignored
     DRAW = "draw"  # follow `points`, mm; `value` is ignored
     ADD = "add"  # add `points`, mm; `value` is ignored
+    # Replace the regions of its curves by other motion of the take; `value` is ignored, `points`
+    # are the mouth opening that this motion should have, mm, if any (`solving/filling.py`).
+    FILL = "fill"
 
 
 class Company(StrEnum):
@@ -47,7 +52,7 @@ class Company(StrEnum):
 
 
 WITH_POINTS = (Op.DRAW, Op.ADD)
-WITHOUT_VALUE = (Op.RESET, *WITH_POINTS)
+WITHOUT_VALUE = (Op.RESET, Op.FILL, *WITH_POINTS)
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,7 @@ class Edit:
         points: (seconds of the take, mm) in order of time, for `draw` and `add`: interpolated
             linearly, constant before the first and after the last.
         companions: what happens to the companions of its curves.
+        seed: which variation a `fill` is; 0 is the most likely one.
 
     Raises:
         ValueError: a field is out of range; the text says which one, as a phrase.
@@ -86,6 +92,7 @@ class Edit:
     about: float | None = None
     points: tuple[tuple[float, float], ...] = ()
     companions: Company = Company.YIELD
+    seed: int = 0
 
     def __post_init__(self) -> None:
         if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
@@ -111,11 +118,13 @@ class Edit:
             raise ValueError('only a scale can have "about"')
         if self.name != clean_text(self.name):
             raise ValueError(f"its name has a damaged character or over {LONGEST_TEXT} of them")
+        if not 0 <= self.seed <= MOST_SEED or (self.seed and self.op is not Op.FILL):
+            raise ValueError(f"only a fill can have a seed, 1 to {MOST_SEED}")
         if self.points or self.op in WITH_POINTS:
             self._check_points()
 
     def _check_points(self) -> None:
-        if self.op not in WITH_POINTS:
+        if self.op not in (*WITH_POINTS, Op.FILL):
             raise ValueError(f"a {self.op} has no points")
         if not 1 <= len(self.points) <= MOST_POINTS:
             raise ValueError(f"a {self.op} needs 1 to {MOST_POINTS} points")
@@ -132,7 +141,10 @@ class Edit:
     @cached_property
     def _hash(self) -> int:
         return hash(
-            (self.controls, self.op, self.start, self.end, self.falloff, self.value, self.points)
+            (
+                *(self.controls, self.op, self.start, self.end, self.falloff, self.value),
+                *(self.points, self.seed),
+            )
         )
 
     def __hash__(self) -> int:
@@ -228,6 +240,8 @@ def _optional(edit: Edit) -> dict[str, Any]:
         entry["name"] = edit.name
     if edit.companions is not Company.YIELD:
         entry["companions"] = edit.companions.value
+    if edit.seed:
+        entry["seed"] = edit.seed
     if edit.points:
         entry["points"] = [list(point) for point in edit.points]
     return entry
@@ -255,6 +269,7 @@ def from_json(entry: Any) -> Edit:
         about=fields.number_or_none("about"),
         points=fields.pairs("points", MOST_POINTS),
         companions=fields.choice("companions", Company, Company.YIELD),
+        seed=fields.whole("seed", high=MOST_SEED) if fields.has("seed") else 0,
     )
     fields.finish()
     return edit
