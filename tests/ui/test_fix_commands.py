@@ -201,7 +201,8 @@ def test_a_problem_of_any_kind_is_marked_and_listed(window: MainWindow) -> None:
     editor.problems.problems = tuple(found)
     editor.problems.found.emit()
     rows = editor.problem_list.rows
-    texts = {rows.topLevelItem(i).text(0) for i in range(rows.topLevelItemCount())}
+    items = [rows.topLevelItem(i) for i in range(rows.topLevelItemCount())]
+    texts = {item.text(0) for item in items if item is not None}
     assert len(texts) == len(Kind)
     assert editor.problem_list.kinds.count() == len(Kind) + 1
     assert not editor.problems.grab().isNull()
