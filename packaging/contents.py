@@ -55,6 +55,13 @@ EXCLUDED = [
     "PIL._imagingft",
     "PIL._imagingtk",
     "PIL.ImageTk",
+    # typer can check with it what a command is given; FaceEdit's commands do so themselves.
+    "pydantic",
+    "pydantic_core",
+    # Nothing is fetched; Python's own hashes are enough.
+    "ssl",
+    "_ssl",
+    "_hashlib",
     # GPL, and only for typing at a prompt.
     "readline",
 ]
@@ -108,6 +115,10 @@ OF_THE_SYSTEM = [
 ]
 
 
+# Wheels whose libraries come with debugging symbols: 23 MB in PyAV, 14 MB in the others.
+_UNSTRIPPED = ("libpython", "av/", "DracoPy", "ai_edge_litert/", "PIL/", "scipy/optimize/_highspy/")
+
+
 def is_wanted(name: str) -> bool:
     """Whether a file belongs in the bundle, by its name there."""
     name = name.replace("\\", "/")
@@ -156,13 +167,13 @@ def without_dangling(entries: list[Entry], binaries: list[Entry]) -> list[Entry]
 
 
 def stripped(entry: Entry, folder: Path) -> Entry:
-    """Python's own libraries, and PyAV's 23 MB, without their debugging symbols.
+    """Python's own libraries, and those of a few wheels, without their debugging symbols.
 
     Only those: the libraries in other wheels are stripped already, and some that were patched for
     the wheel do not survive it.
     """
     name, source, kind = entry
-    ours = name.startswith(("libpython", "av/")) or "/lib-dynload/" in name
+    ours = name.startswith(_UNSTRIPPED) or "/lib-dynload/" in name
     if not ours or kind == "SYMLINK" or not shutil.which("strip"):
         return entry
     copy = folder / name
