@@ -21,6 +21,7 @@ UNUSED_SCIPY = [
     "cluster",
     "datasets",
     "differentiate",
+    "fft",
     "fftpack",
     "integrate",
     "io",
@@ -55,9 +56,6 @@ EXCLUDED = [
     "PIL._imagingft",
     "PIL._imagingtk",
     "PIL.ImageTk",
-    # typer can check with it what a command is given; FaceEdit's commands do so themselves.
-    "pydantic",
-    "pydantic_core",
     # Nothing is fetched; Python's own hashes are enough.
     "ssl",
     "_ssl",
@@ -112,11 +110,25 @@ OF_THE_SYSTEM = [
     "libgmodule-2.0.so.*",
     "libsystemd.so.*",
     "libudev.so.*",
+    # Those that only these load.
+    "libgcrypt.so.*",
+    "libgpg-error.so.*",
+    "libpcre2-8.so.*",
+    "liblz4.so.*",
+    "libcap.so.*",
 ]
 
 
-# Wheels whose libraries come with debugging symbols: 23 MB in PyAV, 14 MB in the others.
-_UNSTRIPPED = ("libpython", "av/", "DracoPy", "ai_edge_litert/", "PIL/", "scipy/optimize/_highspy/")
+# Wheels whose libraries come with debugging symbols: 23 MB in PyAV, 15 MB in the others.
+_UNSTRIPPED = (
+    "libpython",
+    "av/",
+    "DracoPy",
+    "ai_edge_litert/",
+    "PIL/",
+    "PySide6/",
+    "scipy/optimize/",
+)
 
 
 def is_wanted(name: str) -> bool:
