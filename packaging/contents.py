@@ -21,7 +21,6 @@ UNUSED_SCIPY = [
     "cluster",
     "datasets",
     "differentiate",
-    "fft",
     "fftpack",
     "integrate",
     "io",
