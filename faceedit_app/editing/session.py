@@ -14,6 +14,7 @@ from psygnal import Signal
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import clean_text
@@ -49,7 +50,8 @@ class EditSession:
     are committed at once: `add`, `put`, `remove`, `configure` and so on are one step each.
 
     `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of each plot. `weights` is
-    (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
+    (T, 52) in ARKit order: what the character shows and the export writes. `rotations` is (T, 9)
+    radians, as `Clip.rotations`, with the edits; None if the take has none. All are live arrays:
     read them, but do not keep or change them. `live.patience` limits how long a change may take
     before the rest is left to `live.work`. `shown_rig` is the user's character if one is open,
     else `rig`.
@@ -85,6 +87,7 @@ class EditSession:
         self.live = Live(self._solver)
         self.tracked, self.asked = self.live.tracked, self.live.asked
         self.achieved, self.weights = self.live.achieved, self.live.weights
+        self.rotations = self.live.rotations
 
     # --- the kept state ----------------------------------------------------------------------
 
@@ -338,9 +341,7 @@ class EditSession:
         self.changed.emit()
 
     def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
-        edits = list(self.edits)
-        edits[index] = edit
-        return tuple(edits)
+        return (*self.edits[:index], edit, *self.edits[index:][1:])
 
     def _with_media(self, media: Placement) -> EditState:
         words = self.state.words
@@ -394,6 +395,11 @@ class EditSession:
         columns = [ARKIT_INDEX[c] for c in self.take.clip.channels]
         return np.ascontiguousarray(self.weights[:, columns])
 
+    def edited_clip(self) -> Clip:
+        """The take's clip with the edits."""
+        turns = self.rotations.copy() if self.rotations is not None else None
+        return replace(self.take.clip, weights=self.clip_weights(), rotations=turns)
+
     def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.
 
@@ -408,7 +414,7 @@ class EditSession:
         Raises:
             FileError: it cannot be written, or is such a take; an existing file is then untouched.
         """
-        content = encoded_take(path, self.take, self.clip_weights())
+        content = encoded_take(path, self.take, self.clip_weights(), self.rotations)
         backup = make_way(Path(path), self.take.path, overwrite)
         if is_same_file(Path(path), self.take.path):
             self.exported_over = fingerprint_of_content(content)

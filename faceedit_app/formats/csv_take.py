@@ -92,7 +92,7 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
         notes=(*_empty_notes(found, columns), *_count_notes(table, rows, count)),
         rotations=_rotations(rows, len(clocks)) if turns else None,
     )
-    source = partial(CsvSource, table, tuple(rows.lines), columns.indices)
+    source = partial(CsvSource, table, tuple(rows.lines), columns.indices, turns=tuple(turns))
     return finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
 
 

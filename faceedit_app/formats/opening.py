@@ -12,7 +12,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.registry import recognise
-from faceedit_app.formats.take import Take
+from faceedit_app.formats.take import RotatingSource, Take
 from faceedit_app.formats.timing import exact_rate
 
 _LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
@@ -48,18 +48,24 @@ def checked_rate(path: Path, fps: float) -> float:
     return exact_rate(fps)
 
 
-def write_take(path: Path | str, take: Take, weights: Floats) -> None:
+def write_take(
+    path: Path | str, take: Take, weights: Floats, rotations: Floats | None = None
+) -> None:
     """Export a take with other weights (T, K), in the format of its source.
+
+    Rotations, (T, 9) as in `Clip.rotations`, are those of the take if they are None.
 
     The file is replaced as a whole, so exporting over the source itself is safe.
 
     Raises:
         FileError: the file cannot be written, or a weight is not a finite number.
     """
-    write_atomically(path, encoded_take(path, take, weights))
+    write_atomically(path, encoded_take(path, take, weights, rotations))
 
 
-def encoded_take(path: Path | str, take: Take, weights: Floats) -> bytes:
+def encoded_take(
+    path: Path | str, take: Take, weights: Floats, rotations: Floats | None = None
+) -> bytes:
     """What `write_take` writes; `path` is for messages.
 
     Raises:
@@ -75,4 +81,7 @@ def encoded_take(path: Path | str, take: Take, weights: Floats) -> bytes:
             f"was not written: {channel} at frame {frame} is not a number",
             "undo the last edit and export again",
         )
-    return take.source.encode(take.clip.weights, weights.astype(np.float32))
+    source, tracked = take.source, take.clip.rotations
+    if rotations is not None and tracked is not None and isinstance(source, RotatingSource):
+        source = source.rotated(tracked, rotations)
+    return source.encode(take.clip.weights, weights.astype(np.float32))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -34,6 +34,18 @@ class Source(Protocol):
         """The whole file with the weights of `edited` (T, K) in place of `tracked` (T, K).
 
         Cells whose weight is unchanged keep the source's own text, to the byte.
+        """
+        ...
+
+
+@runtime_checkable
+class RotatingSource(Source, Protocol):
+    """A source that also holds the rotations of head and eyes."""
+
+    def rotated(self, tracked: Floats, edited: Floats) -> Source:
+        """The source with the rotations of `edited` (T, 9) in place of `tracked` (T, 9), radians.
+
+        Cells whose rotation is unchanged keep the source's own text, to the byte.
         """
         ...
 

@@ -1,4 +1,4 @@
-"""An edit: one change to one or more curves over a time range, and its JSON."""
+"""An edit: one change to some curves, or some channels, over a time range, and its JSON."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from faceedit_app.core.fields import (
     Fields,
     clean_text,
 )
+from faceedit_app.editing.edits.channels import channel_problem, mirrored_channels
 
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
@@ -36,6 +37,10 @@ class Op(StrEnum):
     RESET = "reset"  # back to the take as tracked; `value` is ignored
     DRAW = "draw"  # follow `points`, mm; `value` is ignored
     ADD = "add"  # add `points`, mm; `value` is ignored
+    # Of channels only; see `channels.py`.
+    LIMIT = "limit"  # approach a ceiling of `value` smoothly
+    NEUTRAL = "neutral"  # subtract a rest pose; `amounts`: rest and peak
+    LEVELS = "levels"  # strength by channel; `amounts`: multiplier, offset and ceiling
 
 
 class Company(StrEnum):
@@ -47,15 +52,16 @@ class Company(StrEnum):
 
 
 WITH_POINTS = (Op.DRAW, Op.ADD)
-WITHOUT_VALUE = (Op.RESET, *WITH_POINTS)
+WITH_AMOUNTS = (Op.NEUTRAL, Op.LEVELS)
+WITHOUT_VALUE = (Op.RESET, *WITH_POINTS, *WITH_AMOUNTS)
 
 
 @dataclass(frozen=True)
 class Edit:
-    """One non-destructive change to one or more curves.
+    """One non-destructive change to one or more curves, or to one or more channels.
 
     Attributes:
-        controls: ids of the curves that change.
+        controls: ids of the curves that change; empty for an edit of channels.
         op: what is done.
         start, end: seconds; the hold, in which the edit acts in full.
         falloff: seconds over which the edit fades in before `start`, and out after `end`.
@@ -68,6 +74,9 @@ class Edit:
         points: (seconds of the take, mm) in order of time, for `draw` and `add`: interpolated
             linearly, constant before the first and after the last.
         companions: what happens to the companions of its curves.
+        channels: names of the channels that change, in place of curves. Then `value`, `about` and
+            `points` are weights, or degrees for rotations.
+        amounts: per channel, for `neutral` and `levels`; see `Op`.
 
     Raises:
         ValueError: a field is out of range; the text says which one, as a phrase.
@@ -86,14 +95,20 @@ class Edit:
     about: float | None = None
     points: tuple[tuple[float, float], ...] = ()
     companions: Company = Company.YIELD
+    channels: tuple[str, ...] = ()
+    amounts: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
         if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
             raise ValueError(f"unknown control {unknown[0][:40]!r}")
-        if not self.controls:
+        if not self.controls and not self.channels:
             raise ValueError("it has no control")
+        if self.controls and self.channels:
+            raise ValueError("it names both curves and channels")
         if len(set(self.controls)) < len(self.controls):
             raise ValueError("it names a control twice")
+        if problem := channel_problem(self.channels, self.op.value, self.value, self.amounts):
+            raise ValueError(problem)
         numbers = (self.start, self.end, self.falloff, self.fade_out, self.value, self.about or 0.0)
         if not all(math.isfinite(number) and abs(number) <= LARGEST for number in numbers):
             raise ValueError(f"its numbers must be between -{LARGEST:.0f} and {LARGEST:.0f}")
@@ -132,7 +147,16 @@ class Edit:
     @cached_property
     def _hash(self) -> int:
         return hash(
-            (self.controls, self.op, self.start, self.end, self.falloff, self.value, self.points)
+            (
+                self.controls,
+                self.channels,
+                self.op,
+                self.start,
+                self.end,
+                self.falloff,
+                self.value,
+                self.points,
+            )
         )
 
     def __hash__(self) -> int:
@@ -184,7 +208,8 @@ class Edit:
 
     def mirrored(self) -> Edit:
         """The edit on the other side of the face."""
-        return replace(self, controls=tuple(MIRRORED_CONTROL[c] for c in self.controls))
+        controls = tuple(MIRRORED_CONTROL[c] for c in self.controls)
+        return replace(self, controls=controls, channels=mirrored_channels(self.channels))
 
 
 def fade(outside: Doubles, falloff: float) -> Doubles:
@@ -198,9 +223,8 @@ def fade(outside: Doubles, falloff: float) -> Doubles:
 
 def to_json(edit: Edit) -> dict[str, Any]:
     """The edit as an entry of an edits file."""
-    named: dict[str, Any] = (
-        {"control": edit.controls[0]} if len(edit.controls) == 1 else {"controls": [*edit.controls]}
-    )
+    what, names = ("channel", edit.channels) if edit.channels else ("control", edit.controls)
+    named: dict[str, Any] = {what: names[0]} if len(names) == 1 else {f"{what}s": [*names]}
     return (
         named
         | {
@@ -230,6 +254,8 @@ def _optional(edit: Edit) -> dict[str, Any]:
         entry["companions"] = edit.companions.value
     if edit.points:
         entry["points"] = [list(point) for point in edit.points]
+    if edit.amounts:
+        entry["amounts"] = [list(amounts) for amounts in edit.amounts]
     return entry
 
 
@@ -241,8 +267,9 @@ def from_json(entry: Any) -> Edit:
     """
     fields = Fields(entry)
     op = fields.choice("op", Op)
+    controls, channels = _what(fields)
     edit = Edit(
-        controls=_controls(fields),
+        controls=controls,
         op=op,
         start=fields.number("start"),
         end=fields.number("end"),
@@ -255,15 +282,22 @@ def from_json(entry: Any) -> Edit:
         about=fields.number_or_none("about"),
         points=fields.pairs("points", MOST_POINTS),
         companions=fields.choice("companions", Company, Company.YIELD),
+        channels=channels,
+        amounts=fields.rows("amounts"),
     )
     fields.finish()
     return edit
 
 
-def _controls(fields: Fields) -> tuple[str, ...]:
-    if fields.has("control") == fields.has("controls"):
-        raise FieldError('it needs "control" (a name) or "controls" (a list of names)')
-    return (fields.text("control"),) if fields.has("control") else fields.texts("controls")
+def _what(fields: Fields) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The curves and the channels that an edit names; one of the two is empty."""
+    given = [name for name in ("control", "controls", "channel", "channels") if fields.has(name)]
+    if len(given) != 1:
+        raise FieldError(
+            'it needs "control" (a curve), "controls" (a list of curves), "channel" or "channels"'
+        )
+    names = fields.texts(given[0]) if given[0].endswith("s") else (fields.text(given[0]),)
+    return (names, ()) if given[0].startswith("control") else ((), names)
 
 
 def edits_from(fields: Fields, name: str = "edits") -> tuple[Edit, ...]:

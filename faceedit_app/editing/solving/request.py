@@ -164,6 +164,8 @@ def _wanted(
             return _drawn(edit, times[rows])
         case Op.ADD:
             return curve + _drawn(edit, times[rows])
+        case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
+            raise ValueError(f"{edit.op} is for channels")
 
 
 def smoothing_frames(edit: Edit, rate: float) -> int:
