@@ -106,6 +106,7 @@ class MainWindow(WindowBase):
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
         workspace.warning.connect(self.banner.show_message)
+        workspace.offer.connect(self.banner.offer)
         media.failed.connect(self._show_error)
         media.missed.connect(lambda error: self.banner.show_message(str(error), str(error)))
         self.start_page.chosen.connect(self.commands.file.open_if_saved)
@@ -192,6 +193,7 @@ class MainWindow(WindowBase):
         page.solving.finished.connect(self.status.show_work)
         self.status.cancelled.connect(page.solving.cancel)
         page.face.show_difference(self._preferences.difference())
+        page.face.follow_head(self._preferences.follows_head())
         self.actions_.refresh()
         return page
 
@@ -245,6 +247,7 @@ class MainWindow(WindowBase):
         session = self.document.session
         assert session is not None
         self._lacks_shown.clear()
+        self.banner.withdraw()
         self.playback.pause()
         page = self.build_editor()
         page.open()
@@ -258,6 +261,7 @@ class MainWindow(WindowBase):
             self._preferences.set_hints_seen()
             QTimer.singleShot(0, page.hints.begin)  # after the layout
         self.commands.take.follow(session.take, session.state.media)
+        self.commands.fix.calibration.offer_neutral()
         if problem := self._preferences.problem():
             self.banner.show_message(problem, problem)
 
