@@ -55,7 +55,7 @@ def _describe_channels(edit: Edit) -> str:
             amount = f"{edit.value:+.1f}°" if turns else f"{edit.value:+.2f}"
             return f"{what} {amount}".replace("-", "−")
         case Op.SCALE if edit.value == 0:
-            return f"{what} held still"
+            return f"{what} {'muted' if edit.about == 0 else 'held still'}"
         case Op.SCALE:
             return f"{what} × {edit.value:.2f}"
         case Op.SMOOTH:

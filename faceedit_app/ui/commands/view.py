@@ -189,10 +189,11 @@ class ViewCommands:
         """Show the channels of the take as plain curves, or hide them."""
         from faceedit_app.ui.page.channels_panel import ChannelsPanel
 
-        window = self._workspace.window
-        assert isinstance(window, QMainWindow)
+        window, page = self._workspace.window, self._workspace.page
+        if page is None or not isinstance(window, QMainWindow):
+            return
         if self._channels is None:
-            panel = ChannelsPanel(self._workspace.document, self._timeline)
+            panel = page.channels = ChannelsPanel(self._workspace.document, self._timeline)
             self._channels = QDockWidget("All channels", window)
             self._channels.setObjectName("channels")
             self._channels.setWidget(panel)
@@ -313,7 +314,7 @@ MENU: Menu[ViewCommands] = Menu("View", (
     Command("show_all_curves", "Show &all curves", ViewCommands.show_all_curves,
             tip="Show the hidden curves again",
             enabled=lambda do: do.shown_curves < len(CONTROLS), submenu=CURVES),
-    Command("all_channels", "A&ll channels", ViewCommands.all_channels, ("Ctrl+L",),
+    Command("all_channels", "A&ll channels", ViewCommands.all_channels, ("Ctrl+Shift+L",),
             "Show the 52 channels, head and eyes as plain curves, to read, scale, smooth and draw",
             checked=lambda do: do.shows_channels),
     Command("focus_face", "Move camera with &keys", ViewCommands.focus_face, ("9",),

@@ -30,7 +30,7 @@ class ChannelPlot(pg.PlotItem, Mouse):
         timeline: the time axis that it shares.
         channel: its name.
         session: answers whose take it is from.
-        is_drawing: whether a drag draws.
+        draws: whether a drag draws.
     """
 
     def __init__(
@@ -38,10 +38,11 @@ class ChannelPlot(pg.PlotItem, Mouse):
         timeline: Timeline,
         channel: str,
         session: Callable[[], EditSession | None],
-        is_drawing: Callable[[], bool],
+        draws: Callable[[], bool],
     ) -> None:
         self.channel = channel
-        self._timeline, self._session, self._is_drawing = timeline, session, is_drawing
+        self.shown = ""  # its name and the value at the playhead
+        self._timeline, self._session, self._draws = timeline, session, draws
         self._drawn: DrawDrag | None = None
         self._selecting: float | None = None  # seconds of the press
         self.view = TimeView(timeline, self)
@@ -60,6 +61,11 @@ class ChannelPlot(pg.PlotItem, Mouse):
             line.setDownsampling(auto=True, method="peak")
             self.view.addItem(line)
         self.view.addItem(self._playhead, ignoreBounds=True)
+
+    @property
+    def is_drawing(self) -> bool:
+        """Whether something is being drawn."""
+        return self._drawn is not None
 
     # --- what is shown -----------------------------------------------------------------------
 
@@ -83,7 +89,8 @@ class ChannelPlot(pg.PlotItem, Mouse):
     def show_marks(self, value: float, playhead: float, selection: Span | None) -> None:
         """Show the value at the playhead, the playhead and the selection."""
         shown = f"{value:+.1f}°" if is_rotation(self.channel) else f"{value:.2f}"
-        self._name.setText(f"{self.channel}  {shown}".replace("-", "−"))
+        self.shown = f"{self.channel}  {shown}".replace("-", "−")
+        self._name.setText(self.shown)
         self._playhead.setValue(playhead)
         self._selection.show_span(selection, style.SELECTED)
 
@@ -95,7 +102,7 @@ class ChannelPlot(pg.PlotItem, Mouse):
 
     def pressed(self, pointer: Pointer) -> None:
         """Begin to draw or to select."""
-        if not self._is_drawing():
+        if not self._draws():
             self._selecting = self._seconds(pointer)
             self._timeline.go_to_time(self._selecting)
             return
@@ -124,7 +131,7 @@ class ChannelPlot(pg.PlotItem, Mouse):
 
     def double_clicked(self, pointer: Pointer) -> None:
         """Clear the selection."""
-        if self._is_drawing():
+        if self._draws():
             self.pressed(pointer)
         else:
             self._timeline.select(None)

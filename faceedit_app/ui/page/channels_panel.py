@@ -30,6 +30,8 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.channel_plot import ChannelPlot
 from faceedit_app.ui.curves.gestures import Span
+from faceedit_app.ui.curves.plot import Marks
+from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -59,11 +61,12 @@ class ChannelsPanel(QWidget):
         self.list.setAccessibleName("Channels")
         self.list.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.list.itemSelectionChanged.connect(self._choose)
-        self._area = pg.GraphicsLayoutWidget()
-        self._area.setBackground(style.BACKGROUND)
-        self._area.ci.setContentsMargins(0, 0, 0, 0)
-        self._area.ci.setSpacing(2)
-        self._area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.area = pg.GraphicsLayoutWidget()
+        self.area.setBackground(style.BACKGROUND)
+        self.area.ci.setContentsMargins(0, 0, 0, 0)
+        self.area.ci.setSpacing(2)
+        self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.ruler = Ruler(timeline)
         self.draw = QCheckBox("&Draw")
         self.draw.setToolTip("Drag on a plot to draw; otherwise a drag selects a time range")
         self.factor = _number(0.0, 10.0, 0.05, 0.5, "×", "Factor for Scale")
@@ -106,13 +109,20 @@ class ChannelsPanel(QWidget):
             row.addWidget(field)
             row.addSpacing(GAP)
         row.addWidget(mute)
-        row.addStretch()
+        row.addSpacing(GAP)
         row.addWidget(self.draw)
+        row.addStretch()
         left, right = QWidget(), QWidget()
-        for box, parts in ((left, (self.search, self.list)), (right, (self._area,))):
+        # The times stand above the plots, not above their numbers.
+        times = QHBoxLayout()
+        times.addSpacing(style.AXIS_WIDTH)
+        times.addWidget(self.ruler)
+        for box, parts in ((left, (self.search, self.list)), (right, (self.area,))):
             column = QVBoxLayout(box)
             column.setContentsMargins(0, 0, 0, 0)
             column.setSpacing(GAP // 2)
+            if box is right:
+                column.addLayout(times)
             for part in parts:
                 column.addWidget(part)
             if box is right:
@@ -159,16 +169,22 @@ class ChannelsPanel(QWidget):
         self._items = {}
         for name in self.channels:
             item = self._items[name] = QListWidgetItem(name)
-            if still is not None and name in ARKIT_INDEX:
-                if np.ptp(still[:, ARKIT_INDEX[name]]) < _IDLE:
-                    item.setForeground(style.color(style.MUTED))
-                    item.setToolTip("Idle: the take never moves it")
+            is_weight = still is not None and name in ARKIT_INDEX
+            if is_weight and np.ptp(still[:, ARKIT_INDEX[name]]) < _IDLE:
+                item.setForeground(style.color(style.MUTED))
+                item.setToolTip("Idle: the take never moves it")
             self.list.addItem(item)
         self.list.blockSignals(False)
         kept = [name for name in chosen if name in self._items]
         self.choose(*(kept or _FIRST))
         self._filter(self.search.text())
+        if session is not None:
+            clip = session.take.clip
+            gaps = [(clip.times[gap.frame], clip.times[gap.frame + 1]) for gap in clip.gaps]
+            self.ruler.show_clip(clip, gaps)
         self._choose()
+        for item in self.list.selectedItems()[:1]:
+            self.list.scrollToItem(item, QAbstractItemView.ScrollHint.PositionAtCenter)
 
     def _filter(self, text: str) -> None:
         for name, item in self._items.items():
@@ -178,11 +194,11 @@ class ChannelsPanel(QWidget):
         """Plot the first of the selected channels."""
         wanted = self.chosen[:MOST_PLOTS]
         if [plot.channel for plot in self.plots] != list(wanted):
-            self._area.ci.clear()
+            self.area.ci.clear()
             self.plots = []
             for row, name in enumerate(wanted):
                 plot = ChannelPlot(self._timeline, name, self._session, self.draw.isChecked)
-                self._area.ci.addItem(plot, row, 0)
+                self.area.ci.addItem(plot, row, 0)
                 self.plots.append(plot)
         for button in self._buttons:
             button.setEnabled(bool(self.chosen))
@@ -215,9 +231,24 @@ class ChannelsPanel(QWidget):
         if line.selection is not None:
             span = Span(*line.selection, line.falloff, line.falloff_out)
         frame = min(max(line.frame, 0), len(session.weights) - 1)
+        self.ruler.show_marks(Marks(selection=span), line.time)
         for plot in self.plots:
             value = float(values_of(session, plot.channel)[1][frame])
             plot.show_marks(value, line.time, span)
+
+    # --- gestures ----------------------------------------------------------------------------
+
+    def cancel_gesture(self) -> bool:
+        """Drop what is being drawn; False if nothing is."""
+        drawing = [plot for plot in self.plots if plot.is_drawing]
+        for plot in drawing:
+            plot.cancel()
+        return bool(drawing)
+
+    def mouse_lost(self) -> None:
+        """End drawing and keep it: the release was lost."""
+        for plot in self.plots:
+            plot.mouse_lost()
 
     # --- edits -------------------------------------------------------------------------------
 
