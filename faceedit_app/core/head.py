@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Floats
-from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS
 from faceedit_app.core.rig import Rig
 
 # A skull turns on the neck below and behind the eyes; metres, for an adult's head.
@@ -38,7 +38,8 @@ class Head:
         """
         around = vertices - self._pivot
         moved = around @ turn(*rotation[:3].astype(np.float64)).T - around
-        return (vertices + self._share * moved).astype(np.float32)
+        turned: Floats = (vertices + self._share * moved).astype(np.float32)
+        return turned
 
 
 def turn(yaw: float, pitch: float, roll: float) -> Doubles:
@@ -55,7 +56,7 @@ def turn(yaw: float, pitch: float, roll: float) -> Doubles:
 
 def _between_the_eyes(rig: Rig) -> Doubles:
     """(3,) metres."""
-    lids = [CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["right_eyelid"]]
+    lids = [CONTROL_INDEX[name] for name in LIDS]
     if rig.has_control[lids].all():
         middle: Doubles = rig.neutral[rig.control_pairs[lids].ravel()].mean(axis=0)
         return middle.astype(np.float64)

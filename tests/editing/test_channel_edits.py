@@ -12,7 +12,6 @@ from support.sessions import engine, session_by_networks, session_by_rig
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Floats
 from faceedit_app.editing.edits.channels import is_rotation
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op, from_json, to_json
@@ -40,12 +39,6 @@ EDITS = (
     Edit((), Op.NEUTRAL, 0.0, 9.0, 0.0, channels=("jawOpen",), amounts=((0.1, 0.6),)),
     Edit((), Op.LEVELS, 0.0, 9.0, 0.0, channels=("jawOpen",), amounts=((1.5, -0.1, 0.8),)),
 )
-
-
-def weights_with(clip_seconds: float, *edits: Edit) -> Floats:
-    session = session_by_networks(talking_clip(clip_seconds))
-    session.add(*edits)
-    return session.weights.copy()
 
 
 # --- what changes ------------------------------------------------------------------------------
@@ -77,7 +70,7 @@ def test_channels_are_edited_after_the_curves_have_been_answered() -> None:
 
 
 def test_smooth_calms_a_channel_without_leaving_its_mean() -> None:
-    clip = talking_clip(6.0)
+    clip = talking_clip(360)
     rough = clip.weights.copy()
     k = clip.channels.index("mouthSmileLeft")
     rough[:, k] = 0.4 + 0.1 * (np.arange(len(rough)) % 2)
@@ -147,7 +140,7 @@ def test_undo_returns_to_the_bits_of_the_take(edit: Edit) -> None:
 
 def test_chunks_come_out_alike_in_any_order_and_alone() -> None:
     """A take of several chunks, edited across their borders, the last chunk computed first."""
-    clip = talking_clip(30.0)
+    clip = talking_clip(1800)
     curve = Edit(("mouth_opening",), Op.OFFSET, 7.0, 18.0, 0.5, 5.0)
     whole = session_by_networks(clip, engine())
     whole.add(curve, *EDITS[:3])
@@ -163,7 +156,7 @@ def test_chunks_come_out_alike_in_any_order_and_alone() -> None:
 
 
 def test_smooth_has_no_seam_where_chunks_meet() -> None:
-    clip = talking_clip(30.0)
+    clip = talking_clip(1800)
     session = session_by_networks(clip, engine())
     session.add(of_channels(Op.SMOOTH, "mouthSmileLeft", value=0.3, span=(0.0, 29.0)))
     inner = session.weights[: int(25 * clip.rate), SMILE]

@@ -41,6 +41,7 @@ class Banner(QFrame):
         close.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         close.clicked.connect(self.dismiss)
         self.button = QPushButton()
+        self.button.setAccessibleName("What the message offers")
         self.button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.button.clicked.connect(self._accept)
         row = QHBoxLayout(self)
@@ -63,6 +64,7 @@ class Banner(QFrame):
         self.withdraw()
         self._offered = text, act
         self.button.setText(button)
+        self.button.setAccessibleName(button)
         self.show_message(text)
 
     def withdraw(self) -> None:

@@ -165,12 +165,11 @@ class ChannelsPanel(QWidget):
         self.list.blockSignals(True)
         self.list.clear()
         session = self._document.session
-        still = session.take.clip.arkit_weights() if session is not None else None
+        idle = _idle(session) if session is not None else set()
         self._items = {}
         for name in self.channels:
             item = self._items[name] = QListWidgetItem(name)
-            is_weight = still is not None and name in ARKIT_INDEX
-            if is_weight and np.ptp(still[:, ARKIT_INDEX[name]]) < _IDLE:
+            if name in idle:
                 item.setForeground(style.color(style.MUTED))
                 item.setToolTip("Idle: the take never moves it")
             self.list.addItem(item)
@@ -308,6 +307,13 @@ def values_of(session: EditSession, channel: str) -> tuple[Doubles, Doubles]:
         np.degrees(before[:, k].astype(np.float64)),
         np.degrees(session.rotations[:, k].astype(np.float64)),
     )
+
+
+def _idle(session: EditSession) -> set[str]:
+    """The channels that the take never moves."""
+    clip = session.take.clip
+    moves = np.ptp(clip.weights, axis=0)
+    return {name for name, move in zip(clip.channels, moves, strict=True) if move < _IDLE}
 
 
 def _by_unit(channels: Sequence[str]) -> list[tuple[str, ...]]:
