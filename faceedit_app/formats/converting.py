@@ -90,16 +90,16 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
     if not fill_gaps:
         seen = ~_inside_gaps(times, clip)
         times, values = times[seen], values[seen]
-    values = values.astype(np.float32)
+    floats = values.astype(np.float32)
     channels = len(clip.channels)
     return Clip(
-        weights=np.ascontiguousarray(values[:, :channels]),
+        weights=np.ascontiguousarray(floats[:, :channels]),
         channels=clip.channels,
         times=times,
         rate=rate,
         gaps=find_gaps(times, rate),
         timecodes=_timecodes(clip.timecodes, times) if clip.timecodes else None,
-        rotations=None if clip.rotations is None else values[:, channels:],
+        rotations=None if clip.rotations is None else floats[:, channels:],
     )
 
 

@@ -141,7 +141,6 @@ def evaluate_character(
     """Make shapes for heads that have their own, and compare them."""
     from faceedit_app.lab.evaluation.making import evaluate_making
 
-    require("rtree", extra="scans")
     figures = [evaluate_making(path) for path in heads]
     if as_json:
         print(json.dumps([vars(one) for one in figures], indent=2))

@@ -20,8 +20,6 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FileError
 
-pytest.importorskip("rtree", reason="trimesh finds the nearest place with rtree")
-
 
 def other(vertices: Doubles) -> Doubles:
     """A smooth change of a head, mm: longer, with a broader jaw and a larger nose."""

@@ -256,3 +256,16 @@ def test_a_start_survives_any_journal(bench: Bench, monkeypatch: pytest.MonkeyPa
         (folder / f"{number}.jsonl").write_bytes(content + b'{"step":1}\n')
     window = bench.editing()
     assert window.document.session is not None
+
+
+def test_a_preview_of_an_open_dialog_is_not_exported(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    exported = bench.answers["export"] = bench.folder / "exported.csv"
+    trigger(window, "export")
+    wanted = exported.read_bytes()
+    window.document.preview(WIDER)  # as the slider of a dialog does
+    bench.answers["export"] = exported
+    trigger(window, "export")
+    assert exported.read_bytes() == wanted
+    assert not session_of(window).is_previewing

@@ -20,8 +20,6 @@ from faceedit_app.ui.character.scan_dialog import ScanDialog
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow
 
-pytest.importorskip("rtree", reason="trimesh finds the nearest place with rtree")
-
 
 @pytest.fixture
 def scan(tmp_path: Path) -> Path:

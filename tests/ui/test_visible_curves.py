@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.leaky import leaky_rig, speech
 from support.rigs import tiny_session
+from support.sessions import session_by_rig
 
-from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.visible_curves import Polyline, VisibleCurves, run_of, visible_rows
 
@@ -118,7 +122,7 @@ def test_a_line_that_is_drawn_as_before_stays_the_same() -> None:
     session.add(nudge(2.0))
     curves.refresh()
     first = curves.lines(OPENING)
-    session.preview(nudge(2.0, 1.0))
+    session.preview_replace(0, nudge(2.0, 2.98))
     curves.refresh()
     second = curves.lines(OPENING)
     assert second.face is not first.face
@@ -148,3 +152,22 @@ def test_what_lies_between_two_changes_is_not_read_again() -> None:
     assert early[0] <= 100 < early[1] < 2_000
     assert late[0] <= 35_000 < late[1]
     assert late[0] > 33_000
+
+
+def test_the_character_s_line_shows_only_where_it_is_open_wider() -> None:
+    clip = Clip(speech(), ARKIT_CHANNELS, np.arange(120) / 30.0, 30.0)
+    session = session_by_rig(clip)
+    curves = VisibleCurves(session)
+    curves.look((0.0, clip.duration), 900)
+    opening = CONTROL_INDEX[LIP_OPENING]
+    assert len(curves.lines(opening).character.x) == 0
+    session.use_character(leaky_rig())
+    curves.refresh()
+    line, face = curves.lines(opening).character, session.achieved[:, opening]
+    assert len(line.x) > 0
+    above = line.y - np.interp(line.x, clip.times, face)
+    assert above.max() > 1.0
+    assert np.median(above) > 0.5
+    assert len(curves.lines(CONTROL_INDEX["mouth_width"]).character.x) == 0
+    curves.look((0.0, clip.duration), 9)
+    assert len(curves.lines(opening).character.x) == 0

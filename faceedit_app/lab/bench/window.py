@@ -50,7 +50,6 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
         ("curves", solve.Solver, "solve"),
         ("window", Document, "_pass_on_preview"),  # what views do is not the session's time
         ("controls", solve, "request"),
-        ("controls", solve.Solver, "_believable"),
         ("networks", Engine, "answers"),
         ("plots", CurvesPanel, "refresh"),
         ("draw", FacePicture, "draw"),

@@ -174,6 +174,7 @@ class Workspace(QObject):
         """Cancel a drag in progress and commit other gestures."""
         self.cancel_gesture()
         self.commit_gestures()
+        self.document.cancel()  # the preview of a dialog that stays open
 
     def close(self) -> None:
         """Stop everything and free the graphics memory."""

@@ -19,11 +19,12 @@ _EXPLANATION = (
 
 
 class Legend(QWidget):
-    """Explains the three lines."""
+    """Explains the lines."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.hint = ""
+        self._has_character = False
         self.setFixedHeight(style.LEGEND_HEIGHT)
         self.setToolTip(_EXPLANATION)
         self.setAccessibleName("Legend")
@@ -34,6 +35,11 @@ class Legend(QWidget):
         if hint != self.hint:
             self.hint = hint
             self.update()
+
+    def show_character(self, shown: bool) -> None:
+        """Explain the line of the user's character, or not."""
+        self._has_character = shown
+        self.update()
 
     @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -49,6 +55,8 @@ class Legend(QWidget):
         x = self._sample(painter, x, (style.tracked_pen(),), "as tracked")
         x = self._sample(painter, x, (style.asked_pen(),), "asked for")
         x = self._sample(painter, x, faces, "the face")
+        if self._has_character:
+            x = self._sample(painter, x, (style.character_pen(),), "your character")
         room = QRectF(x, 0, self.width() - x - style.RIGHT_MARGIN, self.height())
         hint = QFontMetricsF(font).elidedText(
             self.hint, Qt.TextElideMode.ElideRight, max(room.width(), 0)

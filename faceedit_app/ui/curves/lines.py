@@ -32,6 +32,7 @@ class CurveLines(ViewItem):
         self._tracked = Stroke(style.tracked_pen())
         self._face = Stroke(style.face_pen(color))
         self._asked = Stroke(style.asked_pen())
+        self._character = Stroke(style.character_pen())
 
     def show_lines(self, lines: Lines) -> None:
         """Set the lines to draw."""
@@ -40,6 +41,7 @@ class CurveLines(ViewItem):
             self._tracked.show_line(lines.tracked),
             self._face.show_line(lines.face),
             self._asked.show_line(lines.asked),
+            self._character.show_line(lines.character),
         )
         spans = [span for span in changed if span is not None]
         if spans:
@@ -64,10 +66,10 @@ class CurveLines(ViewItem):
     def paint(
         self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
     ) -> None:
-        """Draw the lines, from back to front: tracked, face, asked for."""
+        """Draw the lines, from back to front: tracked, the user's character, face, asked for."""
         ratio = painter.device().devicePixelRatioF()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
-        for stroke in (self._tracked, self._face, self._asked):
+        for stroke in (self._tracked, self._character, self._face, self._asked):
             stroke.paint(painter, ratio)
 
 

@@ -241,6 +241,10 @@ class CurvesPanel(QWidget):
         self._grid.addWidget(head, row, 0)
         self._grid.addWidget(strip, row, 1)
 
+    def show_character(self, shown: bool) -> None:
+        """Explain the line of the user's character, or not."""
+        self.legend.show_character(shown)
+
     def cancel_drag(self) -> None:
         """Cancel the drag in progress, if any."""
         self.range_bar.cancel()

@@ -23,6 +23,7 @@ MUTED = palette.MUTED
 LABEL = palette.LABEL  # names of the curves
 TRACKED = "#9aa0aa"
 ASKED = "#f4f5f7"
+CHARACTER = "#009e73"  # what the user's character does
 PLAYHEAD = "#ffffff"
 FOCUS = palette.ACCENT
 SELECTION = palette.ACCENT
@@ -77,6 +78,11 @@ def tracked_pen() -> QPen:
 def asked_pen() -> QPen:
     """The curve as asked for: dashed."""
     return _pen(ASKED, 1.0, (4.0, 3.0))
+
+
+def character_pen() -> QPen:
+    """What the user's character does where it differs: thin, in the colour of its problems."""
+    return _pen(CHARACTER, 1.0)
 
 
 def face_pen(color: str) -> QPen:

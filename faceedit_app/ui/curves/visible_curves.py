@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.characters.closure import CLOSING, Gaps
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.extremes import Extremes, highest, lowest
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves.scale import Interval
@@ -19,6 +21,8 @@ BASE = 16  # frames in the smallest bin
 DENSE = 3
 # Millimetres by which lines must differ to be drawn separately: less is not visible.
 SAME = 0.005
+WIDER = 0.5  # mm by which the user's character is open wider before a line shows it
+CLOSING_COLUMNS = [CONTROL_INDEX[control] for control in CLOSING]
 _SLACK = 0.1  # of what a face can do, beyond either end
 _LINES, _FACE = 3, 1  # tracked, face, asked
 
@@ -58,11 +62,12 @@ EMPTY = Polyline(np.empty(0), np.empty(0))
 
 @dataclass(frozen=True)
 class Lines:
-    """A curve's three lines, as drawn."""
+    """A curve's lines, as drawn; the last shows where the user's character is open wider."""
 
     tracked: Polyline = EMPTY
     face: Polyline = EMPTY
     asked: Polyline = EMPTY
+    character: Polyline = EMPTY
 
 
 class VisibleCurves:
@@ -80,6 +85,8 @@ class VisibleCurves:
     def __init__(self, session: EditSession) -> None:
         self._session, self._live, self._seen = session, session.live, 0
         self._times = session.take.clip.times
+        self._shown_rig = session.rig
+        self._gaps = (Gaps.of(session.rig),) * 2  # on our character, and on the one shown
         self._curves = session.tracked.shape[1]
         self.low, self.high = session.tracked.min(axis=0), session.tracked.max(axis=0)
         self._extremes: Extremes | None = None
@@ -117,6 +124,27 @@ class VisibleCurves:
             self._known.pop((line, curve), None)
 
     def _read_again(self) -> None:
+        self._read_curves()
+        self._character = self._read_character()
+
+    def _read_character(self) -> dict[int, Polyline]:
+        """The lines of the user's character by curve, if single frames are drawn."""
+        session = self._session
+        if self._size > 1 or session.shown_rig is session.rig:
+            return {}
+        if self._shown_rig is not session.shown_rig:
+            self._shown_rig = session.shown_rig
+            self._gaps = Gaps.of(session.rig), Gaps.of(session.shown_rig)
+        ours, theirs = (gaps.measure(session.weights[self._rows]) for gaps in self._gaps)
+        wider = theirs - ours
+        shown = _widened(np.abs(wider) > WIDER)
+        y = self._live.achieved[self._rows][:, CLOSING_COLUMNS] + wider
+        return {
+            curve: run_of(self._x, y[:, i], shown[:, i], False)
+            for i, curve in enumerate(CLOSING_COLUMNS)
+        }
+
+    def _read_curves(self) -> None:
         self._seen, changed = self._live.changes(self._seen)
         if self._extremes is not None:
             for rows in changed:
@@ -132,8 +160,11 @@ class VisibleCurves:
         self._near = near.T.reshape(2, c, -1)
 
     def lines(self, curve: int) -> Lines:
-        """The three lines of a curve."""
-        return Lines(*(self._line(line, curve) for line in range(_LINES)))
+        """The lines of a curve."""
+        return Lines(
+            *(self._line(line, curve) for line in range(_LINES)),
+            self._character.get(curve, EMPTY),
+        )
 
     def _line(self, line: int, curve: int) -> Polyline:
         known = self._known.get((line, curve))

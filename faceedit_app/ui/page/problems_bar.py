@@ -34,7 +34,7 @@ COLORS = {
     "lips": "#d55e00",
     "blink": "#e69f00",
     "jitter": "#cc79a7",
-    "character": "#009e73",
+    "character": style.CHARACTER,
     "dropped": "#9aa0aa",
 }
 NAMES = {

@@ -222,9 +222,11 @@ class MainWindow(WindowBase):
         """Draw another character, if one is drawn."""
         session = self.document.session
         if self._draws and session is not None:
-            face = self.build_editor().face
+            page = self.build_editor()
+            face = page.face
             face.viewport.open(session.shown_rig)
             face.refresh()
+            page.curves.show_character(session.shown_rig is not session.rig)
         self.actions_.refresh()
 
     def _use_engine(self, engine: Engine) -> None:
