@@ -180,7 +180,7 @@ def test_neutral_acts_in_the_selection_only(bench: Bench, tmp_path: Path) -> Non
 def test_take_that_squints_at_rest_is_offered_a_neutral_rest(bench: Bench, tmp_path: Path) -> None:
     window = bench.window(squinting(tmp_path))
     assert window.banner.button.isVisible()
-    assert "lids are half shut" in window.banner.text.text()
+    assert "the lids are half shut" in window.banner.text.text()
     window.banner.button.click()
     assert [edit.op for edit in session_of(window).edits] == [Op.NEUTRAL]
     assert not window.banner.button.isVisible()

@@ -5,8 +5,8 @@ from __future__ import annotations
 from faceedit_app.ui.commands.workspace import Workspace
 
 OFFER = (
-    "This take is not neutral at rest: its {what} while the face rests. A neutral rest keeps the "
-    "height of blinks and words."
+    "This take is not neutral at rest: the {what}. You can take that away; blinks and words keep "
+    "their height."
 )
 _WORDS = {"eyeBlink": "lids are half shut", "eyeSquint": "eyes squint", "jawOpen": "mouth is open"}
 

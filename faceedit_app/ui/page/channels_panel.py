@@ -37,6 +37,7 @@ from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 MOST_PLOTS = 4
+_CEILING, _CEILING_TURN = 0.8, 20.0  # of Limit at first: a weight, degrees
 _FIRST = ("jawOpen",)  # selected at first
 _IDLE = 0.005  # a weight that moves less is idle
 
@@ -53,6 +54,7 @@ class ChannelsPanel(QWidget):
         self.plots: list[ChannelPlot] = []
         self._items: dict[str, QListWidgetItem] = {}
         self.search = QLineEdit()
+        self.search.setObjectName("search")
         self.search.setPlaceholderText("Search channels")
         self.search.setAccessibleName("Search channels")
         self.search.setClearButtonEnabled(True)
@@ -71,7 +73,7 @@ class ChannelsPanel(QWidget):
         self.draw.setToolTip("Drag on a plot to draw; otherwise a drag selects a time range")
         self.factor = _number(0.0, 10.0, 0.05, 0.5, "×", "Factor for Scale")
         self.smoothing = _number(10.0, 2000.0, 10.0, 80.0, " ms", "Width of Smooth")
-        self.ceiling = _number(0.05, 180.0, 0.05, 0.8, "", "Ceiling for Limit")
+        self.ceiling = _number(0.05, 1.0, 0.05, _CEILING, "", "Ceiling for Limit")
         self._buttons = [
             self._button("Scale", "Multiply the distance from the take's median", self.scale),
             self._button("Smooth", "Calm shaking", self.smooth),
@@ -201,7 +203,18 @@ class ChannelsPanel(QWidget):
                 self.plots.append(plot)
         for button in self._buttons:
             button.setEnabled(bool(self.chosen))
+        self._set_unit(bool(self.chosen) and all(map(is_rotation, self.chosen)))
         self._refresh()
+
+    def _set_unit(self, turns: bool) -> None:
+        """Let the ceiling be in degrees, or a weight."""
+        if turns == bool(self.ceiling.suffix()):
+            return
+        self.ceiling.setSuffix("°" if turns else "")
+        self.ceiling.setRange(*((1.0, 180.0) if turns else (0.05, 1.0)))
+        self.ceiling.setSingleStep(1.0 if turns else 0.05)
+        self.ceiling.setDecimals(0 if turns else 2)
+        self.ceiling.setValue(_CEILING_TURN if turns else _CEILING)
 
     # --- the plots ---------------------------------------------------------------------------
 

@@ -10,6 +10,7 @@ from PySide6.QtCore import (
     QAbstractTableModel,
     QModelIndex,
     QPersistentModelIndex,
+    QSignalBlocker,
     QSortFilterProxyModel,
     Qt,
     QTimer,
@@ -133,7 +134,8 @@ class _NumberDelegate(QStyledItemDelegate):
         """Show the number, unless it is the one that was just typed."""
         value = index.data(Qt.ItemDataRole.EditRole)
         if isinstance(editor, QDoubleSpinBox) and editor.value() != value:
-            editor.setValue(value)
+            with QSignalBlocker(editor):
+                editor.setValue(value)
 
     def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
         """Take the number."""
@@ -167,6 +169,7 @@ class LevelsDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.model = LevelsModel(channels, self)
         self.search = QLineEdit()
+        self.search.setObjectName("search")
         self.search.setPlaceholderText("Search channels")
         self.search.setAccessibleName("Search channels")
         self.search.setClearButtonEnabled(True)
