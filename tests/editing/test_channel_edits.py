@@ -90,6 +90,13 @@ def test_weights_stay_believable_whatever_is_asked() -> None:
         assert (session.weights[:, CLOSE] <= session.weights[:, JAW] + 1e-6).all()
 
 
+def test_curves_that_nobody_asked_for_are_not_shown_as_missed() -> None:
+    session = session_by_rig(talking_clip())
+    session.add(of_channels(Op.SCALE, "jawOpen", value=0.5, span=(0.0, 9.0)))
+    assert (session.achieved != session.tracked).any()
+    assert (session.asked == session.achieved).all()
+
+
 def test_lips_follow_a_jaw_that_is_lowered() -> None:
     session = session_by_rig(talking_clip())
     session.add(of_channels(Op.SCALE, "jawOpen", value=0.0, span=(0.0, 9.0)))

@@ -258,3 +258,15 @@ def test_head_follows_the_recording_when_asked(bench: Bench) -> None:
     assert bench.preferences().follows_head()
     trigger(window, "follow_head")
     assert not window.actions_["follow_head"].isChecked()
+
+
+def test_edit_of_a_channel_that_the_take_lacks_is_named_while_it_is_there(
+    bench: Bench, tmp_path: Path
+) -> None:
+    names = [name for name in livelink_names() if name != "CheekPuff"]
+    window = bench.window(make_livelink_csv(tmp_path / "take.csv", names=names))
+    session = session_of(window)
+    session.add(Edit((), Op.OFFSET, 0.0, 1.0, 0.0, 0.2, channels=("cheekPuff",)))
+    assert "the take has no cheekPuff to change" in window.banner.text.text()
+    session.undo()
+    assert "cheekPuff" not in window.banner.text.text()

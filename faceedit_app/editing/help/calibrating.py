@@ -90,7 +90,7 @@ def _amounts(rest: float, peak: float) -> tuple[float, float]:
     too. So the peak is at least twice the rest.
     """
     top = max(peak, min(2.0 * rest, 1.0))
-    return round(min(rest, _MOST_SHARE * top), 4), round(top, 4)
+    return round(min(rest, _MOST_SHARE * top), 6), round(top, 6)
 
 
 def levels(

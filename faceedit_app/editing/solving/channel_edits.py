@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arkit import ARKIT_INDEX, ROTATIONS
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
@@ -49,6 +49,19 @@ class ChannelTask:
 Task = ChunkTask | ChannelTask
 
 
+def channels_of(clip: Clip) -> frozenset[str]:
+    """The channels of a clip that can be edited: weights, and rotations if it has them."""
+    turns = () if clip.rotations is None else ROTATIONS
+    return frozenset((*clip.channels, *turns))
+
+
+def missing_channels(edits: Sequence[Edit], clip: Clip) -> str:
+    """One line about channels that edits name and a clip lacks; empty if there are none."""
+    has = channels_of(clip)
+    missing = dict.fromkeys(name for edit in edits for name in edit.channels if name not in has)
+    return f"the take has no {', '.join(missing)} to change" if missing else ""
+
+
 class ChannelEdits:
     """Computes the edits of channels of one take.
 
@@ -60,9 +73,7 @@ class ChannelEdits:
     def __init__(self, clip: Clip, tracked: Floats) -> None:
         self._times, self._rate = clip.times, clip.rate
         self._tracked, self._rotations = tracked, clip.rotations
-        self._has = frozenset(clip.channels)
-        if clip.rotations is not None:
-            self._has |= {name for name in CHANNELS if is_rotation(name)}
+        self._has = channels_of(clip)
         self._medians = np.median(self._values(tracked, slice(0, len(tracked))), axis=0)
 
     def possible(self, edits: Sequence[Edit]) -> tuple[Edit, ...]:

@@ -236,7 +236,9 @@ class Solver:
         controls = self.distances.measure(weights)
         same = (weights == mine.weights).all(axis=1)
         controls[same] = mine.controls[same]
-        return Patch(mine.asked, weights, controls, rotations)
+        # Curves that nobody asked for go where the channels take them.
+        asked = np.where(mine.asked == self.controls[rows], controls, mine.asked)
+        return Patch(asked, weights, controls, rotations)
 
     def _base(self, chunk: int, task: ChunkTask | None) -> Patch:
         """The answer to the curves of a chunk; the last ones are kept for further edits."""
