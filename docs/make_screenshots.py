@@ -15,12 +15,18 @@ from pathlib import Path
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
+import numpy as np
 from PIL import Image
 from PySide6.QtCore import QPoint, QPointF, QSettings, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
+from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import shipped_rig
+from faceedit_app.render import Camera, default_camera
+from faceedit_app.render.snapshot import snapshot
 from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.application import application
@@ -34,6 +40,7 @@ LEFT = Qt.MouseButton.LeftButton
 FILM_SIZE = (1080, 660)  # of the window
 FILM_WIDTH = 900  # pixels
 FRAME_MS = 80
+CLOSE_UP = 300  # pixels
 POINTER = ((0, 0), (0, 18), (4, 14), (7, 20), (10, 19), (7, 13), (12, 13))
 
 
@@ -41,6 +48,7 @@ def main() -> None:
     """Walk through the guide."""
     PICTURES.mkdir(exist_ok=True)
     (DOCS / "shortcuts.md").write_text(shortcuts(), encoding="utf-8")
+    close_ups(shipped_rig()).save(PICTURES / "character.webp", quality=82)
     application()
     with tempfile.TemporaryDirectory() as folder:
         settings = QSettings(str(Path(folder) / "s.ini"), QSettings.Format.IniFormat)
@@ -57,6 +65,35 @@ def main() -> None:
         film.open_demo_now()
         Film(film).shoot("drag")
         film.leave()
+
+
+def close_ups(rig: Rig) -> Image.Image:
+    """A row of pictures in which a character's flaws show first."""
+    eye = _middle(rig, LIDS[0])
+    mouth = _middle(rig, MOUTH_WIDTH)
+    brow = (eye[0] / 2, float(rig.neutral[:, 1].max()) - 0.05, eye[2])
+    pictures: tuple[tuple[Camera, dict[str, float]], ...] = (
+        (default_camera(rig).orbit(0.6, 0.1).zoom(0.85), {}),
+        (Camera(0.25, 0.2, 0.34, brow), {}),
+        (Camera(distance=0.15, target=eye), {}),
+        (Camera(distance=0.15, target=eye), {"eyeBlink": 0.5}),
+        (Camera(distance=0.24, target=mouth), {"mouthUpperUp": 1.0, "mouthLowerDown": 1.0}),
+        (Camera(0.3, 0.1, 0.28, mouth), {"jawOpen": 0.9}),
+    )
+    row = Image.new("RGB", (CLOSE_UP * len(pictures), CLOSE_UP))
+    for i, (camera, shapes) in enumerate(pictures):
+        weights = [
+            next((shapes[stem] for stem in shapes if name.startswith(stem)), 0.0)
+            for name in rig.channels
+        ]
+        image = snapshot(rig, np.array(weights, np.float32), CLOSE_UP, CLOSE_UP, camera)
+        row.paste(Image.fromarray(image), (i * CLOSE_UP, 0))
+    return row
+
+
+def _middle(rig: Rig, control: str) -> tuple[float, float, float]:
+    x, y, z = rig.neutral[rig.control_pairs[CONTROL_INDEX[control]]].mean(axis=0).tolist()
+    return x, y, z
 
 
 def walk(window: MainWindow) -> None:

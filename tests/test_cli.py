@@ -16,6 +16,7 @@ from support.takes import make_livelink_csv
 
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.start import display
 
@@ -109,6 +110,19 @@ def test_apply_changes_the_edited_channels(
     if mode == "preserve":
         assert not changed[before.times < 0.3].any()
         assert not changed[before.times > 1.7].any()
+
+
+def test_apply_fills_a_range_with_other_motion_of_the_take(take: Path, models: str) -> None:
+    fill = {"controls": list(CONTROL_IDS), "op": "fill", "start": 0.8, "end": 1.2, "seed": 1}
+    edits, outs = edits_file(take.parent, fill), [take.parent / f"{i}.csv" for i in range(2)]
+    for out in outs:
+        assert main(["apply", str(take), str(edits), "-o", str(out), "--models", models]) == 0
+    assert outs[0].read_bytes() == outs[1].read_bytes()
+    before, after = open_take(take).clip, open_take(outs[0]).clip
+    changed = (before.weights != after.weights).any(axis=1)
+    inside = (before.times > 0.79) & (before.times < 1.21)
+    assert changed[inside].mean() > 0.8
+    assert not changed[~inside].any()
 
 
 def test_apply_of_a_reset_alone_changes_nothing(take: Path, models: str) -> None:

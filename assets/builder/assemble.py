@@ -7,7 +7,7 @@ import numpy as np
 from assets.builder.brows import BrowArch, build_brow
 from assets.builder.colour import paint_skin, shade
 from assets.builder.controls import control_pairs
-from assets.builder.eyes import build_eye
+from assets.builder.eyes import build_eye, build_wet
 from assets.builder.geometry import Surface, mesh_of
 from assets.builder.hair import above_hairline, build_hair, find_hairline
 from assets.builder.lashes import build_lashes
@@ -33,8 +33,10 @@ def build_rig(source: Source) -> Rig:
     parts = [skin, build_base(skin, len(face.skin))]
     parts += [build_brow(eye.side, arch, skin, surface) for eye in face.eyes]
     for eye in face.eyes:
-        parts += build_lashes(face, eye)
+        parts += build_lashes(face, eye, skin, surface)
     parts += [build_eye(face, eye) for eye in face.eyes]
+    for eye in face.eyes:
+        parts += build_wet(face, eye, skin, surface)
     parts += build_teeth(face)
     parts += build_hair(line, skin, surface)
     return _to_rig(_join(parts), face)

@@ -106,7 +106,8 @@ def shade(part: Part) -> Floats:
         (uses["tongue"], COLOUR.depth_tongue),
         (uses["teeth"], COLOUR.depth_teeth),
     ):
-        dimmed = colors * (1 - amount * smoothstep(start, stop, depth))[:, None]
+        light = (1 - amount * smoothstep(start, stop, depth))[:, None]
+        dimmed = colors * light ** np.array(COLOUR.depth_tint)
         colors = np.where(where[:, None], dimmed, colors)
     return np.clip(colors, 0, 1)
 

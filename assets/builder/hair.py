@@ -18,7 +18,7 @@ from assets.builder.geometry import (
     smoothstep,
 )
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb, table
-from assets.builder.settings import HAIR
+from assets.builder.settings import COLOUR, HAIR
 from assets.builder.shapes import Face
 from assets.builder.skin import head_faces
 from assets.builder.source import Floats
@@ -66,6 +66,11 @@ class Hairline:
     def elevation(self, azimuths: Floats) -> Floats:
         """The line's elevation at any azimuth, radians."""
         return np.interp(azimuths, self.azimuths, self.elevations, period=2 * np.pi)
+
+    def divided(self, columns: int) -> Hairline:
+        """The same line in more columns."""
+        azimuths = np.arange(columns) * 2 * np.pi / columns
+        return Hairline(self.centre, self.skull, azimuths, self.elevation(azimuths))
 
     def above(self, points: Floats) -> Floats:
         """How far points (P, 3) lie above the line, radians."""
@@ -121,9 +126,9 @@ def above_hairline(face: Face, line: Hairline) -> Floats:
 def build_hair(line: Hairline, skin: Part, surface: Surface) -> list[Part]:
     """The combed cap, the bun and the wisps."""
     random = np.random.default_rng(HAIR.seed)
+    line = line.divided(HAIR.cap_columns)
     pole = _spherical(np.array(np.pi), np.deg2rad(HAIR.pole))
-    shade = random.uniform(*HAIR.shade, HAIR.columns)
-    shade = (shade + np.roll(shade[::-1], 1)) / 2
+    shade = random.uniform(*HAIR.shade, HAIR.cap_columns)
     cap, crown = _cap(line, pole, shade, skin, surface)
     return [
         cap,
@@ -138,31 +143,50 @@ def _cap(
     """The cap, and the skull's distance from the centre at the pole, mm."""
     start = _spherical(line.azimuths, line.elevations)
     angle = np.arccos(np.clip(start @ pole, -1, 1))[:, None]
-    comb = np.cos(np.arange(HAIR.columns) * np.pi)  # every other column stands up
+    locks = _locks(line.azimuths)
     rows, colors, reaches = [], [], []
     middle, decrease = HAIR.middle_shade
     for i, share in enumerate(HAIR.rings):
         along = np.sin((1 - share) * angle) * start + np.sin(share * angle) * pole
         direction = along / np.sin(angle)
         reach = line.reach(direction)
-        reaches.append(reach if i < 2 else _round_mean(reach))
+        for _ in range(HAIR.smoothing if i > 2 else 0):
+            reach = _round_mean(reach)
+        reaches.append(reach)
         thickness = table(HAIR.thickness, np.array([share]))
-        groove = HAIR.groove * comb * smoothstep(*HAIR.groove_from, share)
-        rows.append(line.centre + direction * (reaches[-1] + thickness + groove)[:, None])
-        bright = shade * (1 + HAIR.groove_shade * comb) * (middle - decrease * abs(share - 0.5))
-        colors.append(srgb(HAIR.color) * bright[:, None])
+        lock = locks * smoothstep(*HAIR.locks_from, share)
+        rows.append(line.centre + direction * (reaches[-1] + thickness + lock)[:, None])
+        bright = shade * (1 + HAIR.lock_shade * lock) * (middle - decrease * abs(share - 0.5))
+        colors.append(_on_scalp(bright, float(table(HAIR.scalp, np.array(share)))))
     crown = float(reaches[-1].mean())
     top = line.centre + pole * (crown + HAIR.thickness[-1][1])
     vertices = np.concatenate([*rows, [top]])
     rings = len(HAIR.rings)
-    last = (rings - 1) * HAIR.columns + np.arange(HAIR.columns)
+    last = (rings - 1) * HAIR.cap_columns + np.arange(HAIR.cap_columns)
     faces = np.concatenate(
-        [bridge_rows(rings, HAIR.columns, closed=True)[:, ::-1], fan(len(vertices) - 1, last)]
+        [bridge_rows(rings, HAIR.cap_columns, closed=True)[:, ::-1], fan(len(vertices) - 1, last)]
     )
-    fade = np.r_[np.repeat(np.exp(-np.array(HAIR.rings) / HAIR.move_fade), HAIR.columns), 0]
+    fade = np.r_[np.repeat(np.exp(-np.array(HAIR.rings) / HAIR.move_fade), HAIR.cap_columns), 0]
     deltas = surface.anchor(vertices).read(skin.deltas) * fade[:, None]
     color = np.concatenate([*colors, [srgb(HAIR.color)]])
-    return make_part("hair", vertices, faces, "hair", color, deltas), crown
+    return make_part("hair", vertices, faces, "hair", color, _settled(deltas)), crown
+
+
+def _locks(azimuths: Floats) -> Floats:
+    """How high the locks stand over the cap, (C,) mm: uneven waves around the head."""
+    random = np.random.default_rng(HAIR.seed + 1)
+    height = np.zeros_like(azimuths)
+    for waves, amplitude in HAIR.locks:
+        phase, sway = random.uniform(0, 2 * np.pi, 2)
+        wave = np.sin(waves * azimuths + phase + 1.5 * np.sin(2 * azimuths + sway))
+        height += amplitude * (2 * np.abs(wave) ** 0.8 - 1)  # round ridges, narrow furrows
+    return height
+
+
+def _on_scalp(bright: Floats, scalp: Floats | float) -> Floats:
+    """Colours (..., 3), sRGB, of hair of a brightness, through which so much scalp shows."""
+    hair = srgb(HAIR.color) * np.asarray(bright)[..., None]
+    return np.asarray(hair + (srgb(COLOUR.skin) - hair) * np.asarray(scalp)[..., None])
 
 
 def _bun(centre: Floats, out: Floats) -> Part:
@@ -195,41 +219,60 @@ def _bun(centre: Floats, out: Floats) -> Part:
 
 def _wisps(line: Hairline, skin: Part, surface: Surface) -> Part:
     """Thin strands that root in front of the hairline and lie on the combed hair."""
-    azimuth, before, length, shade = _wisp_choices()
+    azimuth, before, length, slope, width, shade = _wisp_choices()
     elevation = line.elevation(azimuth)
     reach = line.reach(_spherical(azimuth, elevation))
     root = line.centre + _spherical(azimuth, elevation - before / reach) * reach[:, None]
     behind = length - before
-    tip_direction = _spherical(azimuth * HAIR.wisp_lean, elevation + behind / reach)
+    tip_azimuth = azimuth + slope * behind / reach
+    tip_elevation = line.elevation(tip_azimuth) + behind / reach
+    tip_direction = _spherical(tip_azimuth, tip_elevation)
     tip_reach = line.reach(tip_direction) + table(HAIR.wisp_tip_lift, behind)
     tip = line.centre + tip_direction * tip_reach[:, None]
     anchors = surface.anchor(root)
     root = surface.position(anchors, HAIR.wisp_root_lift)
     out = trimesh.unitize(root - line.centre)
-    aside = trimesh.unitize(np.cross(tip - root, out)) * HAIR.wisp_width / 2
+    aside = trimesh.unitize(np.cross(tip - root, out)) * width[:, None] / 2
     middle = (root + tip) / 2 + out * HAIR.wisp_bulge
     vertices = np.stack([root, middle - aside, middle + aside, tip], axis=1)
     delta = anchors.read(skin.deltas)
     half, end = HAIR.wisp_follow
     deltas = np.stack([delta, delta * half, delta * half, delta * end], axis=2)
-    first = np.arange(len(root))[:, None] * 4
+    count = len(root)
+    first = np.arange(count)[:, None] * 4
+    root_skin, middle_skin, tip_skin = HAIR.wisp_scalp
     return make_part(
         "wisps",
         vertices.reshape(-1, 3),
         np.concatenate([first + np.array(corners) for corners in ((0, 2, 1), (1, 2, 3))]),
         "hair",
-        srgb(HAIR.color) * np.repeat(shade, 4)[:, None],
-        deltas.reshape(CHANNEL_COUNT, -1, 3),
+        _on_scalp(
+            np.repeat(shade, 4), np.tile([root_skin, middle_skin, middle_skin, tip_skin], count)
+        ),
+        _settled(deltas.reshape(CHANNEL_COUNT, -1, 3)),
     )
 
 
-def _wisp_choices() -> tuple[Floats, Floats, Floats, Floats]:
-    """Azimuth (radians), root in front of the line (mm), length (mm), shade; mirrored."""
+def _settled(deltas: Floats) -> Floats:
+    """Displacements (52, V, 3) without those of vertices that hardly move.
+
+    What stands still is drawn once for many pictures.
+    """
+    moves = np.linalg.norm(deltas, axis=2).max(0) >= HAIR.moves_from
+    return np.asarray(deltas * moves[:, None])
+
+
+def _wisp_choices() -> tuple[Floats, ...]:
+    """For each wisp: azimuth (radians), root in front of the line (mm), length (mm), slope
+    aside, width (mm), shade.
+    """
     random = np.random.default_rng(HAIR.seed)
-    count = HAIR.wisps // 2
-    azimuth = np.linspace(0.5, HAIR.wisp_span, count)
+    count = HAIR.wisps
+    azimuth = np.linspace(-HAIR.wisp_span, HAIR.wisp_span, count)
     azimuth = np.deg2rad(azimuth + random.uniform(-HAIR.wisp_jitter, HAIR.wisp_jitter, count))
     before = random.uniform(*HAIR.wisp_before, count)
     length = random.uniform(*HAIR.wisp_length, count)
+    slope = random.normal(0, HAIR.wisp_lean, count)
+    width = random.uniform(*HAIR.wisp_width, count)
     shade = random.uniform(*HAIR.wisp_shade, count)
-    return np.r_[azimuth, -azimuth], np.tile(before, 2), np.tile(length, 2), np.tile(shade, 2)
+    return azimuth, before, length, slope, width, shade

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import trimesh
 
-from assets.builder.geometry import bridge_rows
+from assets.builder.geometry import Surface, bridge_rows
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb
 from assets.builder.settings import LASHES, LashRow
 from assets.builder.shapes import Eye, Face
@@ -15,33 +17,57 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 _STRAND = ((0, 1, 3), (0, 3, 2), (2, 3, 4))  # two root vertices, two in the middle, the tip
 
 
-def build_lashes(face: Face, eye: Eye) -> list[Part]:
+@dataclass(frozen=True)
+class _Edge:
+    """The edge of a lid, tied to the skin: the helper lashes close further than the lid does.
+
+    Attributes:
+        points: (C, 3) mm.
+        deltas: (52, C, 3) mm.
+        outer, tips: (C, 3) mm, the helper's rows next to the edge and at its tips, moved with it.
+    """
+
+    points: Floats
+    deltas: Floats
+    outer: Floats
+    tips: Floats
+
+
+def build_lashes(face: Face, eye: Eye, skin: Part, surface: Surface) -> list[Part]:
     """The lashes and lines of the upper and the lower lid."""
     parts = []
     for lid, rows, row in (
         ("upper", eye.upper, LASHES.upper),
         ("lower", eye.lower, LASHES.lower),
     ):
-        parts.append(_strands(f"{lid}Lashes{eye.side}", face, eye, rows, row))
-        parts.append(_line(f"{lid}Line{eye.side}", face, rows, row))
+        edge = _edge(face, rows, skin, surface)
+        parts.append(_strands(f"{lid}Lashes{eye.side}", edge, eye, row, skin, surface))
+        parts.append(_line(f"{lid}Line{eye.side}", edge, row))
     return parts
 
 
-def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow) -> Part:
+def _edge(face: Face, rows: Ints, skin: Part, surface: Surface) -> _Edge:
+    helper = face.neutral[rows]
+    anchors = surface.anchor(helper[1])
+    points = surface.position(anchors, LASHES.root_lift)
+    moved = points - helper[1]
+    return _Edge(points, anchors.read(skin.deltas), helper[2] + moved, helper[-1] + moved)
+
+
+def _strands(name: str, edge: _Edge, eye: Eye, row: LashRow, skin: Part, surface: Surface) -> Part:
     random = np.random.default_rng(LASHES.seed)
-    edge, tips = rows[1], rows[-1]
-    along = np.linspace(LASHES.ends[0], len(edge) - LASHES.ends[1], row.strands)
+    along = np.linspace(LASHES.ends[0], len(edge.points) - LASHES.ends[1], row.strands)
     along = along + random.uniform(-LASHES.jitter, LASHES.jitter, row.strands)
     length = row.length * random.uniform(*LASHES.length_spread, row.strands)[:, None]
 
-    root, root_delta = _read(face, edge, along)
-    tip, tip_delta = _read(face, tips, along + LASHES.sweep)
+    anchors = surface.anchor(_between(edge.points, along))
+    root = surface.position(anchors, LASHES.root_lift)
+    root_delta = anchors.read(skin.deltas)
+    tip = _between(edge.tips, _clumped(along, row.clump) + LASHES.sweep)
     tip = root + (tip - root) * length
+    tip_delta = root_delta
     if row is LASHES.upper:
-        tip_delta = root_delta + (tip_delta - root_delta) * length
         tip_delta = tip_delta + _turn_with_lid(eye, root, root_delta, tip)
-    else:
-        tip_delta = root_delta  # short, and stiff enough
     bend = [0.0, -row.bend, LASHES.bend_forward]
     middle = root + (tip - root) * LASHES.bend_at + bend
     middle_delta = root_delta + (tip_delta - root_delta) * LASHES.bend_at
@@ -57,9 +83,16 @@ def _strands(name: str, face: Face, eye: Eye, rows: Ints, row: LashRow) -> Part:
         np.stack(vertices, axis=1).reshape(-1, 3),
         faces,
         "lashes",
-        srgb(LASHES.color),
+        srgb(row.color) * np.repeat(random.uniform(*LASHES.brightness, row.strands), 5)[:, None],
         np.stack(deltas, axis=2).reshape(CHANNEL_COUNT, -1, 3),
     )
+
+
+def _clumped(along: Floats, clump: int) -> Floats:
+    """Places of the tips (S,): strands lean together in groups of `clump`."""
+    group = np.arange(len(along)) // clump
+    middle = np.bincount(group, along) / np.bincount(group)
+    return np.asarray(along + (middle[group] - along) * LASHES.clumping)
 
 
 def _turn_with_lid(eye: Eye, root: Floats, root_delta: Floats, tip: Floats) -> Floats:
@@ -73,29 +106,21 @@ def _turn_with_lid(eye: Eye, root: Floats, root_delta: Floats, tip: Floats) -> F
     return np.asarray(np.clip(closing, *LASHES.turn_limits)[..., None] * turn)
 
 
-def _line(name: str, face: Face, rows: Ints, row: LashRow) -> Part:
+def _line(name: str, edge: _Edge, row: LashRow) -> Part:
     """A thin strip along the edge of the lid."""
-    edge, outer = rows[1], rows[2]
-    neutral, deltas = face.neutral, face.deltas
-    vertices = [neutral[edge], neutral[edge] + (neutral[outer] - neutral[edge]) * row.liner]
-    motion = deltas[:, edge], deltas[:, edge] + (deltas[:, outer] - deltas[:, edge]) * row.liner
+    outer = edge.points + (edge.outer - edge.points) * row.liner
     return make_part(
         name,
-        np.concatenate(vertices),
-        bridge_rows(2, len(edge), closed=False),
+        np.concatenate([edge.points, outer]),
+        bridge_rows(2, len(outer), closed=False),
         "lashes",
         srgb(row.liner_color),
-        np.concatenate(motion, axis=1),
+        np.concatenate([edge.deltas, edge.deltas], axis=1),
     )
 
 
-def _read(face: Face, row: Ints, along: Floats) -> tuple[Floats, Floats]:
-    """Positions (S, 3) and displacements (52, S, 3) at fractional columns of a helper row."""
-    column = np.clip(np.floor(along).astype(int), 0, len(row) - 2)
+def _between(points: Floats, along: Floats) -> Floats:
+    """Points (C, 3) of columns at fractional columns (S,): (S, 3)."""
+    column = np.clip(np.floor(along).astype(int), 0, len(points) - 2)
     share = np.clip(along - column, None, 1)[:, None]
-
-    def between(values: Floats) -> Floats:
-        a, b = values[..., row[column], :], values[..., row[column + 1], :]
-        return np.asarray(a + (b - a) * share)
-
-    return between(face.neutral), between(face.deltas)
+    return np.asarray(points[column] * (1 - share) + points[column + 1] * share)

@@ -7,7 +7,7 @@ import trimesh
 from scipy.spatial import ConvexHull
 
 from assets.builder import source as src
-from assets.builder.geometry import bridge_rows, fan, fit_rigid
+from assets.builder.geometry import bridge_rows, fan, fit_rigid, smoothstep
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb
 from assets.builder.settings import TEETH, Jaw
 from assets.builder.shapes import Face
@@ -62,10 +62,9 @@ def build_teeth(face: Face) -> list[Part]:
         vertices, faces, colors = _row(arch, jaw, bite, upward)
         motion = _jaw_motion(face, helper, vertices)
         parts.append(make_part(f"{name}Teeth", vertices, faces, "teeth", colors, motion))
-        vertices, faces = _gum(arch, bite, upward)
+        vertices, faces, colors = _gum(arch, jaw, bite, upward)
         motion = _jaw_motion(face, helper, vertices)
-        color = srgb(TEETH.gum_color)
-        parts.append(make_part(f"{name}Gum", vertices, faces, "gums", color, motion))
+        parts.append(make_part(f"{name}Gum", vertices, faces, "gums", colors, motion))
     return parts
 
 
@@ -82,15 +81,13 @@ def _jaw_motion(face: Face, helper: slice, points: Floats) -> Floats:
 
 def _row(arch: Arch, jaw: Jaw, bite: float, upward: int) -> tuple[Floats, Ints, Floats]:
     """One row of teeth: vertices, faces and colours."""
-    widths = np.array(jaw.widths) * arch.length / 2 * TEETH.filled / sum(jaw.widths)
     vertices: list[Floats] = []
     faces: list[Ints] = []
     per_tooth = len(TEETH.levels) * TEETH.sides
     for side in (1, -1):
         along = arch.length / 2
-        for i, width in enumerate(widths):
-            tip = bite - jaw.tip_drop + (jaw.second_short if i == 1 else 0)
-            root = tip + upward * jaw.heights[i]
+        for i, width in enumerate(_widths(arch, jaw)):
+            root, tip = _heights(jaw, bite, upward, i)
             tooth = _tooth(arch, along + side * width / 2, width, TEETH.depths[i], root, tip)
             along += side * width
             faces.append(_tooth_faces(tooth) + len(vertices) * per_tooth)
@@ -100,15 +97,36 @@ def _row(arch: Arch, jaw: Jaw, bite: float, upward: int) -> tuple[Floats, Ints, 
     outward[:, 1] = 0
     normals, _ = trimesh.triangles.normals(points[triangles])
     towards = (normals * trimesh.unitize(outward)).sum(1)
-    shade = np.ones((len(vertices), len(TEETH.levels), TEETH.sides, 1))
-    shade[:, 0] = TEETH.root_shade
-    return points, triangles[towards > TEETH.back_faces], srgb(TEETH.color) * shade.reshape(-1, 1)
+    return points, triangles[towards > jaw.back_faces], _tooth_colors(len(vertices))
+
+
+def _widths(arch: Arch, jaw: Jaw) -> Floats:
+    """Widths of the six teeth of one side, mm."""
+    return np.array(jaw.widths) * arch.length / 2 * TEETH.filled / sum(jaw.widths)
+
+
+def _heights(jaw: Jaw, bite: float, upward: int, i: int) -> tuple[float, float]:
+    """Y of the root end and of the tip of a side's tooth `i`, mm."""
+    tip = bite - jaw.tip_drop + (jaw.second_short if i == 1 else 0)
+    return tip + upward * jaw.heights[i], tip
+
+
+def _tooth_colors(count: int) -> Floats:
+    """(count * levels * sides, 3) sRGB: dark where a tooth meets its neighbours."""
+    meets = smoothstep(0.75, 1.0, np.abs(np.cos(_corners())))
+    one = np.array(TEETH.level_tints)[:, None] * (1 - meets[:, None] * TEETH.between_shade)
+    return np.tile(srgb(TEETH.color) * one.reshape(-1, 3), (count, 1))
+
+
+def _corners() -> Floats:
+    """The corners of a tooth's cross-section as angles from its tangent, radians."""
+    return (np.arange(TEETH.sides) + 0.5) * 2 * np.pi / TEETH.sides
 
 
 def _tooth(arch: Arch, along: float, width: float, depth: float, root: float, tip: float) -> Floats:
     """(levels * sides, 3) mm: superelliptic cross-sections from the root to the tip."""
     point, tangent, normal = arch.frame(along)
-    angle = (np.arange(TEETH.sides) + 0.5) * 2 * np.pi / TEETH.sides
+    angle = _corners()
     across, out = (
         np.sign(wave) * np.abs(wave) ** exponent
         for wave, exponent in zip((np.cos(angle), np.sin(angle)), TEETH.squareness, strict=True)
@@ -134,17 +152,41 @@ def _tooth_faces(tooth: Floats) -> Ints:
     return np.where(inverted[:, None], faces[:, ::-1], faces)
 
 
-def _gum(arch: Arch, bite: float, upward: int) -> tuple[Floats, Ints]:
-    """A band over the roots of one row of teeth."""
-    ends = TEETH.gum_ends * arch.length
+def _gum(arch: Arch, jaw: Jaw, bite: float, upward: int) -> tuple[Floats, Ints, Floats]:
+    """The gum of one row of teeth: vertices, faces and colours.
+
+    Its edge runs around each tooth, and its tips lie between the teeth.
+    """
+    along, edge, between = _gum_edge(arch, jaw, bite, upward)
     rows = []
-    for height, front in TEETH.gum_rows:
-        for along in np.linspace(ends, arch.length - ends, TEETH.gum_columns):
-            point, _, normal = arch.frame(along)
-            x, z = point + normal * front
-            rows.append((x, bite + upward * height, z))
-    faces = bridge_rows(len(TEETH.gum_rows), TEETH.gum_columns, closed=False)
-    return np.array(rows), faces if upward > 0 else faces[:, ::-1]
+    for distance, on_tooth, in_gap in TEETH.gum_rows:
+        front = on_tooth + (in_gap - on_tooth) * between
+        for place, height, forward in zip(along, edge, front, strict=True):
+            point, _, normal = arch.frame(place)
+            x, z = point + normal * forward
+            rows.append((x, height + upward * distance, z))
+    faces = bridge_rows(len(TEETH.gum_rows), len(along), closed=False)
+    colors = np.tile(srgb(TEETH.gum_color), (len(rows), 1))
+    colors[: len(along)] = srgb(TEETH.gum_edge_color)
+    return np.array(rows), faces[:, ::-1] if upward > 0 else faces, colors
+
+
+def _gum_edge(arch: Arch, jaw: Jaw, bite: float, upward: int) -> tuple[Floats, Floats, Floats]:
+    """Columns of the gum: place on the arch, height of the edge, mm, and 0..1 between teeth."""
+    share = np.arange(TEETH.gum_columns) / TEETH.gum_columns
+    sides = []
+    for side in (1, -1):
+        start, columns = arch.length / 2, []
+        for i, width in enumerate(_widths(arch, jaw)):
+            root, _ = _heights(jaw, bite, upward, i)
+            between = np.abs(2 * share - 1) ** 2.2
+            edge = root - upward * (TEETH.gum_over + TEETH.gum_between * between)
+            columns.append(np.c_[start + side * width * share, edge, between])
+            start += side * width
+        sides.append(np.concatenate(columns))
+    left, right = sides
+    along, edge, between = np.concatenate([right[:0:-1], left]).T
+    return along, edge, between
 
 
 def _tongue(face: Face) -> Part:
@@ -153,7 +195,16 @@ def _tongue(face: Face) -> Part:
     quads = index.reshape(quads.shape)
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     narrow = np.array([TEETH.tongue_narrow, 1, 1])
-    vertices = face.neutral[used] * narrow + TEETH.tongue_shift
+    vertices = face.neutral[used] * narrow
+    back = smoothstep(*TEETH.tongue_lower_between, vertices[:, 2])
+    x, y = vertices[:, 0], vertices[:, 1].copy()
+    low, high = np.quantile(y, [0.3, 0.7])
+    top = smoothstep(low, high, y + TEETH.tongue_lower * back * 0.5)
+    depth, width = TEETH.tongue_groove
+    furrow = np.exp(-((x / width) ** 2)) * top
+    vertices[:, 1] -= TEETH.tongue_lower * back + depth * furrow
+    vertices[:, 1] -= TEETH.tongue_round * (x / np.abs(x).max()) ** 2 * top
     color = srgb(TEETH.tongue_color)
+    color = color + (srgb(TEETH.tongue_groove_color) - color) * furrow[:, None]
     deltas = face.deltas[:, used] * narrow
-    return make_part("tongue", vertices, faces, "tongue", color, deltas)
+    return make_part("tongue", vertices + TEETH.tongue_shift, faces, "tongue", color, deltas)

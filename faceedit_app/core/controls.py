@@ -39,6 +39,8 @@ class Control:
         shuts: whether the two vertices can pass each other; the distance is then 0.
         between: names of its two control points, which are looked for on a character that does
             not say where they are (`characters/points.py`); None = only its own file can say.
+        handle: which of the two, 0 or 1, is dragged on the face; None if it would lie on that of
+            another control.
     """
 
     id: str
@@ -55,6 +57,7 @@ class Control:
     closes: Closes | None = None
     shuts: bool = False
     between: tuple[str, str] | None = None
+    handle: int | None = None
 
 
 # Okabe and Ito's colours: distinguishable with any kind of colour blindness.
@@ -67,6 +70,7 @@ CONTROLS: tuple[Control, ...] = (
         "Mouth opening",
         "Distance between the inner lips. Up opens the jaw, down closes the mouth.",
         between=("inner_upper_lip", "inner_lower_lip"),
+        handle=1,
         region="lower",
         key="1",
         color=_SKY,
@@ -87,6 +91,7 @@ CONTROLS: tuple[Control, ...] = (
         "Left mouth corner",
         "Upper lip to the character's left mouth corner. Up smiles on that side.",
         between=("upper_lip", "left_mouth_corner"),
+        handle=1,
         region="lower",
         key="3",
         color=_SKY,
@@ -99,6 +104,7 @@ CONTROLS: tuple[Control, ...] = (
         "Right mouth corner",
         "Upper lip to the character's right mouth corner. Up smiles on that side.",
         between=("upper_lip", "right_mouth_corner"),
+        handle=1,
         region="lower",
         key="4",
         color=_SKY,
@@ -112,6 +118,7 @@ CONTROLS: tuple[Control, ...] = (
         "Nose bridge to upper lip. Up lowers the lip and tucks it in, down lifts it and pushes it "
         "out.",
         between=("nose_bridge", "upper_lip"),
+        handle=1,
         region="lower",
         key="5",
         color=_SKY,
@@ -134,6 +141,7 @@ CONTROLS: tuple[Control, ...] = (
         "Left eye opening",
         "Distance between the lids of the character's left eye. Up opens the eye, down closes it.",
         between=("left_upper_lid", "left_lower_lid"),
+        handle=0,
         region="eyelids",
         heard_by=("upper",),
         key="7",
@@ -148,6 +156,7 @@ CONTROLS: tuple[Control, ...] = (
         "Right eye opening",
         "Distance between the lids of the character's right eye. Up opens the eye, down closes it.",
         between=("right_upper_lid", "right_lower_lid"),
+        handle=0,
         region="eyelids",
         heard_by=("upper",),
         key="8",

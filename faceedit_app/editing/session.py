@@ -50,11 +50,10 @@ class EditSession:
     are committed at once: `add`, `put`, `remove`, `configure` and so on are one step each.
 
     `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of each plot. `weights` is
-    (T, 52) in ARKit order: what the character shows and the export writes. `rotations` is (T, 9)
-    radians, as `Clip.rotations`, with the edits; None if the take has none. All are live arrays:
-    read them, but do not keep or change them. `live.patience` limits how long a change may take
-    before the rest is left to `live.work`. `shown_rig` is the user's character if one is open,
-    else `rig`.
+    (T, 52) in ARKit order: what the character shows and the export writes; `rotations` is (T, 9) as
+    in `Clip.rotations`, or None. All are live arrays: read them, but do not keep or change them.
+    `live.patience` limits how long a change may take before the rest is left to `live.work`.
+    `shown_rig` is the user's character if one is open, else `rig`.
 
     Args:
         take: the open take.
@@ -414,7 +413,9 @@ class EditSession:
         Raises:
             FileError: it cannot be written, or is such a take; an existing file is then untouched.
         """
-        content = encoded_take(path, self.take, self.clip_weights(), self.rotations)
+        weights, lost = self.clip_weights(), self.take.lost_rows
+        found = self._solver.found(lost, self.edits, self.weights) if lost is not None else None
+        content = encoded_take(path, self.take, weights, found, self.rotations)
         backup = make_way(Path(path), self.take.path, overwrite)
         if is_same_file(Path(path), self.take.path):
             self.exported_over = fingerprint_of_content(content)

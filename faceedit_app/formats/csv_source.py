@@ -70,6 +70,8 @@ class CsvSource:
         columns: (K) the columns of its channels.
         scale: the value of a full blendshape in the file.
         turns: (9) the columns of the rotations; empty if there are none.
+        lost: (L) the lines without a face that lie between frames.
+        count: the column with the number of values in each row, if any.
     """
 
     table: Table
@@ -77,6 +79,8 @@ class CsvSource:
     columns: Sequence[int]
     scale: float = 1.0
     turns: Sequence[int] = ()
+    lost: Sequence[int] = ()
+    count: int | None = None
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
@@ -108,6 +112,31 @@ class CsvSource:
                 old = self.table.lines[line]
                 out[line] = text + old[len(old.rstrip(b"\r\n")) :]
         return out
+
+    def with_faces(self, weights: Floats) -> CsvSource:
+        """The file with weights in rows that lost the face.
+
+        Cells that such a row lacks, such as the head's rotations, are those of the frame before.
+
+        Args:
+            weights: (L, K) for `lost`; a row of NaN stays as it is.
+        """
+        write = detect_format(self._sample(self.columns), self.scale).write
+        out, frames = list(self.table.lines), np.array(self.lines)
+        for line, row in zip(self.lost, weights, strict=True):
+            if not np.isfinite(row).all():
+                continue
+            before = self.lines[int(np.searchsorted(frames, line)) - 1]
+            cells, own = self.table.cells(before), self.table.cells(line)
+            for k, cell in enumerate(own[: len(cells)]):
+                if cell.strip() and k != self.count:
+                    cells[k] = cell
+            for column, weight in zip(self.columns, row.tolist(), strict=True):
+                text = self.table.cells(before)[column]
+                cells[column] = _replaced(text, write(weight * self.scale))
+            old = self.table.lines[line]
+            out[line] = self.table.delimiter.join(cells) + old[len(old.rstrip(b"\r\n")) :]
+        return replace(self, table=replace(self.table, lines=tuple(out)))
 
     def _sample(self, columns: Sequence[int]) -> Iterator[bytes]:
         stride = max(1, len(self.lines) // _FORMAT_SAMPLE)

@@ -40,12 +40,14 @@ class Rows:
         lost: (R,) whether the row has no frame, because the face was lost.
         numbers: (T, N) float64, finite.
         lines: (T) the index of the line of each frame.
+        lost_lines: the lines of rows that have no frame, between the first and the last frame.
     """
 
     texts: list[tuple[str, ...]]
     lost: Bools
     numbers: Doubles
     lines: list[int]
+    lost_lines: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,9 @@ class Table:
         lost = _lost(numbers, np.array(zero))
         self._check(numbers, lost, number_columns, lines)
         frames = np.flatnonzero(~lost)
-        return Rows(texts, lost, numbers[frames], [lines[i] for i in frames])
+        kept = [lines[i] for i in frames]
+        between = [lines[i] for i in np.flatnonzero(lost) if kept and kept[0] < lines[i] < kept[-1]]
+        return Rows(texts, lost, numbers[frames], kept, tuple(between))
 
     def _numbers(self, line: int, cells: Cells, columns: Sequence[int]) -> list[float]:
         if b"_" not in self.lines[line]:  # Python reads 1_0 as 10: check more closely

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
 from faceedit_app.formats.files import shown
-from faceedit_app.formats.take import Recording, Take, finish_take
+from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
 
@@ -92,8 +93,27 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
         notes=(*_empty_notes(found, columns), *_count_notes(table, rows, count)),
         rotations=_rotations(rows, len(clocks)) if turns else None,
     )
-    source = partial(CsvSource, table, tuple(rows.lines), columns.indices, turns=tuple(turns))
-    return finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
+    source = partial(
+        CsvSource,
+        table,
+        tuple(rows.lines),
+        columns.indices,
+        turns=tuple(turns),
+        lost=rows.lost_lines,
+        count=count,
+    )
+    take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
+    if not rows.lost_lines:
+        return take
+    return replace(take, lost_rows=LostRows(_positions(rows)))
+
+
+def _positions(rows: Rows) -> tuple[float, ...]:
+    """Where the rows `lost_lines` lie, in frames: evenly between the frames around them."""
+    lost, before = np.array(rows.lost_lines), np.searchsorted(rows.lines, rows.lost_lines) - 1
+    counts = np.bincount(before)
+    place = np.arange(len(lost)) - np.searchsorted(before, before)
+    return tuple((before + (place + 1) / (counts[before] + 1)).tolist())
 
 
 def _times(table: Table, clocks: list[int], rows: Rows) -> RowTimes:

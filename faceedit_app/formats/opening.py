@@ -12,7 +12,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.registry import recognise
-from faceedit_app.formats.take import RotatingSource, Take
+from faceedit_app.formats.take import FillableSource, RotatingSource, Take
 from faceedit_app.formats.timing import exact_rate
 
 _LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
@@ -60,13 +60,24 @@ def write_take(
     Raises:
         FileError: the file cannot be written, or a weight is not a finite number.
     """
-    write_atomically(path, encoded_take(path, take, weights, rotations))
+    write_atomically(path, encoded_take(path, take, weights, rotations=rotations))
 
 
 def encoded_take(
-    path: Path | str, take: Take, weights: Floats, rotations: Floats | None = None
+    path: Path | str,
+    take: Take,
+    weights: Floats,
+    found: Floats | None = None,
+    rotations: Floats | None = None,
 ) -> bytes:
-    """What `write_take` writes; `path` is for messages.
+    """What `write_take` writes.
+
+    Args:
+        path: for messages.
+        take: the take.
+        weights: (T, K).
+        found: (L, K) for its `lost_rows`; a row of NaN stays without a face.
+        rotations: (T, 9) as in `Clip.rotations`; None = those of the take.
 
     Raises:
         FileError: a weight is not a finite number.
@@ -84,4 +95,6 @@ def encoded_take(
     source, tracked = take.source, take.clip.rotations
     if rotations is not None and tracked is not None and isinstance(source, RotatingSource):
         source = source.rotated(tracked, rotations)
+    if found is not None and isinstance(source, FillableSource):
+        source = source.with_faces(found)
     return source.encode(take.clip.weights, weights.astype(np.float32))

@@ -50,6 +50,26 @@ class RotatingSource(Source, Protocol):
         ...
 
 
+@runtime_checkable
+class FillableSource(Source, Protocol):
+    """A source with rows in which the face was lost."""
+
+    def with_faces(self, weights: Floats) -> Source:
+        """The source with weights (L, K) in these rows; a row of NaN stays as it is."""
+        ...
+
+
+@dataclass(frozen=True)
+class LostRows:
+    """The rows of a file in which the face was lost between two frames.
+
+    Attributes:
+        positions: (L) where they lie, in frames: 4.5 is half-way between frames 4 and 5.
+    """
+
+    positions: tuple[float, ...]
+
+
 @dataclass(frozen=True)
 class Take:
     """An open take.
@@ -63,6 +83,7 @@ class Take:
         source: writes the file again.
         fps: the frame rate that the user gave, if any.
         kind: `registry.Format.name` of its format.
+        lost_rows: the rows that a fill can give weights to; None if the file has none.
     """
 
     path: Path
@@ -73,6 +94,7 @@ class Take:
     source: Source
     fps: float | None = None
     kind: str = ""
+    lost_rows: LostRows | None = None
 
 
 @dataclass(frozen=True)

@@ -5,20 +5,27 @@ Left and right are the person's own.
 
 from __future__ import annotations
 
-from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS
 
-_PAIRS = {
-    "mouth_opening": (13, 14),
-    "mouth_width": (291, 61),
-    "left_corner": (0, 291),
-    "right_corner": (0, 61),
-    "upper_lip": (168, 0),
-    "lower_lip": (199, 17),
-    "left_eyelid": (386, 374),
-    "right_eyelid": (159, 145),
+# The landmark at each control point.
+_LANDMARKS = {
+    "inner_upper_lip": 13,
+    "inner_lower_lip": 14,
+    "left_mouth_corner": 291,
+    "right_mouth_corner": 61,
+    "upper_lip": 0,
+    "lower_lip": 17,
+    "nose_bridge": 168,
+    "chin": 199,
+    "left_upper_lid": 386,
+    "left_lower_lid": 374,
+    "right_upper_lid": 159,
+    "right_lower_lid": 145,
 }
 CONTROL_PAIRS: dict[int, tuple[int, int]] = {
-    CONTROL_INDEX[name]: pair for name, pair in _PAIRS.items()
+    CONTROL_INDEX[control.id]: (_LANDMARKS[control.between[0]], _LANDMARKS[control.between[1]])
+    for control in CONTROLS
+    if control.between is not None and set(control.between) <= _LANDMARKS.keys()
 }
 """For each control the two landmarks between which it is seen, in the order of its points."""
 

@@ -14,6 +14,7 @@ from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS, MIRRORED_CONTROL
 from faceedit_app.core.rig import Rig
+from faceedit_app.tracking.face_points import IRISES
 
 GLB = ROOT / "assets" / "character.glb"
 DEFINITIONS = ROOT / "assets" / "character.controls.json"
@@ -49,9 +50,11 @@ def test_has_every_arkit_shape_and_each_one_moves_it(rig: Rig) -> None:
 
 
 def test_is_one_sound_mesh_of_moderate_size(rig: Rig) -> None:
-    assert 5_000 < len(rig.neutral) < 9_000
-    assert 9_000 < len(rig.faces) < 15_000
-    assert GLB.stat().st_size < 6e6
+    # Hair that stands still is most of what lies above 9,000 vertices; it is drawn once for many
+    # pictures. tests/render/test_character_look.py limits what moves.
+    assert 5_000 < len(rig.neutral) < 12_000
+    assert 9_000 < len(rig.faces) < 17_000
+    assert GLB.stat().st_size < 2e6
     assert np.array_equal(np.unique(rig.faces), np.arange(len(rig.neutral)))
     assert all(np.isfinite(field).all() for field in (rig.neutral, rig.deltas, rig.colors))
     assert rig.materials[0].start == 0
@@ -114,6 +117,20 @@ def test_the_definitions_agree_with_the_character(rig: Rig) -> None:
         assert (entry["label"], entry["region"]) == (control.label, control.region)
         assert entry["vertices"] == pair
         assert entry["neutral_length_mm"] == pytest.approx(neutral[control.id], abs=0.01)
+
+
+def test_landmarks_lie_on_the_skin_and_in_the_pupils(rig: Rig) -> None:
+    """They name vertices, whose numbers change when a part is built of more or fewer of them."""
+    landmarks = json.loads((ROOT / "assets" / "character.landmarks.json").read_text())
+    parts = {m.name: np.unique(rig.faces[m.start : m.stop]) for m in rig.materials}
+    for number, (vertices, _) in landmarks.items():
+        wanted = ("pupil",) if int(number) in IRISES else ("skin", "lips")
+        assert np.isin(vertices, np.concatenate([parts[name] for name in wanted])).all(), number
+    for number, side in zip(IRISES, (-1, 1), strict=True):
+        pupil = parts["pupil"][side * rig.neutral[parts["pupil"], 0] > 0]
+        middle = rig.neutral[pupil].mean(axis=0)
+        apart = rig.neutral[landmarks[str(number)][0][0]] - middle
+        assert np.linalg.norm(apart[:2]) < 1e-4, "metres"
 
 
 def test_building_it_again_gives_the_same_bytes(

@@ -24,7 +24,7 @@ from faceedit_app.core.regions import LOWER, REGIONS
 
 PACKAGE = ROOT / "faceedit_app"
 # Where an id is also another word: the command that lowers a curve, the upper and lower eyelid in
-# names of blendshapes, and the lips as control points.
+# names of blendshapes, the lips as control points, and a heading.
 OTHER_WORDS = {
     "ui/commands/tools.py": {"lower"},
     "ui/page/curve_menus.py": {"lower"},
@@ -32,6 +32,8 @@ OTHER_WORDS = {
     "characters/checklist.py": {"upper_lip", "lower_lip"},
     "characters/names.py": {"upper", "lower"},
     "characters/points.py": {"upper_lip", "lower_lip"},
+    "lab/evaluation/people/report.py": {"eyelids"},
+    "tracking/face_points.py": {"upper_lip", "lower_lip"},
 }
 
 

@@ -136,14 +136,14 @@ def test_lost_frames_are_told_and_those_close_together_as_one() -> None:
     assert first.start == pytest.approx(100 / 60, abs=1e-3)
 
 
-def test_jump_over_lost_frames_is_softened() -> None:
+def test_a_jump_over_lost_frames_is_filled() -> None:
     clip = still_clip()
     weights = clip.weights.copy()
     weights[101:, ARKIT_INDEX["jawOpen"]] = 0.5
     (problem,) = find(replace(clip, weights=weights, gaps=(Gap(100, 3),)))
     assert "Mouth opening" in problem.message
     assert "mouth_opening" in problem.controls
-    assert problem.fix[0].op is Op.SMOOTH
+    assert problem.fix[0].op is Op.FILL
 
 
 def test_gap_at_the_very_end_is_told() -> None:

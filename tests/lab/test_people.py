@@ -474,7 +474,6 @@ def test_json_nests_figures_and_has_null_for_what_is_unknown() -> None:
     trackers = found["people"]["by_tracker"]
     assert trackers["iphone"]["closures"]["met"] == {FACEEDIT: 0.5}
     assert trackers["film"]["closures"]["met"] == {FACEEDIT: None}
-    assert "inpainting" not in found
 
 
 def test_goals_say_what_is_reached_and_what_is_not() -> None:
@@ -514,6 +513,10 @@ def test_people_are_measured_the_same_every_time_and_the_references_edit_too(
     assert found == second.as_json()
     assert found["people"]["synthesised_left_out"] == 1
     assert {"faceedit", "paper", "ridge", "covariance", "bump"} <= set(found["restoration"]["six"])
+    filled = found["inpainting"]["restoration"]
+    assert {"faceedit", "linear", "hold", "nearest", "splice"} == set(filled)
+    assert filled["nearest"] <= filled["splice"]
+    assert set(found["inpainting"]["boundary_jump"]) == {*filled, "real"}
     assert "holden" not in found["restoration"]["six"]  # these models have no baseline
     text = people_part(first)
     assert "1 synthesised take was left out" in text

@@ -139,10 +139,10 @@ def test_arrows_move_the_playhead(window: MainWindow) -> None:
 
 def test_arrows_move_a_slider_that_has_the_focus(window: MainWindow) -> None:
     assert window.editor is not None
-    slider = window.editor.settings_bar.natural
+    slider = window.editor.settings_bar.exactness
     slider.setFocus(Qt.FocusReason.TabFocusReason)
     press(window, Qt.Key.Key_Left)
-    assert slider.value() == 99
+    assert slider.value() == 49
     assert window.timeline.frame == 0
     press(window, Qt.Key.Key_Escape)
     assert not slider.hasFocus()

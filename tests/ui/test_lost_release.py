@@ -177,14 +177,14 @@ def test_a_slider_is_let_go_of(bench: Bench, lose: Lose) -> None:
     add_edit(window)
     session = window.document.session
     assert session is not None
-    for slider in (editor.settings_bar.natural, editor.edits.strength):
+    for slider in (editor.settings_bar.exactness, editor.edits.strength):
         editor.edits.select(0)
         slider.setSliderDown(True)
         slider.setSliderPosition(40)
         lose(window, slider)
         assert not slider.isSliderDown()
         assert not session.is_previewing
-    assert session.settings.naturalness == pytest.approx(0.4)
+    assert session.settings.exactness == pytest.approx(0.4)
     assert session.edits[0].strength == pytest.approx(0.4)
 
 

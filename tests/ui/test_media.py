@@ -94,10 +94,10 @@ def test_a_take_and_its_film_are_dropped_at_once(bench: Bench, devices: list[Fak
     assert window.document.path == bench.take
 
 
-def test_a_film_without_a_take_waits_for_one(bench: Bench) -> None:
+def test_a_sound_without_a_take_waits_for_one(bench: Bench) -> None:
     window = bench.window()
-    drop(window, make_film(bench.folder / "a.mp4"))
-    assert window.status.currentMessage() == "Open a take first, then drop a.mp4 on it"
+    drop(window, make_wav(bench.folder / "a.wav"))
+    assert window.status.currentMessage() == "Open a take first, then drop a.wav on it"
 
 
 def test_what_lies_beside_a_take_is_opened_with_it_and_goes_with_it(

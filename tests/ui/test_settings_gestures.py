@@ -21,10 +21,10 @@ LEFT = Qt.MouseButton.LeftButton
 
 @pytest.fixture
 def window(bench: Bench) -> MainWindow:
-    """A take with one edit, and a step of Reach that was taken back."""
+    """A take with one edit, and a step of its slider that was taken back."""
     window = bench.editing()
     add_edit(window)
-    press_key(editor_of(window).settings_bar.reach, Qt.Key.Key_Left)
+    press_key(editor_of(window).settings_bar.exactness, Qt.Key.Key_Left)
     trigger(window, "undo")
     return window
 
@@ -101,39 +101,39 @@ def test_a_slider_that_is_dragged_back_is_no_step_and_costs_no_redo(
     bench: Bench, window: MainWindow
 ) -> None:
     """It dropped the earlier redo, and offered the 60 % on the way there in its place."""
-    session, slider = session_of(window), editor_of(window).settings_bar.natural
-    assert names(session) == ("Mouth opening +6.0 mm", "Reach")
+    session, slider = session_of(window), editor_of(window).settings_bar.exactness
+    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
     start = press(slider)
     move(slider, start, -35)
     bench.qtbot.waitUntil(lambda: session.is_previewing)
-    assert slider.value() < 70
-    assert session.settings.naturalness == 1.0, "it is shown, and not kept"
+    assert slider.value() < 40
+    assert session.settings.reach == 1.0, "it is shown, and not kept"
     move(slider, start, 0)
     release(slider, start, 0)
-    assert slider.value() == 100
+    assert slider.value() == 50
     assert not session.is_previewing
-    assert names(session) == ("Mouth opening +6.0 mm", "Reach")
+    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
     trigger(window, "redo")
-    assert session.settings.reach == pytest.approx(0.99)
+    assert session.settings.reach == pytest.approx(0.98)
     assert session.settings.naturalness == 1.0
 
 
 def test_a_drag_of_a_slider_is_one_step_with_its_name(bench: Bench, window: MainWindow) -> None:
-    session, slider = session_of(window), editor_of(window).settings_bar.natural
+    session, slider = session_of(window), editor_of(window).settings_bar.exactness
     start = press(slider)
     for pixels in (-10, -20, -30):
         move(slider, start, pixels)
         bench.qtbot.waitUntil(lambda: session.is_previewing)
     release(slider, start, -30)
     kept = slider.value() / 100
-    assert kept < 0.8
-    assert session.settings.naturalness == pytest.approx(kept)
-    assert names(session) == ("Naturalness", "")
+    assert kept < 0.4
+    assert session.settings.exactness == pytest.approx(kept)
+    assert names(session) == ("Natural to exact", "")
     trigger(window, "undo")
-    assert names(session) == ("Mouth opening +6.0 mm", "Naturalness")
-    assert (session.settings.naturalness, slider.value()) == (1.0, 100)
+    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
+    assert (session.settings.reach, slider.value()) == (1.0, 50)
     trigger(window, "redo")
-    assert session.settings.naturalness == pytest.approx(kept)
+    assert session.settings.exactness == pytest.approx(kept)
     assert slider.value() == round(100 * kept)
 
 
@@ -144,7 +144,7 @@ def test_esc_and_undo_drop_the_drag_of_a_slider(
 ) -> None:
     session, editor = session_of(window), editor_of(window)
     editor.edits.select(0)
-    slider = editor.settings_bar.natural if which == "natural" else editor.edits.strength
+    slider = editor.settings_bar.exactness if which == "natural" else editor.edits.strength
     before, weights, value = session.state, session.weights.copy(), slider.value()
     start = press(slider)
     move(slider, start, -30)
@@ -157,33 +157,33 @@ def test_esc_and_undo_drop_the_drag_of_a_slider(
     release(slider, start, -20)
     assert (session.state, slider.value()) == (before, value)
     assert (session.weights == weights).all()
-    assert names(session) == ("Mouth opening +6.0 mm", "Reach")
+    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
     start = press(slider)  # it works as before
     move(slider, start, -30)
     release(slider, start, -30)
-    assert session.undo_name == ("Naturalness" if which == "natural" else "Edit strength")
+    assert session.undo_name == ("Natural to exact" if which == "natural" else "Edit strength")
 
 
 @pytest.mark.parametrize("how", ["keys", "wheel"])
 def test_ticks_of_a_slider_are_one_step(window: MainWindow, how: str) -> None:
-    session, slider = session_of(window), editor_of(window).settings_bar.natural
+    session, slider = session_of(window), editor_of(window).settings_bar.exactness
     if how == "keys":
         press_key(slider, Qt.Key.Key_Left, 4)
     else:
         turn(slider, -4)
-    assert slider.value() < 97
-    assert session.settings.naturalness == pytest.approx(slider.value() / 100)
+    assert slider.value() < 47
+    assert session.settings.exactness == pytest.approx(slider.value() / 100)
     trigger(window, "undo")
-    assert session.settings.naturalness == 1.0
+    assert session.settings.exactness == 0.5
     assert session.undo_name == "Mouth opening +6.0 mm"
 
 
 def test_ticks_that_lead_back_are_no_step_and_cost_no_redo(window: MainWindow) -> None:
-    session, slider = session_of(window), editor_of(window).settings_bar.natural
+    session, slider = session_of(window), editor_of(window).settings_bar.exactness
     press_key(slider, Qt.Key.Key_Left, 3)
-    assert names(session) == ("Naturalness", "")
+    assert names(session) == ("Natural to exact", "")
     press_key(slider, Qt.Key.Key_Right, 3)
-    assert names(session) == ("Mouth opening +6.0 mm", "Reach")
+    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
 
 
 @pytest.mark.parametrize("between", ["focus", "pointer", "drag", "other slider", "save"])
@@ -191,7 +191,7 @@ def test_ticks_end_where_something_comes_between(
     bench: Bench, window: MainWindow, between: str
 ) -> None:
     session, editor = session_of(window), editor_of(window)
-    slider = editor.settings_bar.natural
+    slider = editor.settings_bar.exactness
     press_key(slider, Qt.Key.Key_Left, 2)
     match between:
         case "focus":
@@ -201,13 +201,14 @@ def test_ticks_end_where_something_comes_between(
         case "drag":
             drag_curve(window, 0, 2.5, 20)
         case "other slider":
-            press_key(editor.settings_bar.reach, Qt.Key.Key_Left)
+            editor.edits.select(0)
+            press_key(editor.edits.strength, Qt.Key.Key_Left)
         case "save":
             bench.answers["save_project"] = bench.folder / "p.faceedit"
             trigger(window, "save")
     kept = session.state
     press_key(slider, Qt.Key.Key_Left)
-    assert session.settings.naturalness == pytest.approx(0.97)
+    assert session.settings.exactness == pytest.approx(0.47)
     trigger(window, "undo")
     assert session.state == kept
 
@@ -309,7 +310,7 @@ def test_an_edge_of_the_selection_leaves_a_proposal_to_its_own_button(
 
 def test_undo_and_redo_name_the_step(window: MainWindow) -> None:
     undo, redo = window.actions_["undo"], window.actions_["redo"]
-    assert (undo.text(), redo.text()) == ("&Undo Mouth opening +6.0 mm", "&Redo Reach")
+    assert (undo.text(), redo.text()) == ("&Undo Mouth opening +6.0 mm", "&Redo Natural to exact")
     window.timeline.select((0.5, 2.5))
     trigger(window, "fix_smile")
     assert (undo.text(), redo.text()) == ("&Undo Smile", "&Redo")

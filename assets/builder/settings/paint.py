@@ -16,7 +16,7 @@ class Colour:
     lids: str = "c08a78"
     lid_edge: str = "b0776a"
     lips: str = "b9605a"
-    mouth: str = "7d3434"
+    mouth: str = "8f3f3c"
     # Strengths, 0..1, and radii, mm.
     blush_amount: float = 0.42
     blush_radius: float = 26.0
@@ -31,7 +31,7 @@ class Colour:
     lid_edge_width: float = 5.0
     lid_edge_reach: float = 30.0  # above and below the eyes at most
     lips_amount: float = 0.85
-    brow_amount: float = 0.55  # painted under the strands
+    brow_amount: float = 0.60  # painted under the strands
     brow_width: float = 2.4
     brow_from: float = -0.05  # share of the brow where the paint begins
     brow_fade: tuple[float, float] = (0.45, 0.8)  # share of the brow where the paint fades
@@ -59,7 +59,8 @@ class Colour:
     darkest: float = 0.50  # of the skin and the hair
     darkest_lips: float = 0.80
     shade_tint: tuple[float, float, float] = (0.80, 1.05, 1.12)  # exponents: warm shadows
+    depth_tint: tuple[float, float, float] = (0.75, 1.1, 1.15)  # exponents: dark red
     # The mouth darkens with the depth behind the lips: from, to (mm), and how much.
-    depth_mouth: tuple[float, float, float] = (9.0, 64.0, 0.80)
-    depth_tongue: tuple[float, float, float] = (31.0, 75.0, 0.45)
-    depth_teeth: tuple[float, float, float] = (16.0, 56.0, 0.75)
+    depth_mouth: tuple[float, float, float] = (16.0, 84.0, 0.72)
+    depth_tongue: tuple[float, float, float] = (26.0, 74.0, 0.62)
+    depth_teeth: tuple[float, float, float] = (18.0, 56.0, 0.60)

@@ -44,6 +44,8 @@ def describe(edit: Edit) -> str:
             return f"Draw {_lower(what)}"
         case Op.ADD:
             return f"Add to {_lower(what)}"
+        case Op.FILL:
+            return f"Fill {_lower(what)}" if len(edit.controls) < len(CONTROLS) else "Fill"
         case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
             raise ValueError(f"{edit.op} is for channels")
 

@@ -23,6 +23,8 @@ from faceedit_app.editing.edits.channels import channel_problem, mirrored_channe
 
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
+LONGEST_FILL = 4.0  # seconds that Fill makes at once
+MOST_SEED = 999
 MOST_POINTS = 200_000
 MOST_EDITS = 10_000  # of one take; with more, a drag could not be followed
 
@@ -37,6 +39,9 @@ class Op(StrEnum):
     RESET = "reset"  # back to the take as tracked; `value` is ignored
     DRAW = "draw"  # follow `points`, mm; `value` is ignored
     ADD = "add"  # add `points`, mm; `value` is ignored
+    # Replace the regions of its curves by other motion of the take; `value` is ignored, `points`
+    # are the mouth opening that this motion should have, mm, if any (`solving/filling.py`).
+    FILL = "fill"
     # Of channels only; see `channels.py`.
     LIMIT = "limit"  # approach a ceiling of `value` smoothly
     NEUTRAL = "neutral"  # subtract a rest pose; `amounts`: rest and peak
@@ -53,7 +58,7 @@ class Company(StrEnum):
 
 WITH_POINTS = (Op.DRAW, Op.ADD)
 WITH_AMOUNTS = (Op.NEUTRAL, Op.LEVELS)
-WITHOUT_VALUE = (Op.RESET, *WITH_POINTS, *WITH_AMOUNTS)
+WITHOUT_VALUE = (Op.RESET, Op.FILL, *WITH_POINTS, *WITH_AMOUNTS)
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,7 @@ class Edit:
         points: (seconds of the take, mm) in order of time, for `draw` and `add`: interpolated
             linearly, constant before the first and after the last.
         companions: what happens to the companions of its curves.
+        seed: which variation a `fill` is; 0 is the most likely one.
         channels: names of the channels that change, in place of curves. Then `value`, `about` and
             `points` are weights, or degrees for rotations.
         amounts: per channel, for `neutral` and `levels`; see `Op`.
@@ -95,6 +101,7 @@ class Edit:
     about: float | None = None
     points: tuple[tuple[float, float], ...] = ()
     companions: Company = Company.YIELD
+    seed: int = 0
     channels: tuple[str, ...] = ()
     amounts: tuple[tuple[float, ...], ...] = ()
 
@@ -126,11 +133,13 @@ class Edit:
             raise ValueError('only a scale can have "about"')
         if self.name != clean_text(self.name):
             raise ValueError(f"its name has a damaged character or over {LONGEST_TEXT} of them")
+        if not 0 <= self.seed <= MOST_SEED or (self.seed and self.op is not Op.FILL):
+            raise ValueError(f"only a fill can have a seed, 1 to {MOST_SEED}")
         if self.points or self.op in WITH_POINTS:
             self._check_points()
 
     def _check_points(self) -> None:
-        if self.op not in WITH_POINTS:
+        if self.op not in (*WITH_POINTS, Op.FILL):
             raise ValueError(f"a {self.op} has no points")
         if not 1 <= len(self.points) <= MOST_POINTS:
             raise ValueError(f"a {self.op} needs 1 to {MOST_POINTS} points")
@@ -148,14 +157,8 @@ class Edit:
     def _hash(self) -> int:
         return hash(
             (
-                self.controls,
-                self.channels,
-                self.op,
-                self.start,
-                self.end,
-                self.falloff,
-                self.value,
-                self.points,
+                *(self.controls, self.channels, self.op, self.start, self.end, self.falloff),
+                *(self.value, self.points, self.seed),
             )
         )
 
@@ -252,6 +255,8 @@ def _optional(edit: Edit) -> dict[str, Any]:
         entry["name"] = edit.name
     if edit.companions is not Company.YIELD:
         entry["companions"] = edit.companions.value
+    if edit.seed:
+        entry["seed"] = edit.seed
     if edit.points:
         entry["points"] = [list(point) for point in edit.points]
     if edit.amounts:
@@ -282,6 +287,7 @@ def from_json(entry: Any) -> Edit:
         about=fields.number_or_none("about"),
         points=fields.pairs("points", MOST_POINTS),
         companions=fields.choice("companions", Company, Company.YIELD),
+        seed=fields.whole("seed", high=MOST_SEED) if fields.has("seed") else 0,
         channels=channels,
         amounts=fields.rows("amounts"),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 
@@ -35,10 +35,27 @@ class Settings:
         if not 0 <= self.naturalness <= 1:
             raise ValueError(f"naturalness {self.naturalness:g}: must be from 0 to 1")
 
+    @property
+    def exactness(self) -> float:
+        """Naturalness and reach as one number, 0..1: the slider from natural to exact.
+
+        It follows one path: from 0 to 0.5 reach rises from 0 to 1 while naturalness is 1; from
+        0.5, the default, to 1 naturalness falls to 0 while reach is 1. Settings off the path, which
+        only files have, are shown by the half that they are nearer to.
+        """
+        if self.naturalness < self.reach:
+            return 1.0 - 0.5 * self.naturalness
+        return 0.5 * min(self.reach, 1.0)
+
+    def with_exactness(self, exactness: float) -> Settings:
+        """The settings at a place of the path, 0..1; see `exactness`."""
+        reach, naturalness = min(2.0 * exactness, 1.0), min(2.0 - 2.0 * exactness, 1.0)
+        return replace(self, naturalness=naturalness, reach=reach)
+
     def describe_change(self, to: Settings) -> str:
-        """The name of a step from these settings to others, such as "Naturalness"."""
+        """The name of a step from these settings to others, such as "Natural to exact"."""
         if to.mode != self.mode:
             return to.mode.value.capitalize()
         if to.closes != self.closes:
             return "Close on the character" if to.closes else "Do not close on the character"
-        return "Naturalness" if to.naturalness != self.naturalness else "Reach"
+        return "Natural to exact"

@@ -10,7 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, LIP_OPENING, MOUTH_CORNERS
+from faceedit_app.core.controls import (
+    CONTROL_INDEX,
+    CONTROLS,
+    LIP_OPENING,
+    MOUTH_CORNERS,
+    control_named,
+)
 from faceedit_app.editing.edits.edit import Edit, Op, fade
 from faceedit_app.editing.help.spoken import LipGap, dip_at
 from faceedit_app.editing.session import EditSession
@@ -22,7 +28,11 @@ _FALLOFF = 0.1  # seconds at the ends of the stretch
 _KEPT = 0.06  # seconds around a closure over which the change fades in
 _NEGLIGIBLE = 0.05  # mm; curves that would move less are left alone
 # The corners follow the width; the mouth smiles no more for being clear.
-_MOVED = tuple(c.id for c in CONTROLS if c.region == "lower" and c.id not in MOUTH_CORNERS)
+_MOVED = tuple(
+    c.id
+    for c in CONTROLS
+    if c.region == control_named(LIP_OPENING).region and c.id not in MOUTH_CORNERS
+)
 
 
 def articulate(

@@ -13,7 +13,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.help.events import (
     LID_COLUMNS,
     closed_lips,
@@ -34,6 +34,7 @@ SHARE = 0.25
 SHAKE_WINDOW = 0.5  # seconds
 STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
+BESIDE = 0.15  # seconds on either side of a gap that may change so that motion runs through
 JUMP = 1.5  # mm across a gap that are noticeable
 TOGETHER = 0.3  # seconds; faults closer than this are reported as one
 # What counts as entirely wrong, for `Problem.severity`.
@@ -80,8 +81,10 @@ class Problem:
 
 def find_problems(session: EditSession) -> list[Problem]:
     """The problems of the take with its edits, in order of time."""
-    clip, rigs = session.take.clip, (session.rig, session.shown_rig)
-    return problems_of(clip, session.weights, session.achieved, rigs, closures_of(session))
+    take, rigs = session.take, (session.rig, session.shown_rig)
+    lost = take.lost_rows.positions if take.lost_rows is not None else ()
+    shown = session.weights, session.achieved
+    return problems_of(take.clip, *shown, rigs, closures_of(session), lost)
 
 
 def problems_of(
@@ -90,6 +93,7 @@ def problems_of(
     controls: Floats,
     rigs: tuple[Rig, Rig] | None = None,
     spoken: Sequence[Closure] = (),
+    lost: Sequence[float] = (),
 ) -> list[Problem]:
     """The problems of a clip, in order of time.
 
@@ -99,6 +103,7 @@ def problems_of(
         controls: (T, C) mm, measured with these weights.
         rigs: FaceEdit's own character, and the one shown.
         spoken: each m, b and p, if the words are known.
+        lost: the rows that a fill can give a face to, see `LostRows.positions`.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
@@ -106,7 +111,7 @@ def problems_of(
         *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
         *_jitter(clip, measured),
-        *_dropped(clip, measured),
+        *_dropped(clip, measured, lost),
     ]
     if rigs is not None and rigs[0] is not rigs[1]:
         found += map(_on_character, gaps_on_character(clip, weights, *rigs))
@@ -240,7 +245,7 @@ def _ripple(curves: Doubles) -> Doubles:
     return ripple
 
 
-def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
+def _dropped(clip: Clip, controls: Doubles, lost: Sequence[float]) -> list[Problem]:
     found = []
     for first, last in _joined([gap.frame for gap in clip.gaps], clip):
         missing = sum(gap.missing for gap in clip.gaps if first <= gap.frame <= last)
@@ -251,11 +256,8 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
         jumps = steps.max(axis=0, initial=0.0)
         worst = float(clip.times[first + int(steps.max(axis=1).argmax())]) if len(steps) else start
         moved = tuple(name for name, jump in zip(CONTROL_IDS, jumps, strict=True) if jump > JUMP)
-        fix = (
-            (Edit(moved, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump"),)
-            if moved
-            else ()
-        )
+        helps = bool(moved) or any(first < position < last + 1 for position in lost)
+        fix = (_through(clip, moved or CONTROL_IDS, start, end),) if helps else ()
         size = counted(missing, "frame"), _share(missing, MANY)
         frames = "1 frame is" if missing == 1 else f"{missing} frames are"
         message = f"{frames} missing" + (
@@ -263,6 +265,17 @@ def _dropped(clip: Clip, controls: Doubles) -> list[Problem]:
         )
         found.append(Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix))
     return found
+
+
+def _through(clip: Clip, controls: tuple[str, ...], start: float, end: float) -> Edit:
+    """An edit that lets the motion run through a gap from `start` to `end` seconds.
+
+    The frames that are missing stay missing; those beside them change.
+    """
+    first, last = max(start - BESIDE, 0.0), min(end + BESIDE, float(clip.times[-1]))
+    if last - first > LONGEST_FILL:
+        return Edit(controls, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump")
+    return Edit(CONTROL_IDS, Op.FILL, round(first, 4), round(last, 4), 0.0, name="Fill the gap")
 
 
 def _share(amount: float, most: float) -> float:

@@ -68,6 +68,7 @@ class Chunks:
         grid: the number of grid frames in the take.
         scale: the networks' input begins at a multiple of this many grid frames.
         context: grid frames on either side that an answer can depend on.
+        around_fill: frames on either side that a fill depends on.
 
     Attributes:
         rows: (n + 1,) the first frame of each chunk, then the number of frames.
@@ -76,9 +77,15 @@ class Chunks:
     """
 
     def __init__(
-        self, times: Times, rate: float, grid: int, scale: int = 1, context: int = 0
+        self,
+        times: Times,
+        rate: float,
+        grid: int,
+        scale: int = 1,
+        context: int = 0,
+        around_fill: int = 0,
     ) -> None:
-        self._times, self._rate = times, rate
+        self._times, self._rate, self._around_fill = times, rate, around_fill
         length = -(-CHUNK // scale) * scale
         starts = length * np.arange(max(-(-grid // length), 1))
         self.rows = np.append(np.searchsorted(times, starts / GRID_RATE - SLACK), len(times))
@@ -128,7 +135,8 @@ class Chunks:
         if settings.mode is Mode.RESYNTHESIZE:
             edited = _influenced(edits, spans)
             regions = tuple(r for r, controls in listening.items() if edited.intersection(controls))
-            chunks = range(len(self)) if regions else ()
+            fills = [s for e, s in zip(edits, spans, strict=True) if e.op is Op.FILL]
+            chunks = range(len(self)) if regions else self._under(fills)
         seen, near = self._seen(edits, spans)
         wanted = [chunk for chunk in chunks if self.rows[chunk] < self.rows[chunk + 1]]
         columns, ranges = seen.T[wanted].tolist(), near[wanted].tolist()
@@ -154,7 +162,7 @@ class Chunks:
 
     def _under(self, spans: Sequence[Span]) -> list[int]:
         """The chunks with frames that edits affect, in order of time."""
-        rows = np.array([span.affected for span in spans])
+        rows = np.array([span.affected for span in spans], np.intp).reshape(-1, 2)
         first, last = rows[rows[:, 0] < rows[:, 1]].T
         starts, stops = (np.searchsorted(self.rows, i, side="right") for i in (first, last - 1))
         # Each run of chunks adds one at its first and takes one away after its last.
@@ -178,14 +186,43 @@ class Chunks:
                 from_, to = np.maximum(first, start) - margin, np.minimum(last, stop) + margin
                 first = np.where(seen[i], np.minimum(first, from_), first)
                 last = np.where(seen[i], np.maximum(last, to), last)
+        if any(edit.op is Op.FILL for edit in edits):
+            first, last = self._see_fills(edits, spans, seen, first, last)
         near = np.stack([np.maximum(first, 0), np.minimum(last, len(self._times))], axis=1)
         return seen, near
+
+    def _see_fills(
+        self,
+        edits: Sequence[Edit],
+        spans: Sequence[Span],
+        seen: Bools,
+        first: Indices,
+        last: Indices,
+    ) -> tuple[Indices, Indices]:
+        """Extend what chunks read to the whole of each fill; adds to `seen` (E, n), in place.
+
+        Fills change the take that all other edits start from, so order matters only among fills.
+        """
+        for i in reversed(range(len(edits))):
+            if edits[i].op is Op.FILL:
+                start, stop = spans[i].affected
+                seen[i] = (start < last) & (stop > first)
+                from_, to = start - self._around_fill, stop + self._around_fill
+                first = np.where(seen[i], np.minimum(first, from_), first)
+                last = np.where(seen[i], np.maximum(last, to), last)
+        for i, span in enumerate(spans):
+            start, stop = span.affected
+            if edits[i].op is not Op.FILL:
+                seen[i] = (start < last) & (stop > first)
+        return first, last
 
 
 def _influenced(edits: Sequence[Edit], spans: Sequence[Span]) -> set[str]:
     """The controls that edits change, except where a later reset at full strength covers them."""
     left: dict[str, list[Rows]] = {control: [] for control in CONTROL_IDS}
     for edit, span in zip(edits, spans, strict=True):
+        if edit.op is Op.FILL:  # the networks have no part in it
+            continue
         for control in edit.controls:
             runs = left[control]
             if edit.op is not Op.RESET:

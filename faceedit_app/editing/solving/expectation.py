@@ -17,6 +17,9 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 
 # Added variance, mm²: keeps nearly redundant curves apart.
 JITTER = 0.01
+# Standard deviations of a curve beyond which a change of it draws the others no farther: a jaw that
+# drops as far as it can does not narrow the mouth in proportion.
+FARTHEST = 2.0
 # Weight of other performances in the covariance, in frames at 25 fps.
 PRIOR_FRAMES = 50.0
 
@@ -36,6 +39,7 @@ class Expectation:
         covariance = centred.T @ centred + PRIOR_FRAMES * prior
         covariance = covariance / (len(curves) + PRIOR_FRAMES)
         self._covariance = 0.5 * (covariance + covariance[np.ix_(mirror, mirror)])
+        self._most = FARTHEST * np.sqrt(np.diag(self._covariance) + JITTER)
         self._mirror, self._held = mirror, held
         size = len(self._covariance)
         self._precision = np.linalg.inv(self._covariance + JITTER * np.eye(size))
@@ -52,11 +56,12 @@ class Expectation:
         given |= given[:, self._mirror] | (given.any(axis=1)[:, None] & self._held)
         numbers = given @ (1 << np.arange(given.shape[1]))
         filled = change.copy()
+        within = np.minimum(np.maximum(change, -self._most), self._most)
         for number in np.unique(numbers):
             rows = np.flatnonzero(numbers == number)
             known = given[rows[0]]
             if known.any() and not known.all():
-                filled[np.ix_(rows, ~known)] = change[np.ix_(rows, known)] @ self._gain(known)
+                filled[np.ix_(rows, ~known)] = within[np.ix_(rows, known)] @ self._gain(known)
         return filled
 
     def distance(self, change: Doubles) -> Doubles:

@@ -17,6 +17,7 @@ from faceedit_app.editing.solving.filters import gaussian
 # take about this long to close in speech.
 SPILL = 0.25
 FARTHEST = 10_000.0  # mm; keeps what is asked for finite, however many edits scale it
+SAME_MM = 1e-4  # mm by which a curve may differ and count as unfilled
 NARROW = 0.01  # frames; a narrower smooth changes nothing
 
 
@@ -62,6 +63,7 @@ def request(
     edits: Sequence[Edit],
     companions: Companions | None = None,
     limits: tuple[Doubles, Doubles] | None = None,
+    recorded: Doubles | None = None,
 ) -> Request:
     """Apply `edits` in order to the tracked controls.
 
@@ -71,13 +73,16 @@ def request(
     Args:
         times: (N,) seconds.
         rate: frames per second, for smoothing.
-        tracked: (N, C), mm.
+        tracked: (N, C), mm, with fills.
         medians: (C,), mm: the take's median of each control, the fixed point of `scale`.
         companions: which curves follow which; None = no curve follows.
         limits: (C,) mm each, the lowest and highest values that the take and a face can have;
             None = 0 to `FARTHEST`.
+        recorded: (N, C), mm, without fills, which a reset goes back to; None = `tracked`.
     """
     low, high = limits or (np.zeros(tracked.shape[1]), np.full(tracked.shape[1], FARTHEST))
+    recorded = tracked if recorded is None else recorded
+    filled = np.abs(recorded - tracked) > SAME_MM
     curves = tracked.astype(np.float64, copy=True)
     hold, influence, claimed, calm = (np.zeros_like(curves) for _ in range(4))
     for edit in active(edits):
@@ -91,7 +96,7 @@ def request(
         before = curves[rows].copy() if leads else None
         for control in edit.controls:
             column = CONTROL_INDEX[control]
-            wanted = _wanted(edit, rows, times, curves, tracked, medians, rate, column)
+            wanted = _wanted(edit, rows, times, curves, recorded, medians, rate, column)
             now, least, most = curves[rows, column], low[column], high[column]
             wanted = np.clip(wanted, least, most)
             curves[rows, column] = np.where(
@@ -101,6 +106,10 @@ def request(
                 hold[rows, column] *= 1 - share
                 influence[rows, column] *= 1 - share
                 claimed[rows, column] *= 1 - share
+                again = filled[rows, column]  # what was filled has to be asked for
+                hold[rows, column] = np.maximum(hold[rows, column], share * again)
+                asking = influence[rows, column]
+                influence[rows, column] = np.maximum(asking, spread * again)
             else:
                 hold[rows, column] = np.maximum(hold[rows, column], mask)
                 calmed = calm[rows, column]
@@ -140,7 +149,7 @@ def _wanted(
     rows: slice,
     times: Times,
     curves: Doubles,
-    tracked: Doubles,
+    recorded: Doubles,
     medians: Doubles,
     rate: float,
     column: int,
@@ -159,9 +168,11 @@ def _wanted(
         case Op.SMOOTH:
             return _smooth(curves[:, column], rows, edit, rate)
         case Op.RESET:
-            return tracked[rows, column]
+            return recorded[rows, column]
         case Op.DRAW:
             return _drawn(edit, times[rows])
+        case Op.FILL:  # `filling.py` has replaced the take itself
+            return curve
         case Op.ADD:
             return curve + _drawn(edit, times[rows])
         case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:

@@ -24,7 +24,7 @@ from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
@@ -34,11 +34,13 @@ from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
+from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
-from faceedit_app.editing.solving.request import Request, request
+from faceedit_app.editing.solving.request import Request, active, request
 from faceedit_app.editing.solving.take_statistics import IDLE
+from faceedit_app.formats.take import LostRows
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
@@ -93,6 +95,7 @@ class Solver:
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
         opening = self.controls[:, CONTROL_INDEX[LIP_OPENING]]
+        self._fills = Fills(clip, self.tracked, opening)
         shut = float(np.percentile(opening, _SHUT_PERCENTILE))
         self.shut = shut if shut < _SHUT_MOST else _SHUT  # mm between closed lips
         self.use_engine(engine)
@@ -104,7 +107,9 @@ class Solver:
         self.lacks = find_lacks(present, self.distances, engine)
         self._mute = self._missing | self.lacks.keys()
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
-        self.chunks = Chunks(clip.times, clip.rate, len(self.grid), scale, context)
+        self.chunks = Chunks(
+            clip.times, clip.rate, len(self.grid), scale, context, self._fills.around
+        )
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._sample = self._measure()
         self._parts = {
@@ -219,8 +224,18 @@ class Solver:
         """The edits without controls that the character lacks or the take cannot answer."""
         if not self._mute:
             return edits
-        parts = (without(edit, self._mute) for edit in edits)
+        whole = Op.FILL, Op.RESET  # they count by region
+        parts = (edit if edit.op in whole else without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
+
+    def found(self, lost: LostRows, edits: Sequence[Edit], weights: Floats) -> Floats:
+        """(L, K) weights for the rows without a face that fills cover; else NaN.
+
+        Args:
+            weights: (T, 52) the result of the edits.
+        """
+        columns = [ARKIT_INDEX[c] for c in self.clip.channels]
+        return self._fills.found(active(edits), lost.positions, weights)[:, columns]
 
     def solve(self, task: Task) -> Patch:
         """Compute one chunk."""
@@ -256,14 +271,21 @@ class Solver:
     def _answered(self, task: ChunkTask) -> Patch:
         """Answer the curves of one chunk."""
         rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
-        tracked = self.controls[near].astype(np.float64)
         times, rate = self.clip.times[near], self.clip.rate
+        filled, tracked = self._start(task)
         asked = request(
-            times, rate, tracked, self.medians, task.edits, self._companions, self._limit_arrays
+            times,
+            rate,
+            tracked,
+            self.medians,
+            [edit for edit in task.edits if edit.op is not Op.FILL],
+            self._companions,
+            self._limit_arrays,
+            self.controls[near].astype(np.float64),
         )
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = asked.at(inner)
-        before = self.tracked[rows].astype(np.float64)
+        before = filled[inner].astype(np.float64)
         weights = before.copy()
         influences = {}
         for name, part in self._in_order:
@@ -275,7 +297,7 @@ class Solver:
         if influences:
             change = self._wanted_change(asked, tracked)
             slow = smoothed(change, QUICK * rate)
-            answers = self._answer(task, tuple(influences), slow)
+            answers = self._answer(task, tuple(influences), tracked, slow)
             change, slow = change[inner], slow[inner]
             for name, influence in influences.items():
                 part = self._parts[name]
@@ -309,6 +331,21 @@ class Solver:
         controls[same] = self.controls[rows][same]
         return Patch(mine.curves.astype(np.float32), result, controls)
 
+    def _start(self, task: ChunkTask) -> tuple[Floats, Doubles]:
+        """What edits of a chunk start from: the take with fills, on the frames near it.
+
+        Returns:
+            Weights (N', 52), and curves (N', C) mm.
+        """
+        near = slice(*task.near)
+        if not any(edit.op is Op.FILL for edit in task.edits):
+            return self.tracked[near], self.controls[near].astype(np.float64)
+        weights = self._fills.applied(task.edits, near)
+        controls = self.distances.measure(weights)
+        same = (weights == self.tracked[near]).all(axis=1)
+        controls[same] = self.controls[near][same]
+        return weights, controls.astype(np.float64)
+
     def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
 
@@ -327,12 +364,13 @@ class Solver:
         return change
 
     def _answer(
-        self, task: ChunkTask, regions: tuple[str, ...], change: Doubles
+        self, task: ChunkTask, regions: tuple[str, ...], tracked: Doubles, change: Doubles
     ) -> dict[str, Doubles]:
         """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
 
         Args:
-            change: (N', C) mm by which the controls near the task differ from the take.
+            tracked: (N', C) mm, the controls near the task, with fills.
+            change: (N', C) mm by which those that are asked for differ from them.
         """
         rows, settings = self.chunks.slice(task.chunk), task.settings
         resynthesize = settings.mode is Mode.RESYNTHESIZE
@@ -341,11 +379,17 @@ class Solver:
             return answers
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
         times = self.clip.times[slice(*task.near)]
-        edited = self.grid[first:last] + to_grid(times, change, first, last)
+        fills = any(edit.op is Op.FILL for edit in task.edits)
+        start = to_grid(times, tracked, first, last) if fills else self.grid[first:last]
+        edited = start + to_grid(times, change, first, last)
         grid_range = first, last
         found = self._answers.to(regions, grid_range, edited, settings.naturalness)
         if not resynthesize:
-            unedited = self._answers.to_tracked(regions, grid_range, settings.naturalness)
+            unedited = (
+                self._answers.to(regions, grid_range, start, settings.naturalness)
+                if fills
+                else self._answers.to_tracked(regions, grid_range, settings.naturalness)
+            )
             found = {name: answer - unedited[name] for name, answer in found.items()}
         stacked = np.concatenate([found[name] for name in regions], axis=1)
         ends = np.cumsum([found[name].shape[1] for name in regions])[:-1]

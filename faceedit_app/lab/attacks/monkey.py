@@ -107,8 +107,8 @@ class Monkey:
             self._editor.edits.select(self._chance.randrange(count))
 
     def set_strength(self) -> None:
-        """Move the slider of an edit's strength, or of naturalness."""
-        sliders = (self._editor.edits.strength, self._editor.settings_bar.natural)
+        """Move the slider of an edit's strength, or the one from natural to exact."""
+        sliders = (self._editor.edits.strength, self._editor.settings_bar.exactness)
         slider = self._chance.choice(sliders)
         if slider.isEnabled():
             slider.setSliderDown(True)

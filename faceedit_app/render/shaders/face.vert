@@ -40,6 +40,12 @@ out vec3 strand;
 out float around;
 #endif
 
+#ifdef HAIR
+const vec3 COMB_TO = vec3(0.0, 0.616, -0.788);
+const vec3 COMB_UP = vec3(0.0, 0.788, 0.616);
+const vec3 COMB_CENTRE = vec3(0.0, 0.060, -0.055); // metres, inside the skull
+#endif
+
 void main() {
     gl_Position = clip_from_world * vec4(position, 1.0);
     mat3 turn = mat3(camera_from_world);
@@ -63,9 +69,9 @@ void main() {
 #endif
 #endif
 #ifdef HAIR
-    // Hair is combed back, along the surface.
-    vec3 back = vec3(0.0, -0.25, -1.0);
-    strand = turn * normalize(back - normal * dot(back, normal) + 1e-4);
-    around = atan(position.x, position.y);
+    // Hair is combed to the back of the head, along the surface.
+    strand = turn * normalize(COMB_TO - normal * dot(COMB_TO, normal) + 1e-4);
+    vec3 place_on_head = position - COMB_CENTRE;
+    around = atan(place_on_head.x, dot(place_on_head, COMB_UP));
 #endif
 }

@@ -6,8 +6,8 @@ const vec3 RIM_FROM = vec3(0.66, 0.45, -0.60);
 // Half way from each light to a far camera; that it is near makes no visible difference.
 const vec3 KEY_HALF = vec3(-0.320, 0.276, 0.906);
 const vec3 FILL_HALF = vec3(0.447, 0.028, 0.894);
-const vec2 CATCH_AT = vec2(-0.11, 0.055); // the catch light: a round lamp, by its mirror normal
-const float CATCH_SIZE = 0.045;
+const vec2 CATCH_AT = vec2(-0.125, 0.12); // the catch light: a round lamp, by its mirror normal
+const float CATCH_SIZE = 0.062;
 const float KEY_GRAZING = 0.822; // squared cosine between light and half way
 const float FILL_GRAZING = 0.80;
 
@@ -39,6 +39,17 @@ vec3 srgb(vec3 linear) {
     return 0.662002687 * s1 + 0.684122060 * s2 - 0.323583601 * s3 - 0.0225411470 * linear;
 }
 
+#ifdef HAIR
+// 0..1, uneven from strand to strand: noise of two sizes over the angle around the head.
+float strands(float angle) {
+    vec2 at = angle * vec2(46.0, 121.0) + 600.0;
+    vec2 cell = floor(at);
+    vec2 low = fract(cell * fract(cell * 0.1031 + 0.31));
+    vec2 high = fract((cell + 1.0) * fract((cell + 1.0) * 0.1031 + 0.31));
+    return dot(mix(low, high, at - cell), vec2(0.55, 0.45));
+}
+#endif
+
 // The light that falls on a point, and what it sends back whatever its colour is. `sky`: how far
 // the normal points up, -1..1, and light that arrives from above; `surface`: roughness, flesh, wet.
 // Hair reads `strand`, `around` and `albedo` too.
@@ -58,18 +69,33 @@ void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
 
     light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (vec3(0.36, 0.29, 0.26) + 0.7 * arriving);
     light += KEY * lambert(key_facing, wrap) * arriving;
+#ifdef WET
+    back *= sky.y; // in the mouth, neither of them arrives
+    light += FILL * lambert(fill_facing, wrap) * sky.y + back;
+#else
     light += FILL * lambert(fill_facing, wrap) + back;
+#endif
 
     float mirror = (0.04 + 0.25 * fresnel * edge) * sky.y;
 #ifdef HAIR
-    float along = dot(strand, KEY_HALF) / max(length(strand), 1e-3);
-    float across = max(1.0 - along * along, 0.0);
-    across *= across;
-    across *= across;
-    across *= across;
-    float streak = 0.75 + 0.25 * sin(around * 90.0) * sin(around * 37.0 + 1.0);
-    vec3 shine = KEY * (max(key_facing + 0.3, 0.0) * across * across * 0.09 * streak);
-    shine *= 0.3 + 8.0 * albedo;
+    // Two highlights across the strands (Kajiya and Kay; Marschner et al.): a narrow one in the
+    // colour of the light and, behind it, a wide one in the hair's. Strands lie unevenly, which
+    // breaks both up.
+    float fine = strands(around);
+    float along = dot(strand, KEY_HALF) / max(length(strand), 1e-3) + 0.22 * (fine - 0.5);
+    float narrow = max(1.0 - (along + 0.10) * (along + 0.10), 0.0);
+    float wide = max(1.0 - (along - 0.16) * (along - 0.16), 0.0);
+    wide *= wide;
+    wide *= wide;
+    narrow *= narrow;
+    narrow *= narrow;
+    narrow *= narrow;
+    narrow *= narrow;
+    vec3 shine = KEY * (max(key_facing + 0.3, 0.0) * (0.55 + 0.9 * fine));
+    // Where skin shows between the roots, hair shines no more than elsewhere.
+    vec3 own = albedo * min(0.06 / max(albedo.r, 1e-3), 1.0);
+    shine *= narrow * narrow * 0.035 + wide * 0.8 * own;
+    light *= 0.80 + 0.40 * fine;
 #else
     vec3 shine = KEY * (gloss(max(dot(normal, KEY_HALF), 0.0), roughness, KEY_GRAZING)
                         * max(key_facing, 0.0));
@@ -83,7 +109,7 @@ void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
 #ifdef WET
     float off = length(normal.xy - CATCH_AT);
     float inside = clamp((CATCH_SIZE - off) / (1.2 * roughness * roughness) + 0.5, 0.0, 1.0);
-    shine += vec3(surface.z * 0.65 * inside);
+    shine += vec3(surface.z * 1.3 * inside);
 #endif
 
     added = shine + back * 0.05;

@@ -88,6 +88,44 @@ class FixCommands:
             lambda edits: self._workspace.add_edits(edits, edits[0].name),
         ).show()
 
+    def fill(self) -> None:
+        """Preview other motion of the take in place of the selection, in four variations."""
+        from faceedit_app.editing.edits.edit import LONGEST_FILL
+        from faceedit_app.editing.help import fill
+
+        session, page = self._document.session, self._workspace.page
+        if session is None or page is None:
+            return
+        self._workspace.end_gestures()
+        selection = self._timeline.selection
+        if selection is None:
+            self._workspace.message.emit(
+                f"Select the range to fill first, up to {LONGEST_FILL:.0f} s"
+            )
+            return
+        clip = session.take.clip
+        if why := fill.cannot_fill(clip, *selection):
+            self._workspace.message.emit(why)
+            return
+        sound = self._workspace.media.sound
+        heard = fill.Heard(sound.item, sound.offset) if sound is not None else None
+        edit = fill.fill_edit(session, *selection, heard)
+        text = fill.filled_message(session.take, *selection, bool(edit.points))
+        found = [(each,) for each in fill.variations(edit)]
+        page.proposal.offer(text, (edit,), "Fill", variations=found)
+
+    def vary(self, by: int) -> None:
+        """Show the next variation of the proposal, or the previous one."""
+        page = self._workspace.page
+        if page is not None and page.proposal.has_variations:
+            page.proposal.vary(page.proposal.variation + by)
+
+    @property
+    def has_variations(self) -> bool:
+        """Whether the proposal has variations."""
+        page = self._workspace.page
+        return page is not None and page.proposal.has_variations
+
     def fill_presets(self, menu: QMenu) -> None:
         """List the user's own presets."""
         menu.clear()
@@ -167,7 +205,18 @@ class FixCommands:
         if page is not None and problem is not None and problem.fix:
             self._workspace.end_gestures()
             message = f"Fix shown. {problem.message}."
-            page.proposal.offer(message, problem.fix, "Fix problem", problem)
+            found = self._variations(problem.fix)
+            page.proposal.offer(message, problem.fix, "Fix problem", problem, variations=found)
+
+    @staticmethod
+    def _variations(fix: tuple[Edit, ...]) -> list[tuple[Edit, ...]]:
+        """A fix that is a fill, in four variations; else nothing."""
+        from faceedit_app.editing.edits.edit import Op
+        from faceedit_app.editing.help.fill import variations
+
+        if len(fix) != 1 or fix[0].op is not Op.FILL:
+            return []
+        return [(each,) for each in variations(fix[0])]
 
     def fix_all(self) -> None:
         """Preview fixes for all problems that are ticked in the list, and show the list."""
@@ -252,6 +301,8 @@ MENU: Menu[FixCommands] = Menu("Fix", (
     Command("expression", "S&mile or sad…", FixCommands.expression, ("Ctrl+0",),
             "Set how happy the mouth looks, in the selection or the whole take",
             starts_group=True),
+    Command("fill", "Fi&ll", FixCommands.fill, ("Ctrl+I",),
+            "Replace the selection, up to 4 s, by other motion of the take that joins both sides"),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),
@@ -283,6 +334,12 @@ MENU: Menu[FixCommands] = Menu("Fix", (
             enabled=lambda do: do.can_fix_all),
     Command("list_problems", "&List of problems", FixCommands.list_problems, ("Ctrl+P",),
             "Show the problems as a list: what, when and how bad"),
+    Command("previous_variation", "Previous variation", lambda do: do.vary(-1), ("[",),
+            "Show the previous variation of the proposal", "back",
+            enabled=lambda do: do.has_variations),
+    Command("next_variation", "Next &variation", lambda do: do.vary(1), ("]",),
+            "Show the next variation of the proposal", "forward",
+            enabled=lambda do: do.has_variations),
     Command("accept_fix", "Accept the proposal", FixCommands.accept, ("Return", "Enter"),
             "Make the proposed edits", "tick", enabled=lambda do: do.has_proposal),
     Command("discard_fix", "Discard the proposal", FixCommands.discard, (),

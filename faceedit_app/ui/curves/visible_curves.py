@@ -161,10 +161,8 @@ class VisibleCurves:
 
     def lines(self, curve: int) -> Lines:
         """The lines of a curve."""
-        return Lines(
-            *(self._line(line, curve) for line in range(_LINES)),
-            self._character.get(curve, EMPTY),
-        )
+        tracked, face, asked = (self._line(line, curve) for line in range(_LINES))
+        return Lines(tracked, face, asked, self._character.get(curve, EMPTY))
 
     def _line(self, line: int, curve: int) -> Polyline:
         known = self._known.get((line, curve))

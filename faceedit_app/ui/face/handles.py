@@ -10,22 +10,14 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, control_named
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, LIP_OPENING, control_named
 from faceedit_app.core.rig import Rig
 from faceedit_app.ui.face.viewport import Viewport
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import BACKGROUND, TEXT
 
-# The control point of each control that is its handle. Mouth width has none: its corners have
-# theirs; and lower lip has none: it would lie on that of the opening.
-POINTS = {
-    "mouth_opening": 1,
-    "left_corner": 1,
-    "right_corner": 1,
-    "upper_lip": 1,
-    "left_eyelid": 0,
-    "right_eyelid": 0,
-}
+# The control point of each control that is its handle.
+POINTS = {c.id: c.handle for c in CONTROLS if c.handle is not None}
 GRASP = 11.0  # pixels around a handle
 _SLOP = 3.0  # pixels that the pointer may move before a drag begins
 _FINE = 0.1  # with Shift
@@ -180,7 +172,7 @@ class FaceHandles(QWidget):
             way: Doubles = (after - before)[0, :2] / _PROBE
             if np.hypot(*way) >= _LEAST:
                 return way
-        return np.array([0.0, 1.0 if self._held == "mouth_opening" else -1.0])
+        return np.array([0.0, 1.0 if self._held == LIP_OPENING else -1.0])
 
     def _drop(self) -> None:
         self._held, self._way = None, None

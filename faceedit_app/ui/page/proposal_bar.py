@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QFrame, QHBoxLayout
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel
 
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.help.problems import Problem
@@ -22,6 +22,7 @@ class ProposalBar(QFrame):
     Attributes:
         problem: the one that it fixes, if it is for a single one.
         is_for_all: whether it fixes the problems that are ticked in the list.
+        variation: which of its `variations` is shown, from 0.
 
     Signals:
         toggled(): a proposal was shown or closed.
@@ -36,12 +37,21 @@ class ProposalBar(QFrame):
         self._name = ""
         self.problem: Problem | None = None
         self.is_for_all = False
+        self.variation = 0
+        self._variations: tuple[tuple[Edit, ...], ...] = ()
         self.setObjectName("proposal")
-        self.text = Elided()
+        self.text, self.count = Elided(), QLabel()
         row = QHBoxLayout(self)
         row.setContentsMargins(MARGIN, 1, GAP // 2, 1)
         row.setSpacing(GAP // 2)
         row.addWidget(self.text, 1)
+        self._steps = (
+            icon_button(actions["previous_variation"], "proposal_button"),
+            self.count,
+            icon_button(actions["next_variation"], "proposal_button"),
+        )
+        for step in self._steps:
+            row.addWidget(step)
         accept = icon_button(actions["accept_fix"], "accept", "Accept", kind=OneClick)
         row.addWidget(accept)
         row.addWidget(icon_button(actions["discard_fix"], "proposal_button", "Discard"))
@@ -56,7 +66,13 @@ class ProposalBar(QFrame):
         return not self.isHidden()
 
     def offer(
-        self, text: str, edits: Sequence[Edit], name: str, problem: Problem | None = None
+        self,
+        text: str,
+        edits: Sequence[Edit],
+        name: str,
+        problem: Problem | None = None,
+        *,
+        variations: Sequence[Sequence[Edit]] = (),
     ) -> None:
         """Preview edits.
 
@@ -64,15 +80,33 @@ class ProposalBar(QFrame):
             text: says what is proposed.
             edits: the proposal.
             name: of the step if they are accepted.
-            problem: the one that they fix; None = all that are ticked.
+            problem: the one that they fix; None = all that are ticked, or none if there are
+                variations.
+            variations: other edits for the same, which the user can step through; the first
+                replaces `edits`.
         """
         self.discard()
-        self._name, self.problem, self.is_for_all = name, problem, problem is None
+        self._name, self.problem = name, problem
+        self.is_for_all = problem is None and not variations
+        self._variations = tuple(map(tuple, variations)) or (tuple(edits),)
         self.text.setText(text)
         self.text.setToolTip(plain_tip(text))
+        for step in self._steps:
+            step.setVisible(len(self._variations) > 1)
         self._show(True)
+        self.vary(0)
+
+    @property
+    def has_variations(self) -> bool:
+        """Whether there is more than one proposal to choose from."""
+        return self.is_open and len(self._variations) > 1
+
+    def vary(self, to: int) -> None:
+        """Preview a variation, counted from 0; after the last comes the first."""
+        self.variation = to % len(self._variations)
+        self.count.setText(f"{self.variation + 1} of {len(self._variations)}")
         self._showing = True
-        self._document.preview(*edits)
+        self._document.preview(*self._variations[self.variation])
         self._showing = False
 
     def accept(self) -> None:

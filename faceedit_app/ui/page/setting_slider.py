@@ -1,55 +1,43 @@
-"""A slider for one of the settings that apply to all edits."""
+"""The slider from natural to exact, which applies to all edits."""
 
 from __future__ import annotations
 
 import time
-from dataclasses import replace
-from typing import Literal
 
-from PySide6.QtCore import QObject, QSignalBlocker, Qt, QTimer
-from PySide6.QtWidgets import QLabel
+from PySide6.QtCore import QObject, QSignalBlocker, QTimer
 
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.state.document import Document
 
 _LIVE_MS = 40  # least time between two previews of a drag
+NAME = "Natural to exact"
 _LIVE_COST = 0.1  # seconds; slower answers wait for the release
 
 
 class SettingSlider(QObject):
-    """0 to 100 %; a drag is one step, and so is a run of keys or wheel ticks.
+    """`Settings.exactness`; a drag is one step, and so is a run of keys or wheel ticks.
 
     Args:
         document: whose settings it changes.
-        setting: which of them.
         tip: the tooltip.
 
     Attributes:
         cost: seconds that the last preview took.
     """
 
-    def __init__(
-        self, document: Document, setting: Literal["naturalness", "reach"], tip: str
-    ) -> None:
+    def __init__(self, document: Document, tip: str) -> None:
         super().__init__()
-        self._document, self._setting = document, setting
-        self.slider = GestureSlider(0, 100, 88)
+        self._document = document
+        self.slider = GestureSlider(0, 100, 100)
         self.slider.setToolTip(tip)
-        self.slider.valueChanged.connect(self._show_percent)
         self.slider.dragged.connect(self._dragged)
         self.slider.sliderReleased.connect(self._released)
         self.slider.stepped.connect(self._stepped)
         self.slider.left.connect(document.seal)
-        self.percent = QLabel()
-        self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100 %"))
         self._is_dragged, self.cost = False, 0.0
         self._live = QTimer(self, singleShot=True, interval=_LIVE_MS)
         self._live.timeout.connect(self._preview)
-
-    def _show_percent(self, value: int) -> None:
-        self.percent.setText(f"{value} %")
 
     def _dragged(self) -> None:
         self._is_dragged = True
@@ -67,7 +55,7 @@ class SettingSlider(QObject):
         if self._is_dragged:
             self._is_dragged = False
             self._preview()
-            self._document.commit(self._setting.capitalize())
+            self._document.commit(NAME)
 
     def cancel(self) -> bool:
         """Drop the drag in progress; False if there is none."""
@@ -85,22 +73,18 @@ class SettingSlider(QObject):
         self.sync()
 
     def _stepped(self) -> None:
-        self._document.act(
-            lambda session: session.configure(self._wanted(session.settings), self._setting)
-        )
+        self._document.act(lambda session: session.configure(self._wanted(session.settings), NAME))
 
     def _wanted(self, settings: Settings) -> Settings:
-        """The settings with the slider's value; unchanged if it shows the same percentage."""
+        """The settings at the slider's place; unchanged if it shows the same place."""
         percent = self.slider.value()
         if percent == self._percent_of(settings):
             return settings
-        if self._setting == "reach":
-            return replace(settings, reach=percent / 100)
-        return replace(settings, naturalness=percent / 100)
+        return settings.with_exactness(percent / 100)
 
-    def _percent_of(self, settings: Settings) -> int:
-        share = settings.reach if self._setting == "reach" else settings.naturalness
-        return round(100 * share)
+    @staticmethod
+    def _percent_of(settings: Settings) -> int:
+        return round(100 * settings.exactness)
 
     def sync(self) -> None:
         """Show the open take's setting."""
@@ -108,7 +92,6 @@ class SettingSlider(QObject):
         self.slider.setEnabled(session is not None)
         if self._is_dragged or self.slider.isSliderDown():
             return
-        percent = 100 if session is None else self._percent_of(session.settings)
+        settings = Settings() if session is None else session.settings
         with QSignalBlocker(self.slider):
-            self.slider.setValue(percent)
-        self._show_percent(percent)
+            self.slider.setValue(self._percent_of(settings))

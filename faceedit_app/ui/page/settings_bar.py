@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import Elided, bar_row, caption, divider, icon_button, segments
-from faceedit_app.ui.page.setting_slider import SettingSlider
+from faceedit_app.ui.page.setting_slider import NAME, SettingSlider
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 
@@ -19,30 +19,24 @@ RESYNTHESIZE_TIP = (
     "Resynthesize: the face model generates the edited regions of the face from\n"
     "the curves, over the whole take. Every frame changes a little."
 )
-NATURAL_TIP = (
-    "How natural the face must look after an edit.\n"
-    "0 %: follow the curve to the letter. 100 %: do only what real faces do."
-)
-REACH_TIP = (
-    "How closely the face follows the curve you asked for.\n"
-    "0 %: as close as the face model gets. 100 %: as close as a face can."
+EXACT_TIP = (
+    "How closely the face follows your curves, for all edits.\n"
+    "Natural: only as far as the face model thinks natural.\n"
+    "Middle: as close as a natural face can get; FaceEdit starts here.\n"
+    "Exact: to the letter."
 )
 
 
 class SettingsBar(QWidget):
-    """Undo, redo, reset; mode, naturalness and reach; the number of edits."""
+    """Undo, redo, reset; mode, natural to exact; the number of edits."""
 
     def __init__(self, actions: Actions, document: Document) -> None:
         super().__init__()
         self._document, self._actions = document, actions
         actions["preserve"].setToolTip(PRESERVE_TIP)
         actions["resynthesize"].setToolTip(RESYNTHESIZE_TIP)
-        self.sliders = (
-            SettingSlider(document, "naturalness", NATURAL_TIP),
-            SettingSlider(document, "reach", REACH_TIP),
-        )
-        self.natural, self.reach = (slider.slider for slider in self.sliders)
-        self.percent = self.sliders[0].percent
+        self.setting = SettingSlider(document, EXACT_TIP)
+        self.exactness = self.setting.slider
         self.edits = Elided()
         self.edits.setObjectName("caption")
         self._lay_out()
@@ -68,27 +62,25 @@ class SettingsBar(QWidget):
                 (self._actions["resynthesize"], "Resynthesize"),
             )
         )
-        for words, slider in zip(("Natural", "Reach"), self.sliders, strict=True):
-            row.addSpacing(GAP)
-            row.addWidget(caption(words, slider.slider))
-            row.addWidget(slider.slider)
-            row.addWidget(slider.percent)
+        row.addSpacing(GAP)
+        row.addWidget(caption("Natural"))
+        row.addWidget(self.exactness)
+        row.addWidget(caption("Exact"))
+        self.exactness.setAccessibleName(NAME)
 
     def settle(self) -> None:
-        """Commit a gesture on a slider now."""
-        for slider in self.sliders:
-            slider.settle()
+        """Commit a gesture on the slider now."""
+        self.setting.settle()
 
     def cancel(self) -> bool:
-        """Cancel a slider's drag; False if there is none."""
-        return any(slider.cancel() for slider in self.sliders)
+        """Cancel the slider's drag; False if there is none."""
+        return self.setting.cancel()
 
     # --- what it shows -----------------------------------------------------------------------
 
     def sync(self) -> None:
         """Show the open take's settings."""
-        for slider in self.sliders:
-            slider.sync()
+        self.setting.sync()
         self._count()
 
     def _count(self) -> None:

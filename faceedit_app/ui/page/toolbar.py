@@ -62,6 +62,7 @@ class ToolBar(QWidget):
             if not fix.has_button:
                 menu.addAction(actions[f"fix_{fix.id}"])
         menu.addAction(actions["expression"])
+        menu.addAction(actions["fill"])
         menu.addSeparator()
         menu.addMenu(actions.submenu("presets"))
         menu.addAction(actions["save_preset"])

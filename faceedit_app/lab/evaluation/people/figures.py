@@ -13,6 +13,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.evaluation.people import gestures, references, telling_apart
 from faceedit_app.lab.evaluation.people.events import Events, add_events
+from faceedit_app.lab.evaluation.people.inpainting import measure_inpainting
 from faceedit_app.lab.evaluation.people.opened import Opened
 from faceedit_app.lab.evaluation.people.references import References
 from faceedit_app.lab.evaluation.people.restoration import measure_restoration
@@ -21,7 +22,6 @@ from faceedit_app.lab.evaluation.people.tally import Tally
 from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.training.data import Performance, load_performances
 
-NO_INPAINTING = "`inpainting` is not measured: FaceEdit has no Fill yet"
 ONE_SOURCE = (
     "there is only one source: real_or_edited learns from its other takes, so that people may be "
     "shared, and the references learn from the demo take"
@@ -110,7 +110,7 @@ def measure_people(
         progress: called with the number of takes done and of all.
     """
     sources, synthesised = sources_of(performances, trained_on)
-    figures = PeopleFigures(sources=sources, synthesised=len(synthesised), notes=[NO_INPAINTING])
+    figures = PeopleFigures(sources=sources, synthesised=len(synthesised))
     if len(sources) == 1:
         figures.notes.append(ONE_SOURCE)
     seen = {}
@@ -119,6 +119,7 @@ def measure_people(
         systems = systems_for(source.name)
         learned = References(_pool(source, sources, synthesised), rig)
         measure_restoration(source, rig, systems, learned, figures.tally)
+        measure_inpainting(source, rig, figures.tally)
         _measure_gestures(source, rig, systems, learned, figures.tally)
         found = telling_apart.see(source, rig, systems, learned)
         if len(found.real):

@@ -7,6 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.lab.evaluation.people.figures import PeopleFigures
+from faceedit_app.lab.evaluation.people.inpainting import (
+    HOLD,
+    JUMP,
+    LINEAR,
+    MOVEMENT,
+    NEAREST,
+    RESTORATION,
+)
 from faceedit_app.lab.evaluation.people.opened import (
     DAMAGED,
     FACEEDIT,
@@ -29,6 +37,9 @@ LABELS = {
     SPLICE: "another real stretch, spliced in",
     REAL: "the takes themselves",
     DAMAGED: "damaged, not restored",
+    LINEAR: "straight line",
+    HOLD: "last frame held",
+    NEAREST: "the take's stretch that is nearest to the truth",
 }
 TRACKERS = {Tracker.IPHONE: "iPhone", Tracker.FILM: "film", Tracker.OTHER: "other"}
 
@@ -75,6 +86,9 @@ FIGURES: dict[str, Shown] = {
     "restoration.opening": _error("mouth opening only"),
     "restoration.half": _error("half amplitude, all curves of the mouth"),
     "restoration.lids": _error("eyelids"),
+    JUMP: Shown("in-painting: change of velocity at the ends, mm per frame"),
+    RESTORATION: Shown("in-painting: mean squared weight error x 1000", 1000.0, 2),
+    MOVEMENT: Shown("in-painting: change of a weight per frame x 1000", 1000.0, 2),
     "smile.mouthSmile": Shown("smile of 3 mm: mouthSmile added"),
     "smile.mouthStretch": Shown("smile of 3 mm: mouthStretch added"),
     "smile.cheekSquint": Shown("smile of 3 mm: cheekSquint added"),
@@ -255,6 +269,9 @@ the whole region from its curves, without reach. *Ridge regression* (quadratic, 
 - **Restoration.** 0.8 s of a take are replaced by another stretch of it, or brought half-way to its
   median; then the true curves are drawn. Mean squared error of the region's weights against the
   take, times 1000 (JSON: not multiplied).
+- **In-painting.** Stretches of 0.5 to 2 s are lost, and filled from what is around them; FaceEdit
+  by *Fill*, without sound. Change of velocity: of the curve with the largest, at the four frames of
+  both ends. The error alone favours what does not move: a straight line is near everything.
 - **Real or edited.** A logistic regression on windows of 64 frames at 25 a second, half of them
   with a drag of one curve (or pair) by 1 to 2 times its spread in the take. It learns from the
   other sources; 50 % is chance, and with 240 windows of a source the standard error is 2 points.

@@ -1,0 +1,106 @@
+"""Rows without a face: a fill gives them one in the export."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.sessions import session_by_rig
+from support.takes import make_livelink_csv
+
+from faceedit_app.core.controls import CONTROL_IDS, LIDS, LIP_OPENING
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.help.fill import filled_message
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import open_take
+
+LOST = range(120, 150)
+FILL = Edit(CONTROL_IDS, Op.FILL, 1.8, 2.7, 0.0)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Eight seconds at 60 fps; half a second lost the face, and three frames have no row."""
+    return make_livelink_csv(tmp_path / "take.csv", 8.0, untracked=LOST, dropped=(300, 301, 302))
+
+
+def exported(session: EditSession) -> Path:
+    out = session.take.path.with_name("out.csv")
+    session.export(out)
+    return out
+
+
+def test_rows_without_a_face_get_one_and_the_motion_runs_through_them(path: Path) -> None:
+    session = session_by_rig(path)
+    session.add(FILL)
+    before, after = session.take.clip, open_take(exported(session)).clip
+    assert len(after) == len(before) + len(LOST)
+    found = np.flatnonzero(~np.isin(after.times.round(3), before.times.round(3)))
+    assert len(found) == len(LOST)
+    steps = np.abs(np.diff(after.weights, axis=0)).max(axis=1)
+    usual = np.abs(np.diff(before.weights[:110], axis=0)).max()
+    assert steps[found[0] - 12 : found[-1] + 12].max() <= 1.5 * usual
+    assert after.weights[found].std(axis=0).max() > 0.01
+
+
+def test_every_other_row_keeps_its_bytes(path: Path) -> None:
+    session = session_by_rig(path)
+    session.add(FILL)
+    old, new = path.read_bytes().splitlines(), exported(session).read_bytes().splitlines()
+    times = np.arange(480) / 60.0
+    rows = np.delete(times, (300, 301, 302))
+    for line, (one, other) in enumerate(zip(old[1:], new[1:], strict=True)):
+        if not 1.79 < rows[line] < 2.71:
+            assert one == other
+        assert one.split(b",")[0] == other.split(b",")[0]
+
+
+def test_without_a_fill_the_rows_stay_as_they_are(path: Path) -> None:
+    session = session_by_rig(path)
+    session.add(Edit((LIP_OPENING,), Op.OFFSET, 1.8, 2.7, 0.1, 2.0))
+    old, new = path.read_bytes().splitlines(), exported(session).read_bytes().splitlines()
+    assert new[1 + LOST.start : 1 + LOST.stop] == old[1 + LOST.start : 1 + LOST.stop]
+
+
+@pytest.mark.parametrize(
+    "edits",
+    [
+        (replace(FILL, enabled=False),),
+        (replace(FILL, controls=LIDS),),
+        (FILL, Edit(CONTROL_IDS, Op.RESET, 1.8, 2.7, 0.0)),
+    ],
+    ids=["off", "some curves", "reset"],
+)
+def test_a_fill_that_does_not_make_a_whole_face_leaves_them_lost(
+    path: Path, edits: tuple[Edit, ...]
+) -> None:
+    session = session_by_rig(path)
+    session.put(edits)
+    assert len(open_take(exported(session)).clip) == len(session.take.clip)
+
+
+def test_edits_on_top_of_a_fill_reach_its_rows(path: Path) -> None:
+    plain, edited = session_by_rig(path), session_by_rig(path)
+    plain.add(FILL)
+    edited.put((FILL, Edit((LIP_OPENING,), Op.OFFSET, 1.5, 3.0, 0.1, 3.0)))
+    one = open_take(exported(plain)).clip
+    other = open_take(exported(edited)).clip
+    jaw = one.channels.index("jawOpen")
+    assert (other.weights[125:145, jaw] > one.weights[125:145, jaw]).all()
+    assert np.abs(np.diff(other.weights[110:160, jaw])).max() < 0.1
+
+
+def test_an_exported_fill_opens_as_it_was_shown(path: Path) -> None:
+    session = session_by_rig(path)
+    session.add(FILL)
+    before, after = session.take.clip, open_take(exported(session)).clip
+    kept = np.isin(after.times.round(3), before.times.round(3))
+    assert np.abs(after.weights[kept] - session.clip_weights()).max() < 1e-6
+
+
+def test_the_message_says_what_the_export_gets(path: Path) -> None:
+    take = open_take(path)
+    assert "a face in 30 rows" in filled_message(take, 1.8, 2.7, heard=False)
+    assert "no row for 3 lost frames" in filled_message(take, 4.5, 5.5, heard=False)

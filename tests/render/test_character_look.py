@@ -1,0 +1,159 @@
+"""How the shipped character looks from close up: eyes, lashes, mouth, hairline."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import trimesh
+from support.faces import shipped_rig
+
+from faceedit_app.core.controls import CONTROL_INDEX, LIDS
+from faceedit_app.core.errors import Unavailable
+from faceedit_app.core.rig import MILLIMETRES, Rig
+from faceedit_app.render import Camera, open_renderer
+from faceedit_app.render.camera import Aim, aimed_camera, default_camera
+from faceedit_app.render.renderer import FaceRenderer
+
+SIZE = 240
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return shipped_rig()
+
+
+@pytest.fixture(scope="module")
+def renderer(rig: Rig) -> Iterator[FaceRenderer]:
+    try:
+        opened = open_renderer(rig, SIZE, SIZE)
+    except Unavailable as error:
+        pytest.skip(str(error))
+    yield opened
+    opened.close()
+
+
+def weights(rig: Rig, **channels: float) -> np.ndarray:
+    """(52,) with the named channels set."""
+    return np.array([channels.get(name, 0.0) for name in rig.channels], np.float32)
+
+
+def picture(
+    renderer: FaceRenderer, rig: Rig, camera: Camera, /, smooth: bool = True, **channels: float
+) -> np.ndarray:
+    """(SIZE, SIZE, 3) float RGB, 0..255."""
+    image = renderer.draw(rig.vertices(weights(rig, **channels)), camera, smooth)
+    return np.asarray(image[..., 2::-1], float)
+
+
+def vertices_of(rig: Rig, *materials: str) -> np.ndarray:
+    """The vertices of the faces of some materials."""
+    faces = [rig.faces[m.start : m.stop] for m in rig.materials if m.name in materials]
+    return np.unique(np.concatenate(faces))
+
+
+def eye_camera(rig: Rig, left: bool = True) -> Camera:
+    """One eye, close up."""
+    x, y, z = rig.neutral[rig.control_pairs[CONTROL_INDEX[LIDS[not left]]]].mean(axis=0).tolist()
+    return Camera(distance=0.12, target=(x, y, z))
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+@pytest.mark.parametrize("left", [True, False])
+@pytest.mark.parametrize("turned", [0.0, 0.5])
+def test_eyes_have_a_highlight_wherever_they_look(
+    renderer: FaceRenderer, rig: Rig, smooth: bool, left: bool, turned: float
+) -> None:
+    image = picture(
+        renderer, rig, eye_camera(rig, left), smooth, eyeLookOutLeft=turned, eyeLookInRight=turned
+    )
+    eye = image[SIZE // 4 : -SIZE // 4].min(axis=2)
+    assert 20 < (eye > 235).sum() < 0.01 * eye.size
+    _, columns = np.nonzero(eye > 235)
+    assert columns.mean() < SIZE / 2, "the lamp stands to the left of the camera, whatever moves"
+
+
+@pytest.mark.parametrize("closed", [0.25, 0.5, 0.75, 1.0])
+@pytest.mark.parametrize("squint", [0.0, 0.6])
+def test_lashes_stay_rooted_in_the_lids(rig: Rig, closed: float, squint: float) -> None:
+    faces = np.concatenate([rig.faces[m.start : m.stop] for m in rig.materials if m.name == "skin"])
+    lashes = vertices_of(rig, "lashes")
+    skin = trimesh.Trimesh(rig.neutral, faces, process=False)
+    places, distances, triangles = trimesh.proximity.closest_point(skin, rig.neutral[lashes])
+    rooted = distances * MILLIMETRES < 0.2
+    assert rooted.sum() > 80
+    lids = faces[triangles[rooted]]
+    shares = trimesh.triangles.points_to_barycentric(rig.neutral[lids], places[rooted])
+    channels = {"eyeBlinkLeft": closed, "eyeBlinkRight": closed}
+    channels |= {"eyeSquintLeft": squint, "eyeSquintRight": squint}
+    moved = rig.vertices(weights(rig, **channels)) - rig.neutral
+    lid_moved = np.einsum("pc,pcx->px", shares, moved[lids])
+    strayed = np.linalg.norm(moved[lashes[rooted]] - lid_moved, axis=1) * MILLIMETRES
+    assert np.median(strayed) < 0.1
+    assert np.quantile(strayed, 0.95) < 0.7
+
+
+def test_teeth_are_light_and_not_grey(renderer: FaceRenderer, rig: Rig) -> None:
+    shown = {"mouthUpperUpLeft": 1.0, "mouthUpperUpRight": 1.0}
+    shown |= {"mouthLowerDownLeft": 1.0, "mouthLowerDownRight": 1.0}
+    image = picture(renderer, rig, aimed_camera(rig, Aim.MOUTH), True, **shown)
+    teeth = image[_only(renderer, rig, ("teeth",), **shown)]
+    assert len(teeth) > 1000
+    red, _, blue = np.median(teeth, axis=0)
+    assert red > 185
+    assert red > blue + 8
+
+
+def test_an_open_mouth_is_dark_red_and_not_a_hole(renderer: FaceRenderer, rig: Rig) -> None:
+    image = picture(renderer, rig, aimed_camera(rig, Aim.MOUTH), jawOpen=0.9)
+    inside = image[_only(renderer, rig, ("mouth", "gums", "tongue"), jawOpen=0.9)]
+    assert len(inside) > 2000
+    assert (inside.max(axis=1) < 30).mean() < 0.02
+    assert np.median(inside[:, 0] - inside[:, 2]) > 25
+    assert inside[:, 0].mean() < 160, "darker than the lips"
+
+
+def test_gums_reach_down_between_the_upper_teeth(rig: Rig) -> None:
+    x, y, _ = (rig.neutral[vertices_of(rig, "gums")] * MILLIMETRES).T
+    upper = y > y.mean()
+
+    def edge(at: float) -> float:
+        return float(y[upper & (np.abs(np.abs(x) - at) < 0.5)].min())
+
+    middle_of_first_tooth, between_first_teeth = edge(4.3), edge(0.0)
+    assert between_first_teeth < middle_of_first_tooth - 1.5
+
+
+def test_the_hairline_is_soft(renderer: FaceRenderer, rig: Rig) -> None:
+    image = picture(renderer, rig, default_camera(rig)).mean(axis=2)
+    forehead = image[: SIZE // 2, SIZE // 2 - 12 : SIZE // 2 + 12].mean(axis=1)
+    hair = vertices_of(rig, "hair")
+    places = default_camera(rig).project(rig.neutral[hair], SIZE, SIZE)
+    front = places[np.abs(places[:, 0] - SIZE / 2) < 12]
+    line = int(front[front[:, 2] < front[:, 2].min() + 0.05, 1].max())
+    around = forehead[line - 20 : line + 8]
+    rise = np.diff(around)
+    assert around.max() - around.min() > 70, "hair is darker than the forehead"
+    assert rise.max() < 0.22 * (around.max() - around.min()), "over several pixels"
+
+
+def test_what_moves_is_few_vertices(rig: Rig) -> None:
+    """Their normals are computed, and they are uploaded, for each picture."""
+    moving = np.any(rig.deltas, axis=(0, 2))
+    assert moving.sum() < 7_500
+    hair = vertices_of(rig, "hair")
+    assert moving[hair].mean() < 0.35
+
+
+def _only(
+    renderer: FaceRenderer, rig: Rig, materials: tuple[str, ...], **channels: float
+) -> np.ndarray:
+    """(SIZE, SIZE) bool: where the mouth's picture shows these materials, by tinting them."""
+    camera = aimed_camera(rig, Aim.MOUTH)
+    tint = np.zeros(len(rig.neutral), np.float32)
+    tint[vertices_of(rig, *materials)] = 1.0
+    vertices = rig.vertices(weights(rig, **channels))
+    plain = renderer.draw(vertices, camera).astype(int)
+    changed = np.abs(renderer.draw(vertices, camera, tint=tint).astype(int) - plain)
+    return np.asarray(changed.max(axis=2) > 12)
