@@ -83,10 +83,9 @@ class EditSession:
         self._solver = Solver(take.clip, rig, engine)
         self._steps = Steps()
         self._saved = self._computed = self._steps.state
-        self.live = Live(self._solver)
-        self.tracked, self.asked = self.live.tracked, self.live.asked
-        self.achieved, self.weights = self.live.achieved, self.live.weights
-        self.rotations = self.live.rotations
+        live = self.live = Live(self._solver)
+        self.tracked, self.asked = live.tracked, live.asked
+        self.achieved, self.weights, self.rotations = live.achieved, live.weights, live.rotations
 
     # --- the kept state ----------------------------------------------------------------------
 

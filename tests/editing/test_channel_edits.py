@@ -19,7 +19,7 @@ from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.channel_edits import softly_limited, without_rest
 from faceedit_app.editing.solving.filters import smoothed
-from faceedit_app.formats.opening import open_take
+from faceedit_app.formats.opening import encoded_take, open_take
 
 JAW, CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
 SMILE = ARKIT_INDEX["mouthSmileLeft"]
@@ -260,6 +260,20 @@ def test_head_can_be_held_still_and_only_its_cells_are_written(tmp_path: Path) -
     session.undo()
     session.export(tmp_path / "same.csv")
     assert (tmp_path / "same.csv").read_bytes() == session.take.path.read_bytes()
+
+
+def test_rows_that_get_a_face_get_the_edited_rotations(tmp_path: Path) -> None:
+    path = make_livelink_csv(tmp_path / "take.csv", 2.0, untracked=(60, 61))
+    take = open_take(path)
+    assert take.lost_rows is not None
+    assert take.clip.rotations is not None
+    weights, straight = take.clip.weights, np.zeros_like(take.clip.rotations)
+    content = encoded_take(path, take, weights, weights[[59, 60]], straight)
+    (tmp_path / "out.csv").write_bytes(content)
+    written = open_take(tmp_path / "out.csv").clip
+    assert len(written) == len(take.clip) + 2
+    assert written.rotations is not None
+    assert (written.rotations == 0).all()
 
 
 def test_rotations_are_scaled_and_smoothed_in_degrees(tmp_path: Path) -> None:
