@@ -176,7 +176,7 @@ class Take:
             The take, so that calls can follow each other.
 
         Raises:
-            FaceEditError: a name or a number is wrong.
+            FaceEditError: a name or a number is wrong, or the times are outside the take.
         """
         ways = {Op.OFFSET: by, Op.SET: to, Op.SCALE: times, Op.SMOOTH: smooth}
         given = [(op, value) for op, value in ways.items() if value is not None]
@@ -202,6 +202,7 @@ class Take:
             raise FaceEditError(f"The edit cannot be made: {error}") from error
         if missing := missing_channels([edit], self.session.take.clip):
             raise FaceEditError(f"The edit cannot be made: {missing}")
+        self._check_inside(start, last)
         self.session.add(edit)
         return self
 
@@ -258,13 +259,15 @@ class Take:
             strength: 0 to 1.5.
 
         Raises:
-            FaceEditError: there is no such preset, or it is damaged.
+            FaceEditError: there is no such preset, it is damaged, or the times are outside the
+                take.
         """
         preset = find_preset(name)
         span = None
         if start is not None or end is not None:
             last = float(self.times[-1])
             span = (start if start is not None else 0.0, end if end is not None else last)
+            self._check_inside(*span)
         elif preset.alone is not Alone.TAKE:
             raise FaceEditError(
                 f"{preset.name} acts at a place; give start and end, or fix what is wrong instead"
@@ -361,6 +364,14 @@ class Take:
         )
         assert filmed is not None  # nothing stops it
         return filmed
+
+    def _check_inside(self, start: float, end: float) -> None:
+        """Refuse what acts nowhere, such as frame numbers given as seconds."""
+        first, last = float(self.times[0]), float(self.times[-1])
+        if start > last or end < first:
+            raise FaceEditError(
+                f"{start:g} to {end:g} s is outside the take: it lasts from {first:g} to {last:g} s"
+            )
 
     def save_edits(self, path: Path | str) -> None:
         """Save the edits, for another take.

@@ -29,6 +29,7 @@ from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.help.presets import Alone
 from faceedit_app.formats.registry import takes_below
+from faceedit_app.formats.timing import RateNeeded
 
 LOG = "faceedit_batch.jsonl"
 _FIX = "fix:"
@@ -199,6 +200,9 @@ def perform(task: Task) -> Outcome:
             tracked=_small(take.curve(LIP_OPENING, tracked=True)),
             edited=_small(take.curve(LIP_OPENING)),
         )
+    except RateNeeded as error:  # --fps is the rate to write here
+        remedy = error.remedy.replace("--fps", "--take-fps")
+        return replace(outcome, error=str(FileError(error.path, error.problem, remedy)))
     except FaceEditError as error:
         return replace(outcome, error=str(error))
     except Exception as error:  # a fault of ours in one take must not stop the others

@@ -131,6 +131,7 @@ def apply(
     from faceedit_app.editing import exporting
     from faceedit_app.editing.edits.settings import Mode, Settings
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+    from faceedit_app.formats.timing import counted
 
     if mode not in list(Mode):
         raise FaceEditError(f"--mode {mode}: must be {' or '.join(Mode)}")
@@ -152,7 +153,7 @@ def apply(
         options = exporting.Options(character=character, overwrite=overwrite)
         exporting.export_session(session, output, form, options)
     say(
-        f"{output}: {len(session.edits)} edits, "
+        f"{output}: {counted(len(session.edits), 'edit')}, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
     )
 
@@ -201,6 +202,10 @@ def render(
     from faceedit_app.render.snapshot import snapshot, write_png
 
     width, height = _size(size)
+    if form is None and output.suffix.lower() not in ("", ".png", ".mp4", ".webm"):
+        raise FaceEditError(
+            f"{output}: must end in .png for a picture, or in .mp4 or .webm for a film"
+        )
     rig = shipped_rig()
     engine = load_engine(rig, models) if edits else None
     session = open_session(take, rig, engine, fps)

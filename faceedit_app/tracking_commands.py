@@ -80,6 +80,8 @@ def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
     """The films and the takes to write."""
     from faceedit_app.media import FILM_ENDINGS
 
+    if not film.exists():
+        raise FileError(film, "does not exist", "check the name and the folder")
     if not film.is_dir():
         take = output or film.with_name(f"{film.stem}_tracked.csv")
         return [(film, take / f"{film.stem}.csv" if take.is_dir() else take)]

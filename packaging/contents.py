@@ -55,6 +55,10 @@ EXCLUDED = [
     "PIL._imagingft",
     "PIL._imagingtk",
     "PIL.ImageTk",
+    # Nothing is fetched; Python's own hashes are enough.
+    "ssl",
+    "_ssl",
+    "_hashlib",
     # GPL, and only for typing at a prompt.
     "readline",
 ]
@@ -105,7 +109,25 @@ OF_THE_SYSTEM = [
     "libgmodule-2.0.so.*",
     "libsystemd.so.*",
     "libudev.so.*",
+    # Those that only these load.
+    "libgcrypt.so.*",
+    "libgpg-error.so.*",
+    "libpcre2-8.so.*",
+    "liblz4.so.*",
+    "libcap.so.*",
 ]
+
+
+# Wheels whose libraries come with debugging symbols: 23 MB in PyAV, 15 MB in the others.
+_UNSTRIPPED = (
+    "libpython",
+    "av/",
+    "DracoPy",
+    "ai_edge_litert/",
+    "PIL/",
+    "PySide6/",
+    "scipy/optimize/",
+)
 
 
 def is_wanted(name: str) -> bool:
@@ -156,13 +178,13 @@ def without_dangling(entries: list[Entry], binaries: list[Entry]) -> list[Entry]
 
 
 def stripped(entry: Entry, folder: Path) -> Entry:
-    """Python's own libraries, and PyAV's 23 MB, without their debugging symbols.
+    """Python's own libraries, and those of a few wheels, without their debugging symbols.
 
     Only those: the libraries in other wheels are stripped already, and some that were patched for
     the wheel do not survive it.
     """
     name, source, kind = entry
-    ours = name.startswith(("libpython", "av/")) or "/lib-dynload/" in name
+    ours = name.startswith(_UNSTRIPPED) or "/lib-dynload/" in name
     if not ours or kind == "SYMLINK" or not shutil.which("strip"):
         return entry
     copy = folder / name

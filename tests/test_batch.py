@@ -260,3 +260,12 @@ def test_a_cluster_that_does_not_answer_is_said_in_one_line(takes: Path, tmp_pat
     tasks = plan(takes, tmp_path / "out", Recipe())
     with pytest.raises(FaceEditError, match="--scheduler nonsense: does not answer"):
         list(batch.run_on_cluster(tasks, "nonsense"))
+
+
+def test_a_take_without_a_rate_says_which_option_gives_it(tmp_path: Path, models: str) -> None:
+    folder, out = tmp_path / "takes", tmp_path / "out"
+    folder.mkdir()
+    (folder / "a.csv").write_text("jawOpen,eyeBlinkLeft\n" + "0.1,0.2\n" * 20)
+    assert command("none", folder, out, models) == 1
+    assert "--take-fps" in outcomes_in(out)[0]["error"]
+    assert command("none", folder, out, models, "--take-fps", 30) == 0

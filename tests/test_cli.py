@@ -271,6 +271,14 @@ def test_bad_option_of_render_is_told(
     assert not out.exists()
 
 
+def test_render_names_the_endings_for_pictures_and_films(
+    take: Path, complaint: Callable[..., str]
+) -> None:
+    text = complaint("render", take, "-o", take.parent / "face.jpg")
+    assert ".png for a picture" in text
+    assert ".mp4" in text
+
+
 @pytest.mark.parametrize(
     "given",
     [("fly",), ("--fast",), ("info",), ("info", "a", "b"), ("apply", "a"), ("train",)],

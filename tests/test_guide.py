@@ -21,6 +21,15 @@ def test_the_list_of_shortcuts_is_that_of_the_table() -> None:
     assert written == module.shortcuts(), "run python docs/make_screenshots.py"
 
 
+def test_contributors_find_every_room_in_the_table() -> None:
+    package, table = DOCS.parent / "faceedit_app", DOCS.parent / "CONTRIBUTING.md"
+    text = table.read_text(encoding="utf-8")
+    rooms = {path.parent for path in package.glob("*/*.py")} - {package / "ui", package / "lab"}
+    rooms |= {path.parent for path in package.glob("ui/*/*.py")}
+    names = [room.relative_to(DOCS.parent).as_posix() for room in rooms]
+    assert [name for name in names if f"| `{name}/`" not in text] == []
+
+
 @pytest.mark.parametrize("page", ["docs/guide.md", "README.md"])
 def test_every_picture_and_page_is_there(page: str) -> None:
     path = DOCS.parent / page

@@ -77,6 +77,8 @@ def test_wrong_words_and_numbers_are_one_line(take: faceedit_app.Take) -> None:
         lambda: take.edit("mouth_opening", by=1.0, to=2.0),
         lambda: take.edit("mouth_opening", by=1.0, start=2.0, end=1.0),
         lambda: take.edit("mouth_opening", by=1.0, strength=3.0),
+        lambda: take.edit("mouth_opening", by=1.0, start=300, end=400),
+        lambda: take.preset("smile", start=300, end=400),
         lambda: take.fix("teeth"),
         lambda: take.preset("grimace"),
         lambda: take.preset("blink"),

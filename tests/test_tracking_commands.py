@@ -83,6 +83,13 @@ def test_a_report_shows_edits(
     ]
 
 
+def test_a_film_that_does_not_exist_says_what_to_check(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["track", str(tmp_path / "no.mp4"), "-o", str(tmp_path / "me.csv")]) == 2
+    assert "no.mp4: does not exist; check the name" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("more", "problem"),
     [

@@ -98,7 +98,9 @@ def test_a_spelling_helps_with_an_unknown_word(
     tmp_path: Path, run: Run, complaint: Callable[..., str]
 ) -> None:
     sound, text = speak(tmp_path / "said.wav"), SENTENCE.replace("soup", "zoop")
-    assert "“zoop”" in complaint(sound, "--text", text)
+    assert "“zoop”; give English words, such as --sounds-like zoop=" in complaint(
+        sound, "--text", text
+    )
     assert run(sound, "--text", text, "--sounds-like", "zoop=soup")["words"][-1]["text"] == "zoop"
     assert "WORD=SPELLING" in complaint(sound, "--text", text, "--sounds-like", "zoop")
 

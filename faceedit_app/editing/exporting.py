@@ -9,7 +9,7 @@ from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.opening import shipped_rig
@@ -117,22 +117,30 @@ def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutF
         take: if its own format has this ending, that is chosen.
 
     Raises:
-        FaceEditError: there is no such format.
+        FaceEditError: there is no such format, or the file ends like one of another format.
     """
     formats = out_formats()
+    ending = path.suffix.lower()
     if key is not None:
         for form in formats:
             if form.key == key:
+                if ending in _all_endings(*formats) and ending not in _all_endings(form):
+                    problem = f"does not end like a file of the format {form.name}"
+                    raise FileError(path, problem, f"use {form.ending}, or another --format")
                 return form
         raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
-    ending = path.suffix.lower()
     own = own_format(take) if take is not None else None
     for form in (*([own] if own is not None else []), *formats):
-        endings = (form.ending,) if isinstance(form.kind, SceneFormat) else form.kind.endings
-        if ending in endings:
+        if ending in _all_endings(form):
             return form
     known = ", ".join(f"{form.ending} ({form.name})" for form in formats)
     raise FaceEditError(f"{path}: no format with this ending can be written; use {known}")
+
+
+def _all_endings(*formats: OutFormat) -> set[str]:
+    kinds = (form.kind for form in formats)
+    pairs = ((k.ending,) if isinstance(k, SceneFormat) else k.endings for k in kinds)
+    return {ending for endings in pairs for ending in endings}
 
 
 def by_ending(path: Path, take: Take) -> OutFormat | None:

@@ -92,7 +92,9 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         raise FileError(path, str(error), "save it without compression") from None
     except _DAMAGE:
         raise FileError(path, "is damaged", _EXPORT_AGAIN) from None
-    main = max(tracks, key=lambda track: (len(_columns(track)), len(track.times)))
+    # Of several, the first, as other programs play it: an export puts its take before what the
+    # character came with. A single key is a pose.
+    main = max(tracks, key=lambda track: (len(_columns(track)), len(track.times) > 1))
     together = [main, *(t for t in tracks if t is not main and _goes_with(t, main))]
     columns: dict[str, list[tuple[int, int]]] = {}
     for place, track in enumerate(together):

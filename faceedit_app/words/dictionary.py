@@ -74,5 +74,6 @@ def pronounce(words: Iterable[str], sounds_like: Mapping[str, str]) -> dict[str,
             unknown[word] = None
     if unknown:
         names = ", ".join(f"“{word}”" for word in unknown)
-        raise FaceEditError(f"Not in the dictionary: {names}; say what each sounds like")
+        remedy = f'give English words, such as --sounds-like {next(iter(unknown))}="key ow"'
+        raise FaceEditError(f"Not in the dictionary: {names}; {remedy}")
     return found

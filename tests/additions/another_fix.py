@@ -18,7 +18,7 @@ def test_it_is_in_menu_tool_bar_and_help(bench: Bench) -> None:
     window = bench.editing()
     action = window.actions_["fix_wink"]
     menus = [menu for menu in window.menuBar().findChildren(QMenu) if action in menu.actions()]
-    assert [menu.title() for menu in menus] == ["&Fix"]
+    assert [menu.title() for menu in menus] == ["Fi&x"]
     texts = [entry.text() for entry in menus[0].actions()]
     assert texts.index("&Open eyes") + 1 == texts.index("Win&k") < texts.index("&Smile")
     assert action.shortcut().toString() == "Ctrl+Alt+W"

@@ -174,6 +174,16 @@ def test_a_character_of_another_maker_keeps_its_names(ending: str, tmp_path: Pat
     assert b"Face_jawOpen" in path.read_bytes()
 
 
+def test_a_take_shorter_than_the_animation_of_the_character_opens_again(tmp_path: Path) -> None:
+    head, path = tmp_path / "head.glb", tmp_path / "talk.glb"
+    export(head)
+    clip = replace(CLIP, times=CLIP.times[:5], weights=CLIP.weights[:5])
+    export(path, replace(take_of(), clip=clip), character=head)
+    back = open_take(path)
+    np.testing.assert_array_equal(back.clip.weights, clip.weights)
+    assert "1 animation more: carried" in back.notes
+
+
 @pytest.mark.skipif(not (SHARED / "heads" / "facecap.glb").exists(), reason="shared is absent")
 def test_a_real_character_is_animated(tmp_path: Path) -> None:
     path = tmp_path / "talk.glb"
@@ -301,6 +311,17 @@ def test_a_layout_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
         export_take(take, take.clip, tmp_path / "b.glb", own, Options(rate=24.0))
     assert choose(Path("x.glb")).has_character
     assert not (tmp_path / "b.glb").exists()
+
+
+@pytest.mark.parametrize(("name", "key"), [("x.csv", "glb"), ("x.glb", "csv"), ("x.FBX", "usd")])
+def test_a_file_that_ends_like_one_of_another_format_is_refused(name: str, key: str) -> None:
+    with pytest.raises(FileError, match="does not end like a file of the format"):
+        choose(Path(name), key)
+
+
+@pytest.mark.parametrize(("name", "key"), [("x.csv", "livelink"), ("x.csv", "csv"), ("x", "glb")])
+def test_a_format_takes_its_own_ending_and_none(name: str, key: str) -> None:
+    assert choose(Path(name), key).key == key
 
 
 def test_a_character_that_is_none_is_refused(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from importlib.metadata import version
 
@@ -17,6 +18,7 @@ from faceedit_app.ui.commands.menus import MENUS, help_rows
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.actions import shown_keys
 
+LETTER = re.compile("&(.)")
 COMMANDS = [command for menu in MENUS for command in menu.commands]
 
 
@@ -265,3 +267,9 @@ def test_both_faces_beside_each_other(bench: Bench, window: MainWindow) -> None:
     window.actions_["show_edited"].trigger()
     assert not face.shows_both
     viewport.reset_camera()
+
+
+def test_alt_and_a_letter_opens_one_menu() -> None:
+    letters = [LETTER.findall(menu.title.lower()) for menu in MENUS]
+    assert all(len(found) == 1 for found in letters)
+    assert len({found[0] for found in letters}) == len(MENUS)

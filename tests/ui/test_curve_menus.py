@@ -171,6 +171,16 @@ def test_curves_are_hidden_and_shown(bench: Bench, window: MainWindow, panel: Cu
     assert shown() == everything, "the keyboard goes to no curve that is not seen"
 
 
+def test_the_curves_that_are_left_share_the_height(panel: CurvesPanel) -> None:
+    height = panel.plots[-1].geometry().bottom() - panel.plots[0].y()
+    choose(on_name(panel, 2), "show_only_curve")
+    QApplication.processEvents()
+    first, last = panel.plots[2:4]
+    assert first.height() == pytest.approx(last.height(), abs=1)
+    assert last.geometry().bottom() - first.y() == pytest.approx(height, abs=1)
+    assert last.y() - first.geometry().bottom() < 10
+
+
 def test_hidden_curves_keep_up_and_are_not_edited(window: MainWindow, panel: CurvesPanel) -> None:
     choose(on_name(panel, 0), "choose_curve")
     choose(on_name(panel, 1), "choose_curve")

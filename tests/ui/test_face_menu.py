@@ -9,8 +9,9 @@ from PIL import Image
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent, QGuiApplication
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu
+from PySide6.QtWidgets import QApplication, QMenu, QToolButton
 from support.faces import shipped_rig
+from support.waiting import run_events
 from support.windows import Bench, drag, trigger
 
 from faceedit_app.render import Aim, aimed_camera, default_camera
@@ -158,3 +159,13 @@ def test_without_a_face_there_is_no_picture(bench: Bench, monkeypatch: pytest.Mo
     assert not window.actions_["copy_picture"].isEnabled()
     assert not window.actions_["save_picture"].isEnabled()
     viewport_of(window).close_renderer()
+
+
+def test_beside_a_film_there_is_room_for_the_words_on_the_buttons(window: MainWindow) -> None:
+    assert window.editor is not None
+    pane = window.editor.face
+    buttons = [b for b in pane.findChildren(QToolButton) if b.text() in ("Edited", "Tracked")]
+    assert len(buttons) == 2
+    pane.resize(pane.minimumSizeHint())
+    run_events()
+    assert all(button.width() >= button.sizeHint().width() for button in buttons)

@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QMenu, QToolButton, QTreeWidgetItem
+from PySide6.QtWidgets import QLabel, QMenu, QToolButton, QTreeWidgetItem
 from support.waiting import run_events
 from support.windows import Bench, session_of
 
@@ -18,6 +18,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
+from faceedit_app.editing.help.problems import Kind, Problem
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.page.editor import Editor
@@ -194,6 +195,49 @@ def test_accept_goes_on_to_the_next_problem(window: MainWindow) -> None:
     assert "no more problems" in window.status.currentMessage()
 
 
+def test_a_problem_of_any_kind_is_marked_and_listed(window: MainWindow) -> None:
+    editor = editor_of(window)
+    found = [Problem(kind, i, i + 0.5, i, (), "x", "1 mm", 0.5, ()) for i, kind in enumerate(Kind)]
+    editor.problems.problems = tuple(found)
+    editor.problems.found.emit()
+    rows = editor.problem_list.rows
+    items = [rows.topLevelItem(i) for i in range(rows.topLevelItemCount())]
+    texts = {item.text(0) for item in items if item is not None}
+    assert len(texts) == len(Kind)
+    assert editor.problem_list.kinds.count() == len(Kind) + 1
+    assert not editor.problems.grab().isNull()
+
+
+def test_a_search_that_finds_nothing_ends_in_the_list_too(window: MainWindow) -> None:
+    editor = editor_of(window)
+    for is_searched, text in ((False, "Looking for problems…"), (True, "No problems found")):
+        editor.problems.problems, editor.problems.is_searched = (), is_searched
+        editor.problems.found.emit()
+        shown = [label.text() for label in editor.problem_list.findChildren(QLabel)]
+        assert text in shown
+
+
+def test_a_preset_pressed_beside_the_problems_shows_its_edit(window: MainWindow) -> None:
+    editor = editor_of(window)
+    editor.list_problems()
+    trigger(window, "fix_smile")
+    assert editor.lists.currentWidget() is editor.edits
+    assert editor.edits.strength.isVisible()
+    editor.lists.setCurrentWidget(editor.expressions)
+    trigger(window, "fix_smile")
+    assert editor.lists.currentWidget() is editor.expressions
+
+
+def test_a_problem_that_edits_cannot_fix_says_so(window: MainWindow) -> None:
+    editor = editor_of(window)
+    lost = Problem(Kind.DROPPED, 1.0, 1.1, 1.0, (), "1 frame is missing", "1 frame", 0.1, ())
+    editor.problems.problems = (lost, *editor.problems.problems)
+    window.commands.fix.go_to(0)
+    assert window.status.currentMessage() == "1 frame is missing; edits cannot help here"
+    window.commands.fix.go_to(1)
+    assert "cannot" not in window.status.currentMessage()
+
+
 def test_a_problem_is_shown_where_it_is_worst_and_large_enough_to_judge(
     window: MainWindow,
 ) -> None:
@@ -367,6 +411,9 @@ def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
     assert session.asked[to, OPENING] == pytest.approx(session.tracked[source, OPENING], abs=0.2)
     trigger(window, "undo")
     assert session.edits == ()
+    line.go_to_time(9.5)
+    trigger(window, "paste")
+    assert "9.50 to 9.98 s" in window.status.currentMessage(), "not beyond the end of the take"
 
 
 def test_mirror_swaps_left_and_right(window: MainWindow) -> None:

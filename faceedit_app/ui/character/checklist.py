@@ -19,6 +19,7 @@ from faceedit_app.characters.fitted import FittedCharacter
 from faceedit_app.characters.map_file import map_path
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.ui.character.shape_table import ShapeModel, ShapeTable
+from faceedit_app.ui.look.widgets import resize_on_screen
 
 _SIZE = (620, 640)
 _NOTES_HEIGHT = 130
@@ -39,7 +40,7 @@ class CharacterChecklist(QDialog):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.resize(*_SIZE)
+        resize_on_screen(self, *_SIZE)
         self._character: FittedCharacter | None = None
         self._summary, self._notes = _text(), _text()
         self._model = ShapeModel(self)

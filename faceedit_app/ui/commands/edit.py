@@ -244,7 +244,7 @@ class EditCommands:
 
 
 # fmt: off
-MENU: Menu[EditCommands] = Menu("Edit", (
+MENU: Menu[EditCommands] = Menu("&Edit", (
     Command("undo", "&Undo", EditCommands.undo, ("Ctrl+Z",), "Undo the last step", "undo",
             detail=lambda do: do.undo_name, enabled=lambda do: do.can_undo),
     Command("redo", "&Redo", EditCommands.redo, ("Ctrl+Shift+Z", "Ctrl+Y"),

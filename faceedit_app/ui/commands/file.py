@@ -245,7 +245,7 @@ class FileCommands:
 
 
 # fmt: off
-MENU: Menu[FileCommands] = Menu("File", (
+MENU: Menu[FileCommands] = Menu("&File", (
     Command("open", "&Open…", FileCommands.ask_open, ("Ctrl+O",),
             "Open a tracked take or a project", "open", needs_take=False),
     Command("track_film", "&Track a film…", FileCommands.ask_track, (),

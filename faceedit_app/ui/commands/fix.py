@@ -197,7 +197,9 @@ class FixCommands:
         if page is not None:
             page.proposal.discard()
             page.problems.go_to(index)
-            self._workspace.message.emit(page.problems.problems[index].message)
+            problem = page.problems.problems[index]
+            helpless = "" if problem.fix else "; edits cannot help here"
+            self._workspace.message.emit(problem.message + helpless)
 
     def fix_problem(self) -> None:
         """Preview a fix for the problem at the playhead."""
@@ -296,7 +298,7 @@ def _fixes() -> Iterator[Command[FixCommands]]:
 
 
 # fmt: off
-MENU: Menu[FixCommands] = Menu("Fix", (
+MENU: Menu[FixCommands] = Menu("Fi&x", (
     *_fixes(),
     Command("expression", "S&mile or sad…", FixCommands.expression, ("Ctrl+0",),
             "Set how happy the mouth looks, in the selection or the whole take",

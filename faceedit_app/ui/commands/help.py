@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
 from faceedit_app import __version__
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.palette import ACCENT, MUTED, TEXT
+from faceedit_app.ui.look.widgets import resize_on_screen
 from faceedit_app.ui.state.actions import Command, Menu
 
 Rows = Iterable[tuple[str, str, str]]  # section, keys or gesture, effect
@@ -128,12 +129,12 @@ def _dialog(parent: QWidget, title: str, html: str, size: tuple[int, int]) -> QD
     column = QVBoxLayout(dialog)
     column.addWidget(area, 1)
     column.addWidget(buttons)
-    dialog.resize(*size)
+    resize_on_screen(dialog, *size)
     return dialog
 
 
 # fmt: off
-MENU: Menu[HelpCommands] = Menu("Help", (
+MENU: Menu[HelpCommands] = Menu("&Help", (
     Command("first_steps", "&First steps", HelpCommands.first_steps, (),
             "Show the main parts of the window and what they are for"),
     Command("shortcuts", "&Shortcuts", HelpCommands.shortcuts, ("F1",), needs_take=False),

@@ -90,7 +90,7 @@ class PlaybackCommands:
 
 
 # fmt: off
-MENU: Menu[PlaybackCommands] = Menu("Playback", (
+MENU: Menu[PlaybackCommands] = Menu("&Playback", (
     Command("play", "&Play / pause", PlaybackCommands.play, ("Space",), "Play or pause", "play"),
     Command("play_around", "Play a&round", PlaybackCommands.play_around, ("/",),
             "Play the selection, or around the playhead, once; then return"),

@@ -186,7 +186,7 @@ class TakeCommands:
 
 
 # fmt: off
-MENU: Menu[TakeCommands] = Menu("Take", (
+MENU: Menu[TakeCommands] = Menu("&Take", (
     Command("frame_rate", "&Frame rate…", TakeCommands.change_rate, (),
             "Set the take's frame rate, if the file does not give it or gives a wrong one"),
     Command("add_media", "&Add sound or film…", TakeCommands.ask_add, ("Ctrl+Shift+O",),

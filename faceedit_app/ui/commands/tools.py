@@ -53,7 +53,7 @@ class ToolCommands:
 
 
 # fmt: off
-MENU: Menu[ToolCommands] = Menu("Tools", (
+MENU: Menu[ToolCommands] = Menu("T&ools", (
     Command("tool_move", "&Move", lambda do: do.choose(Tool.MOVE), ("M",),
             "Drag a curve up or down; the change fades out on either side", "tool_move",
             checked=lambda do: do.tool is Tool.MOVE),

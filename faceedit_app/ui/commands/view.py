@@ -250,7 +250,7 @@ def _shows_edited(do: ViewCommands) -> bool:
 
 
 # fmt: off
-MENU: Menu[ViewCommands] = Menu("View", (
+MENU: Menu[ViewCommands] = Menu("&View", (
     Command("reset_camera", "&Reset camera", ViewCommands.reset_camera, ("0",),
             "Look at the face from the front", "camera", needs_take=False),
     Command("camera_left", "&Left side", lambda do: do.aim("left"), ("Shift+L",),

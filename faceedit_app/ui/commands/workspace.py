@@ -114,8 +114,10 @@ class Workspace(QObject):
         """
         self.document.act(lambda session: session.add(*edits, name=step or name))
         if self.page is not None:
+            self.page.list_edits()
             self.page.edits.select_new(len(edits))
-        start, end = min(e.start for e in edits), max(e.end for e in edits)
+        last = float(self.timeline.clip.times[-1]) if self.timeline.clip is not None else 0.0
+        start, end = min(e.start for e in edits), min(max(e.end for e in edits), last)
         self.message.emit(
             f"{name}: {self.shown_range(start, end)}; set its strength above the list of edits"
         )

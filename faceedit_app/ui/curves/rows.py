@@ -42,9 +42,10 @@ class Rows(QScrollArea):
         self._keep_width(0, 0)
 
     def show_rows(self, shown: Collection[str]) -> None:
-        """Show the rows of these controls, and hide the others."""
-        for header, plot in zip(self._headers, self._plots, strict=True):
+        """Show the rows of these controls, which share the height, and hide the others."""
+        for row, (header, plot) in enumerate(zip(self._headers, self._plots, strict=True)):
             is_shown = plot.control.id in shown
+            self._grid.setRowStretch(row, int(is_shown))  # a hidden row keeps its share otherwise
             header.setVisible(is_shown)
             plot.setVisible(is_shown)
 

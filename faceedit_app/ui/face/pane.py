@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPoint, QRect, Qt, Signal
+from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
@@ -151,6 +151,11 @@ class FacePane(QWidget):
         """Show the viewport's menu."""
         groups = [[self._actions[name] for name in group] for group in MENU]
         context_menu(self, *groups).popup(at)
+
+    def minimumSizeHint(self) -> QSize:
+        """Wide enough for the buttons and their texts."""
+        buttons = self._overlay.minimumSizeHint().width()
+        return super().minimumSizeHint().expandedTo(QSize(buttons, 0))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the buttons at the top, and the legend between or below them."""

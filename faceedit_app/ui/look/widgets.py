@@ -22,6 +22,8 @@ from faceedit_app.ui.look.icons import SIZE
 from faceedit_app.ui.look.palette import FAINT, TEXT
 from faceedit_app.ui.look.theme import GAP, MARGIN
 
+_TITLE_BAR = 40  # pixels, roughly; the frame is known only once the window is shown
+
 
 class Segment(QToolButton):
     """A button of a group. Enter presses it too, since Space always plays."""
@@ -155,6 +157,12 @@ def divider() -> QFrame:
     line.setObjectName("line")
     line.setFixedSize(1, 18)
     return line
+
+
+def resize_on_screen(dialog: QWidget, width: int, height: int) -> None:
+    """Give a dialog a size in pixels, or what the screen has room for, so that its buttons show."""
+    room = dialog.screen().availableSize()
+    dialog.resize(min(width, room.width()), min(height, room.height() - _TITLE_BAR))
 
 
 def bar_row(box: QWidget, name: str) -> QHBoxLayout:

@@ -148,6 +148,11 @@ class Editor(QWidget):
         if self.proposal.is_open and self.proposal.is_for_all:
             actions["fix_all"].trigger()
 
+    def list_edits(self) -> None:
+        """Show the list of edits instead of the list of problems, to set a new edit's strength."""
+        if self.lists.currentWidget() is self.problem_list:
+            self.lists.setCurrentWidget(self.edits)
+
     def list_problems(self) -> None:
         """Show the list of problems."""
         self.lists.setCurrentWidget(self.problem_list)

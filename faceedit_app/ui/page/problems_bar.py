@@ -48,6 +48,7 @@ ONE = {
     "lips": "Lips stay open",
     "blink": "Half blink",
     "jitter": "Shaking",
+    "character": "Open on your character",
     "dropped": "Lost frames",
 }
 

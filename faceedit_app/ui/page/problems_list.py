@@ -113,6 +113,7 @@ class ProblemsList(QWidget):
             self._unticked &= {_key(problem) for problem in self._shown}
             self._fill_kinds()
             self._fill()
+        self._say_why_empty()
         here = self._bar.current_problem
         with QSignalBlocker(self.rows):
             for row in self._items():
@@ -152,11 +153,14 @@ class ProblemsList(QWidget):
                 if problem.fix:
                     row.setCheckState(_KIND, state)
             self.rows.setSortingEnabled(True)
-        searched = "No problems found" if self._bar.is_searched else "Looking for problems…"
-        self._empty.setText(searched)
+        self._say_why_empty()
         self._empty.setVisible(not shown)
         self.rows.setVisible(bool(shown))
         self.ticked.emit()
+
+    def _say_why_empty(self) -> None:
+        searched = "No problems found" if self._bar.is_searched else "Looking for problems…"
+        self._empty.setText(searched)
 
     def _items(self) -> list[QTreeWidgetItem]:
         items = (self.rows.topLevelItem(i) for i in range(self.rows.topLevelItemCount()))

@@ -58,10 +58,18 @@ class Command(Generic[Doer]):
 
 @dataclass(frozen=True)
 class Menu(Generic[Doer]):
-    """A menu of the menu bar: its name, and its commands from top to bottom."""
+    """A menu of the menu bar: its name, and its commands from top to bottom.
 
-    name: str
+    The letter after `&` in the title opens it with Alt; each menu needs its own.
+    """
+
+    title: str
     commands: tuple[Command[Doer], ...]
+
+    @property
+    def name(self) -> str:
+        """Its title without the mark."""
+        return self.title.replace("&", "")
 
 
 class Actions:
@@ -116,7 +124,7 @@ class Actions:
                 action.setText(f"{command.text} {_in_menu(command.detail(doer))}".rstrip())
 
     def _fill(self, menu: Menu[Any], doer: Any) -> None:
-        outer = self._window.menuBar().addMenu(f"&{menu.name}")
+        outer = self._window.menuBar().addMenu(menu.title)
         inner: dict[str, QMenu] = {}
         for command in menu.commands:
             place = outer
