@@ -25,13 +25,16 @@ from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing import exporting, filming
+from faceedit_app.editing.edits.channels import CHANNEL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Alone, Preset, load_presets, read_preset
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems
 from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.solving.channel_edits import missing_channels
 from faceedit_app.networks.engine import Engine
 
 FIXES = {"lips": Kind.LIPS, "blinks": Kind.BLINK, "shaking": Kind.JITTER, "gaps": Kind.DROPPED}
@@ -159,7 +162,8 @@ class Take:
         """Edit one curve, or several alike; give one of `by`, `to`, `times` and `smooth`.
 
         Args:
-            curves: names such as `mouth_opening` or “Mouth opening”.
+            curves: names such as `mouth_opening` or “Mouth opening”; or channels such as `jawOpen`
+                or `headYaw`, in weights or degrees in place of mm, without `to`.
             by: raise by so many mm.
             to: hold at so many mm.
             times: make the movement so many times as large.
@@ -180,15 +184,42 @@ class Take:
             raise FaceEditError("An edit needs exactly one of by, to, times and smooth")
         [(op, value)] = given
         names = (curves,) if isinstance(curves, str) else tuple(curves)
+        channels = names if all(name in CHANNEL_INDEX for name in names) else ()
+        controls = () if channels else tuple(map(_control, names))
         last = float(self.times[-1]) if end is None else end
         try:
             edit = Edit(
-                tuple(map(_control, names)), op, start, last, falloff, value, strength=strength
+                controls,
+                op,
+                start,
+                last,
+                falloff,
+                value,
+                strength=strength,
+                channels=channels,
             )
         except ValueError as error:
             raise FaceEditError(f"The edit cannot be made: {error}") from error
+        if missing := missing_channels([edit], self.session.take.clip):
+            raise FaceEditError(f"The edit cannot be made: {missing}")
         self._check_inside(start, last)
         self.session.add(edit)
+        return self
+
+    def make_neutral(self, at: float) -> Take:
+        """Take the pose at a time away from the whole take; blinks and words keep their height.
+
+        Args:
+            at: seconds.
+
+        Returns:
+            The take, so that calls can follow each other.
+        """
+        self.session.live.work()
+        clip = self.session.take.clip
+        edit = neutral_at(self.session, clip.frame_at(at), 0.0, clip.duration)
+        if edit is not None:
+            self.session.add(edit)
         return self
 
     def fix(self, *kinds: str) -> int:

@@ -231,10 +231,13 @@ def render(
 def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
     """Warn of edits that the take's channels cannot answer, which change nothing."""
     from faceedit_app.editing.solving.answerable import unanswerable
+    from faceedit_app.editing.solving.channel_edits import missing_channels
 
     for number, edit in enumerate(session.edits, start=1):
         for lack in unanswerable(edit, session.take, session.rig, engine):
             say(f"faceedit: warning: edit {number}: {lack}", to=sys.stderr)
+        if missing := missing_channels([edit], session.take.clip):
+            say(f"faceedit: warning: edit {number}: {missing}", to=sys.stderr)
 
 
 def _size(text: str) -> tuple[int, int]:

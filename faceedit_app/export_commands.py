@@ -59,7 +59,7 @@ def convert(
     keeps_layout = fps is None and character is None
     chosen = exporting.choose(output, form, opened if keeps_layout else None)
     options = exporting.Options(fps, character, compact, overwrite)
-    written = exporting.export_take(opened, opened.clip.weights, output, chosen, options)
+    written = exporting.export_take(opened, opened.clip, output, chosen, options)
     clip = written.clip
     say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     for line in (*written.remarks, *chosen.hints(clip.rate)):

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.places import ROOT
-from support.takes import make_livelink_csv
+from support.takes import make_livelink_csv, make_plain_csv
 
 import faceedit_app
 from faceedit_app.core.errors import FaceEditError
@@ -99,3 +99,18 @@ def test_importing_the_package_loads_nothing_more() -> None:
     assert done.stdout.strip() == "False"
     with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
         faceedit_app.nothing  # noqa: B018
+
+
+def test_channels_are_edited_and_a_frame_is_made_neutral(tmp_path: Path) -> None:
+    take = faceedit_app.open(make_livelink_csv(tmp_path / "take.csv", 2.0))
+    jaw = take.channels.index("jawOpen")
+    take.edit("jawOpen", times=0.5).edit(["headYaw", "headPitch"], by=5.0)
+    assert np.ptp(take.weights[:, jaw]) < 0.6 * np.ptp(take.tracked[:, jaw])
+    rest = int(take.weights[:, jaw].argmin())
+    take.make_neutral(at=float(take.times[rest]))
+    assert take.weights[rest, jaw] == 0
+    with pytest.raises(FaceEditError, match="channels have no set"):
+        take.edit("jawOpen", to=0.5)
+    bare = faceedit_app.open(make_plain_csv(tmp_path / "bare.csv"))
+    with pytest.raises(FaceEditError, match="the take has no headYaw to change"):
+        bare.edit("headYaw", by=5.0)

@@ -57,6 +57,11 @@ ARKIT_CHANNELS: tuple[str, ...] = (
     "tongueOut",
 )
 
+# Head and eyes turn by these, in the order of `Clip.rotations`.
+ROTATIONS: tuple[str, ...] = tuple(
+    part + axis for part in ("head", "leftEye", "rightEye") for axis in ("Yaw", "Pitch", "Roll")
+)
+
 ARKIT_INDEX: dict[str, int] = {name: i for i, name in enumerate(ARKIT_CHANNELS)}
 
 

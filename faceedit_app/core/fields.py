@@ -25,6 +25,7 @@ LONGEST_PATH = 32_767  # the limit on Windows; other systems allow less
 MOST_BYTES = 256 * 2**20
 MOST_ITEMS = 100_000
 DEEPEST = 8  # nested objects and lists, in a field that may hold anything
+_WIDEST = 8  # numbers in a row of `Fields.rows`
 _QUOTED = 40  # characters of a text that an error quotes
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
@@ -125,6 +126,15 @@ class Fields:
     def pairs(self, name: str, most: int = MOST_ITEMS) -> tuple[tuple[float, float], ...]:
         """A list of pairs of numbers; empty if the field is absent."""
         return self._pairs(name, self.items(name, [], most))
+
+    def rows(self, name: str, most: int = MOST_ITEMS) -> tuple[tuple[float, ...], ...]:
+        """A list of lists of numbers; empty if the field is absent."""
+        rows = self.items(name, [], most)
+        if not all(isinstance(row, list) and len(row) <= _WIDEST for row in rows):
+            raise FieldError(f"{self._full(name)} is not a list of lists of numbers")
+        return tuple(
+            tuple(self._number(name, cell, -LARGEST, LARGEST) for cell in row) for row in rows
+        )
 
     def text(self, name: str, default: str | None = None, longest: int = LONGEST_TEXT) -> str:
         """A text."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
-from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError, FileError
@@ -162,17 +161,17 @@ def export_session(
     session: EditSession, path: Path, form: OutFormat, options: Options | None = None
 ) -> Exported:
     """Export the edited take; see `export_take`."""
-    return export_take(session.take, session.clip_weights(), path, form, options)
+    return export_take(session.take, session.edited_clip(), path, form, options)
 
 
 def export_take(
-    take: Take, weights: Floats, path: Path, form: OutFormat, options: Options | None = None
+    take: Take, edited: Clip, path: Path, form: OutFormat, options: Options | None = None
 ) -> Exported:
     """Export a take.
 
     Args:
         take: the take.
-        weights: (T, K), those of its clip, or as edited.
+        edited: its clip, or that with the edits.
         path: the file to write.
         form: its format.
         options: the rest.
@@ -191,12 +190,12 @@ def export_take(
                 f"choose another format, such as {registry.writable()[0].name}"
             )
         backup = make_way(path, take.path, options.overwrite)
-        clip = convert(path, take, kind, options.rate, weights)
+        clip = convert(path, take, kind, options.rate, edited)
         lost = () if same else take.carried
         if kind.keeps_rotations and clip.rotations is not None:
             lost = tuple(name for name in lost if name.lower() not in ROTATIONS)
     else:
-        clip = resampled(replace(take.clip, weights=weights), options.rate)
+        clip = resampled(edited, options.rate)
         content = scene_content(
             kind, clip, _opened(options.character), take.path.stem, options.compact
         )

@@ -14,6 +14,7 @@ from psygnal import Signal
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import clean_text
@@ -49,10 +50,10 @@ class EditSession:
     are committed at once: `add`, `put`, `remove`, `configure` and so on are one step each.
 
     `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of each plot. `weights` is
-    (T, 52) in ARKit order: what the character shows and the export writes. All are live arrays:
-    read them, but do not keep or change them. `live.patience` limits how long a change may take
-    before the rest is left to `live.work`. `shown_rig` is the user's character if one is open,
-    else `rig`.
+    (T, 52) in ARKit order: what the character shows and the export writes; `rotations` is (T, 9) as
+    in `Clip.rotations`, or None. All are live arrays: read them, but do not keep or change them.
+    `live.patience` limits how long a change may take before the rest is left to `live.work`.
+    `shown_rig` is the user's character if one is open, else `rig`.
 
     Args:
         take: the open take.
@@ -82,9 +83,9 @@ class EditSession:
         self._solver = Solver(take.clip, rig, engine)
         self._steps = Steps()
         self._saved = self._computed = self._steps.state
-        self.live = Live(self._solver)
-        self.tracked, self.asked = self.live.tracked, self.live.asked
-        self.achieved, self.weights = self.live.achieved, self.live.weights
+        live = self.live = Live(self._solver)
+        self.tracked, self.asked = live.tracked, live.asked
+        self.achieved, self.weights, self.rotations = live.achieved, live.weights, live.rotations
 
     # --- the kept state ----------------------------------------------------------------------
 
@@ -338,9 +339,7 @@ class EditSession:
         self.changed.emit()
 
     def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
-        edits = list(self.edits)
-        edits[index] = edit
-        return tuple(edits)
+        return (*self.edits[:index], edit, *self.edits[index:][1:])
 
     def _with_media(self, media: Placement) -> EditState:
         words = self.state.words
@@ -394,6 +393,11 @@ class EditSession:
         columns = [ARKIT_INDEX[c] for c in self.take.clip.channels]
         return np.ascontiguousarray(self.weights[:, columns])
 
+    def edited_clip(self) -> Clip:
+        """The take's clip with the edits."""
+        turns = self.rotations.copy() if self.rotations is not None else None
+        return replace(self.take.clip, weights=self.clip_weights(), rotations=turns)
+
     def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.
 
@@ -410,7 +414,7 @@ class EditSession:
         """
         weights, lost = self.clip_weights(), self.take.lost_rows
         found = self._solver.found(lost, self.edits, self.weights) if lost is not None else None
-        content = encoded_take(path, self.take, weights, found)
+        content = encoded_take(path, self.take, weights, found, self.rotations)
         backup = make_way(Path(path), self.take.path, overwrite)
         if is_same_file(Path(path), self.take.path):
             self.exported_over = fingerprint_of_content(content)

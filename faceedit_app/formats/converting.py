@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from faceedit_app.core.arrays import Bools, Floats, Times
+from faceedit_app.core.arrays import Bools, Times
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
@@ -45,24 +44,24 @@ def convert(
     take: Take,
     form: Format,
     rate: float | None = None,
-    weights: Floats | None = None,
+    edited: Clip | None = None,
 ) -> Clip:
     """Write a take in a format, and return its clip as written.
 
-    In its own format and at its own rate, a take is written byte for byte, except for weights
-    that differ.
+    In its own format and at its own rate, a take is written byte for byte, except for weights and
+    rotations that differ.
 
     Args:
         form: a format that can be written, or the take's own if `rate` is.
         rate: frames per second; None = the take's own.
-        weights: (T, K) in place of the take's own.
+        edited: the take's clip with other weights and rotations; None = as it is.
 
     Raises:
         FileError: the file cannot be written.
     """
-    clip = take.clip if weights is None else replace(take.clip, weights=weights)
+    clip = take.clip if edited is None else edited
     if form.name == take.kind and (rate is None or rate == clip.rate):
-        write_take(path, take, clip.weights)
+        write_take(path, take, clip.weights, clip.rotations)
         return clip
     assert form.write is not None
     clip = resampled(clip, rate, fill_gaps=not form.tells_times)

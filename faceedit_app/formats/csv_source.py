@@ -69,6 +69,7 @@ class CsvSource:
         lines: (T) indices of the lines with the clip's frames.
         columns: (K) the columns of its channels.
         scale: the value of a full blendshape in the file.
+        turns: (9) the columns of the rotations; empty if there are none.
         lost: (L) the lines without a face that lie between frames.
         count: the column with the number of values in each row, if any.
     """
@@ -77,28 +78,40 @@ class CsvSource:
     lines: Sequence[int]
     columns: Sequence[int]
     scale: float = 1.0
+    turns: Sequence[int] = ()
     lost: Sequence[int] = ()
     count: int | None = None
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
+        return b"".join(self._lines(self.columns, self.scale, tracked, edited))
+
+    def rotated(self, tracked: Floats, edited: Floats) -> CsvSource:
+        """The source with other rotations; see `take.RotatingSource.rotated`."""
+        lines = tuple(self._lines(self.turns, 1.0, tracked, edited))
+        return replace(self, table=replace(self.table, lines=lines))
+
+    def _lines(
+        self, columns: Sequence[int], scale: float, tracked: Floats, edited: Floats
+    ) -> list[bytes]:
+        """The lines of the file with changed numbers in some columns."""
         # By value: 0 and -0 are the same weight, so their text stays.
         changed = tracked != edited
         touched = np.flatnonzero(changed.any(axis=1))
         out = list(self.table.lines)
         if len(touched):
-            write = detect_format(self._sample(), self.scale).write
+            write = detect_format(self._sample(columns), scale).write
             for row in touched.tolist():
                 line = self.lines[row]
                 cells = self.table.cells(line)
                 for k in np.flatnonzero(changed[row]).tolist():
-                    column = self.columns[k]
-                    number = write(float(edited[row, k]) * self.scale)
+                    column = columns[k]
+                    number = write(float(edited[row, k]) * scale)
                     cells[column] = _replaced(cells[column], number)
                 text = self.table.delimiter.join(cells)
                 old = self.table.lines[line]
                 out[line] = text + old[len(old.rstrip(b"\r\n")) :]
-        return b"".join(out)
+        return out
 
     def with_faces(self, weights: Floats) -> CsvSource:
         """The file with weights in rows that lost the face.
@@ -108,7 +121,7 @@ class CsvSource:
         Args:
             weights: (L, K) for `lost`; a row of NaN stays as it is.
         """
-        write = detect_format(self._sample(), self.scale).write
+        write = detect_format(self._sample(self.columns), self.scale).write
         out, frames = list(self.table.lines), np.array(self.lines)
         for line, row in zip(self.lost, weights, strict=True):
             if not np.isfinite(row).all():
@@ -125,11 +138,11 @@ class CsvSource:
             out[line] = self.table.delimiter.join(cells) + old[len(old.rstrip(b"\r\n")) :]
         return replace(self, table=replace(self.table, lines=tuple(out)))
 
-    def _sample(self) -> Iterator[bytes]:
+    def _sample(self, columns: Sequence[int]) -> Iterator[bytes]:
         stride = max(1, len(self.lines) // _FORMAT_SAMPLE)
         for line in islice(self.lines, 0, None, stride):
             cells = self.table.cells(line)
-            for column in self.columns:
+            for column in columns:
                 yield cells[column].strip().strip(b'"').strip()
 
 

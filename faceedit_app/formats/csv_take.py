@@ -94,13 +94,18 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
         rotations=_rotations(rows, len(clocks)) if turns else None,
     )
     source = partial(
-        CsvSource, table, tuple(rows.lines), columns.indices, lost=rows.lost_lines, count=count
+        CsvSource,
+        table,
+        tuple(rows.lines),
+        columns.indices,
+        turns=tuple(turns),
+        lost=rows.lost_lines,
+        count=count,
     )
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:
         return take
-    assert isinstance(take.source, CsvSource)
-    return replace(take, lost_rows=LostRows(_positions(rows), take.source.with_faces))
+    return replace(take, lost_rows=LostRows(_positions(rows)))
 
 
 def _positions(rows: Rows) -> tuple[float, ...]:

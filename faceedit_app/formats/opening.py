@@ -12,7 +12,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.registry import recognise
-from faceedit_app.formats.take import Take
+from faceedit_app.formats.take import FillableSource, RotatingSource, Take
 from faceedit_app.formats.timing import exact_rate
 
 _LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
@@ -48,19 +48,27 @@ def checked_rate(path: Path, fps: float) -> float:
     return exact_rate(fps)
 
 
-def write_take(path: Path | str, take: Take, weights: Floats) -> None:
+def write_take(
+    path: Path | str, take: Take, weights: Floats, rotations: Floats | None = None
+) -> None:
     """Export a take with other weights (T, K), in the format of its source.
+
+    Rotations, (T, 9) as in `Clip.rotations`, are those of the take if they are None.
 
     The file is replaced as a whole, so exporting over the source itself is safe.
 
     Raises:
         FileError: the file cannot be written, or a weight is not a finite number.
     """
-    write_atomically(path, encoded_take(path, take, weights))
+    write_atomically(path, encoded_take(path, take, weights, rotations=rotations))
 
 
 def encoded_take(
-    path: Path | str, take: Take, weights: Floats, found: Floats | None = None
+    path: Path | str,
+    take: Take,
+    weights: Floats,
+    found: Floats | None = None,
+    rotations: Floats | None = None,
 ) -> bytes:
     """What `write_take` writes.
 
@@ -69,6 +77,7 @@ def encoded_take(
         take: the take.
         weights: (T, K).
         found: (L, K) for its `lost_rows`; a row of NaN stays without a face.
+        rotations: (T, 9) as in `Clip.rotations`; None = those of the take.
 
     Raises:
         FileError: a weight is not a finite number.
@@ -83,7 +92,9 @@ def encoded_take(
             f"was not written: {channel} at frame {frame} is not a number",
             "undo the last edit and export again",
         )
-    source = take.source
-    if found is not None and take.lost_rows is not None:
-        source = take.lost_rows.written(found)
+    source, tracked = take.source, take.clip.rotations
+    if rotations is not None and tracked is not None and isinstance(source, RotatingSource):
+        source = source.rotated(tracked, rotations)
+    if found is not None and isinstance(source, FillableSource):
+        source = source.with_faces(found)
     return source.encode(take.clip.weights, weights.astype(np.float32))

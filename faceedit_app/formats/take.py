@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -38,17 +38,36 @@ class Source(Protocol):
         ...
 
 
+@runtime_checkable
+class RotatingSource(Source, Protocol):
+    """A source that also holds the rotations of head and eyes."""
+
+    def rotated(self, tracked: Floats, edited: Floats) -> Source:
+        """The source with the rotations of `edited` (T, 9) in place of `tracked` (T, 9), radians.
+
+        Cells whose rotation is unchanged keep the source's own text, to the byte.
+        """
+        ...
+
+
+@runtime_checkable
+class FillableSource(Source, Protocol):
+    """A source with rows in which the face was lost."""
+
+    def with_faces(self, weights: Floats) -> Source:
+        """The source with weights (L, K) in these rows; a row of NaN stays as it is."""
+        ...
+
+
 @dataclass(frozen=True)
 class LostRows:
     """The rows of a file in which the face was lost between two frames.
 
     Attributes:
         positions: (L) where they lie, in frames: 4.5 is half-way between frames 4 and 5.
-        written: makes the source with weights (L, K) in these rows; a row of NaN stays as it is.
     """
 
     positions: tuple[float, ...]
-    written: Callable[[Floats], Source]
 
 
 @dataclass(frozen=True)

@@ -183,6 +183,21 @@ class Model:
         corners = np.array([[-1.0, -1.0, 1.0], [3.0, -1.0, 1.0], [-1.0, 3.0, 1.0]])
         self.backdrop = Mesh([Primitive(corners, material=Material(BACKDROP, doubleSided=True))])
         self._colors, self._tinter, self._is_plain = rig.colors, Tinter(rig.colors), True
+        self._still_at: Floats = np.take(rig.neutral, self.still.vertices, axis=0)
+
+    def move(self, vertices: Floats) -> bool:
+        """Move the vertices to `vertices` (V, 3), metres.
+
+        Returns:
+            Whether that moved what no blendshape changes, as a turning head does.
+        """
+        self.moving.move(vertices)
+        still = np.take(vertices, self.still.vertices, axis=0)
+        if np.array_equal(still, self._still_at):
+            return False
+        self._still_at = still
+        self.still.move(vertices)
+        return True
 
     def tint(self, tint: Floats | None) -> None:
         """Tint the vertices by `tint` (V,), 0..1; None removes the tint."""

@@ -66,8 +66,7 @@ class FaceRenderer:
         """Start drawing an image, and return at once so that other work can be done meanwhile.
 
         Args:
-            vertices: (V, 3) float32, metres: `rig.vertices(weights)`. Vertices that no blendshape
-                moves are taken from `rig.neutral`.
+            vertices: (V, 3) float32, metres: `rig.vertices(weights)`, perhaps turned as a whole.
             camera: the camera.
             smooth: antialias edges; turn off while dragging or playing.
             tint: (V,) float32 in 0..1, such as `difference.tint_of(…)`; None = no tint.

@@ -105,7 +105,9 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         """
         self._platform.make_current()
         model = self._model
-        model.moving.move(vertices)
+        if model.move(vertices):  # the head has turned
+            self._kept.forget()
+            self._looked = self._prepared = None
         model.tint(tint)
         view = View(camera, (width, height))
         target = self._targets.of(view.size, samples)

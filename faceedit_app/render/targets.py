@@ -117,6 +117,10 @@ class Kept:
             self._views[target.samples] = view
         kept.copy_to(target, depths=True)
 
+    def forget(self) -> None:
+        """Draw the still parts again before they are copied: they have moved."""
+        self._views = {}
+
     def delete(self) -> None:
         """Free all of them."""
         self._targets.delete()

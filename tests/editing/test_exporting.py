@@ -45,7 +45,7 @@ def take_of(times: np.ndarray | None = None) -> Take:
 def export(path: Path, take: Take | None = None, **options: object) -> Exported:
     take = take or take_of()
     chosen = Options(**options)  # type: ignore[arg-type]
-    return export_take(take, take.clip.weights, path, choose(path), chosen)
+    return export_take(take, take.clip, path, choose(path), chosen)
 
 
 def test_every_out_format_has_its_own_key_and_says_what_to_do_with_it() -> None:
@@ -308,7 +308,7 @@ def test_a_layout_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
     own = choose(Path("x.glb"), take=take)
     assert not own.has_character
     with pytest.raises(FaceEditError, match="can only be written as it was recorded"):
-        export_take(take, take.clip.weights, tmp_path / "b.glb", own, Options(rate=24.0))
+        export_take(take, take.clip, tmp_path / "b.glb", own, Options(rate=24.0))
     assert choose(Path("x.glb")).has_character
     assert not (tmp_path / "b.glb").exists()
 
@@ -345,7 +345,7 @@ def test_the_command_says_how_to_go_on(tmp_path: Path, capfd: pytest.CaptureFixt
 
 def test_the_script_of_the_guide_puts_a_take_on_a_head_in_blender(tmp_path: Path) -> None:
     export(tmp_path / "head.glb")
-    export_take(take_of(), CLIP.weights, tmp_path / "take.csv", choose(Path("x"), "csv"))
+    export_take(take_of(), CLIP, tmp_path / "take.csv", choose(Path("x"), "csv"))
     guide = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
     script = guide.partition("<!-- script: blender -->\n```python\n")[2].partition("```")[0]
     assert "keyframe_insert" in script

@@ -24,7 +24,9 @@ from support.faces import shipped_rig
 from support.sessions import engine, strengthen
 from support.takes import make_livelink_csv
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.editing.edits.channels import CHANNEL_OPS, OPS
 from faceedit_app.editing.edits.edit import (
     LONGEST_SMOOTH,
     STRONGEST,
@@ -61,9 +63,37 @@ points = st.dictionaries(moments, st.floats(0, 30), min_size=1, max_size=4)
 
 
 @st.composite
-def edits(draw: st.DrawFn) -> Edit:
+def edits_of_channels(draw: st.DrawFn) -> Edit:
     start, end = sorted((draw(moments), draw(moments)))
-    op = draw(st.sampled_from(Op))
+    op = draw(st.sampled_from([op for op in Op if op.value in OPS]))
+    channels = draw(st.lists(st.sampled_from(ARKIT_CHANNELS), min_size=1, max_size=5, unique=True))
+    values = {
+        Op.SCALE: st.floats(0, 3),
+        Op.SMOOTH: st.floats(0, LONGEST_SMOOTH),
+        Op.LIMIT: st.floats(0.01, 1),
+    }
+    amounts = {
+        Op.NEUTRAL: st.tuples(st.floats(0, 0.4), st.floats(0.5, 1)),
+        Op.LEVELS: st.tuples(st.floats(0, 3), st.floats(-1, 1), st.floats(0.1, 1)),
+    }
+    return Edit(
+        (),
+        op,
+        start,
+        end,
+        draw(st.floats(0, 0.5)),
+        draw(values.get(op, st.floats(-1, 1))),
+        strength=draw(st.floats(0, STRONGEST)),
+        points=tuple(sorted(draw(points).items())) if op in WITH_POINTS else (),
+        channels=tuple(channels),
+        amounts=tuple(draw(amounts[op]) for _ in channels) if op in amounts else (),
+    )
+
+
+@st.composite
+def edits_of_curves(draw: st.DrawFn) -> Edit:
+    start, end = sorted((draw(moments), draw(moments)))
+    op = draw(st.sampled_from([op for op in Op if op.value not in CHANNEL_OPS]))
     values = {Op.SCALE: st.floats(0, 3), Op.SMOOTH: st.floats(0, LONGEST_SMOOTH)}
     return Edit(
         controls=tuple(draw(st.lists(st.sampled_from(CONTROL_IDS), min_size=1, unique=True))),
@@ -80,6 +110,7 @@ def edits(draw: st.DrawFn) -> Edit:
     )
 
 
+edits = edits_of_curves() | edits_of_channels()
 any_settings = st.builds(
     Settings, st.sampled_from(Mode), st.sampled_from([0.0, 0.5, 1.0]), st.sampled_from([0.0, 1.0])
 )
@@ -126,12 +157,12 @@ class Editing(RuleBasedStateMachine):
 
     # --- gestures ------------------------------------------------------------------------------
 
-    @rule(some=st.lists(edits(), max_size=2))
+    @rule(some=st.lists(edits, max_size=2))
     def add(self, some: list[Edit]) -> None:
         self.session.add(*some)
         self.finished()
 
-    @rule(first=edits(), second=edits(), keep=st.booleans())
+    @rule(first=edits, second=edits, keep=st.booleans())
     def drag(self, first: Edit, second: Edit, keep: bool) -> None:
         self.session.preview(first)
         self.session.preview(second)
@@ -198,7 +229,7 @@ class Editing(RuleBasedStateMachine):
         self.finished()
 
     @precondition(lambda self: self.session.edits)
-    @rule(data=st.data(), edit=edits(), strengths=st.lists(st.floats(0, STRONGEST), max_size=3))
+    @rule(data=st.data(), edit=edits, strengths=st.lists(st.floats(0, STRONGEST), max_size=3))
     def reshape(self, data: st.DataObject, edit: Edit, strengths: list[float]) -> None:
         index = self.an_index(data)
         for _ in strengths:

@@ -51,6 +51,19 @@ def renderer(rig: Rig) -> Iterator[FaceRenderer]:
     opened.close()
 
 
+def test_turned_head_moves_what_no_blendshape_moves(rig: Rig, renderer: FaceRenderer) -> None:
+    camera = default_camera(rig, 1.0)
+    straight = [renderer.draw(rig.neutral, camera).copy() for _ in range(2)][1]
+    lower = rig.neutral - np.array([0.0, 0.02, 0.0], np.float32)
+    pictures = [renderer.draw(lower, camera).copy() for _ in range(2)]
+    assert (pictures[0] == pictures[1]).all()
+    fresh = open_renderer(dataclasses.replace(rig, neutral=lower), SIZE, SIZE)
+    expected = fresh.draw(lower, camera).copy()
+    fresh.close()
+    assert np.abs(pictures[1].astype(int) - expected.astype(int)).mean() < 1.0
+    assert (renderer.draw(rig.neutral, camera) == straight).all()
+
+
 def test_orbit_turns_around_the_target_and_stops_short_of_the_pole() -> None:
     camera = Camera().orbit(0.4, 10.0)
     assert camera.pitch == PITCH_LIMIT

@@ -5,6 +5,7 @@ from __future__ import annotations
 from hypothesis import strategies as st
 
 from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.editing.edits.channels import CHANNEL_OPS
 from faceedit_app.editing.edits.edit import (
     LONGEST_SMOOTH,
     STRONGEST,
@@ -21,7 +22,7 @@ _points = st.dictionaries(st.floats(-100, 1e5), st.floats(0, 100), min_size=1, m
 def edits(draw: st.DrawFn) -> Edit:
     """Edits with every field that their operation has."""
     start = draw(st.floats(-100, 1e5))
-    op = draw(st.sampled_from(Op))
+    op = draw(st.sampled_from([op for op in Op if op.value not in CHANNEL_OPS]))
     values = {Op.SCALE: st.floats(0, 50), Op.SMOOTH: st.floats(0, LONGEST_SMOOTH)}
     return Edit(
         controls=tuple(draw(st.lists(st.sampled_from(CONTROL_IDS), min_size=1, unique=True))),

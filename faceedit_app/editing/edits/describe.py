@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS, control_named
 from faceedit_app.core.regions import REGIONS
+from faceedit_app.editing.edits.channels import CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
 
 
@@ -25,6 +26,8 @@ def describe(edit: Edit) -> str:
     """The user's name for an edit, else a description such as "Mouth opening +8.0 mm"."""
     if edit.name:
         return edit.name
+    if edit.channels:
+        return _describe_channels(edit)
     what = describe_controls(edit.controls)
     match edit.op:
         case Op.OFFSET:
@@ -43,6 +46,57 @@ def describe(edit: Edit) -> str:
             return f"Add to {_lower(what)}"
         case Op.FILL:
             return f"Fill {_lower(what)}" if len(edit.controls) < len(CONTROLS) else "Fill"
+        case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
+            raise ValueError(f"{edit.op} is for channels")
+
+
+def _describe_channels(edit: Edit) -> str:
+    what, turns = name_channels(edit.channels), is_rotation(edit.channels[0])
+    match edit.op:
+        case Op.OFFSET:
+            amount = f"{edit.value:+.1f}°" if turns else f"{edit.value:+.2f}"
+            return f"{what} {amount}".replace("-", "−")
+        case Op.SCALE if edit.value == 0:
+            return f"{what} {'muted' if edit.about == 0 else 'held still'}"
+        case Op.SCALE:
+            return f"{what} × {edit.value:.2f}"
+        case Op.SMOOTH:
+            return f"Smooth {what} ({1000 * edit.value:.0f} ms)"
+        case Op.DRAW:
+            return f"Draw {what}"
+        case Op.LIMIT:
+            amount = f"{edit.value:.1f}°" if turns else f"{edit.value:.2f}"
+            return f"{what} at most {amount}"
+        case Op.NEUTRAL:
+            return f"Neutral rest ({_counted(len(edit.channels))})"
+        case _:
+            return f"Strength by channel ({_counted(len(edit.channels))})"
+
+
+def _counted(channels: int) -> str:
+    return "1 channel" if channels == 1 else f"{channels} channels"
+
+
+def name_channels(channels: Sequence[str]) -> str:
+    """A name for some channels, such as "jawOpen", "Head" or "jawOpen and 2 more"."""
+    for part in ("head", "leftEye", "rightEye"):
+        if set(channels) == {part + axis for axis in ("Yaw", "Pitch", "Roll")}:
+            return {"head": "Head", "leftEye": "Left eye", "rightEye": "Right eye"}[part]
+    if len(channels) > 2:
+        return f"{channels[0]} and {len(channels) - 1} more"
+    return " and ".join(channels)
+
+
+def describe_what(*edits: Edit) -> str:
+    """What edits change together: a name for their curves and channels."""
+    controls = {name for edit in edits for name in edit.controls}
+    channels = {name for edit in edits for name in edit.channels}
+    parts = []
+    if controls:
+        parts.append(describe_controls([name for name in CONTROL_IDS if name in controls]))
+    if channels:
+        parts.append(name_channels([name for name in CHANNELS if name in channels]))
+    return " and ".join(parts)
 
 
 def describe_edits(edits: Sequence[Edit]) -> str:

@@ -1,4 +1,4 @@
-"""An edit: one change to one or more curves over a time range, and its JSON."""
+"""An edit: one change to some curves, or some channels, over a time range, and its JSON."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from faceedit_app.core.fields import (
     Fields,
     clean_text,
 )
+from faceedit_app.editing.edits.channels import channel_problem, mirrored_channels
 
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
@@ -41,6 +42,10 @@ class Op(StrEnum):
     # Replace the regions of its curves by other motion of the take; `value` is ignored, `points`
     # are the mouth opening that this motion should have, mm, if any (`solving/filling.py`).
     FILL = "fill"
+    # Of channels only; see `channels.py`.
+    LIMIT = "limit"  # approach a ceiling of `value` smoothly
+    NEUTRAL = "neutral"  # subtract a rest pose; `amounts`: rest and peak
+    LEVELS = "levels"  # strength by channel; `amounts`: multiplier, offset and ceiling
 
 
 class Company(StrEnum):
@@ -52,15 +57,16 @@ class Company(StrEnum):
 
 
 WITH_POINTS = (Op.DRAW, Op.ADD)
-WITHOUT_VALUE = (Op.RESET, Op.FILL, *WITH_POINTS)
+WITH_AMOUNTS = (Op.NEUTRAL, Op.LEVELS)
+WITHOUT_VALUE = (Op.RESET, Op.FILL, *WITH_POINTS, *WITH_AMOUNTS)
 
 
 @dataclass(frozen=True)
 class Edit:
-    """One non-destructive change to one or more curves.
+    """One non-destructive change to one or more curves, or to one or more channels.
 
     Attributes:
-        controls: ids of the curves that change.
+        controls: ids of the curves that change; empty for an edit of channels.
         op: what is done.
         start, end: seconds; the hold, in which the edit acts in full.
         falloff: seconds over which the edit fades in before `start`, and out after `end`.
@@ -74,6 +80,9 @@ class Edit:
             linearly, constant before the first and after the last.
         companions: what happens to the companions of its curves.
         seed: which variation a `fill` is; 0 is the most likely one.
+        channels: names of the channels that change, in place of curves. Then `value`, `about` and
+            `points` are weights, or degrees for rotations.
+        amounts: per channel, for `neutral` and `levels`; see `Op`.
 
     Raises:
         ValueError: a field is out of range; the text says which one, as a phrase.
@@ -93,14 +102,20 @@ class Edit:
     points: tuple[tuple[float, float], ...] = ()
     companions: Company = Company.YIELD
     seed: int = 0
+    channels: tuple[str, ...] = ()
+    amounts: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
         if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
             raise ValueError(f"unknown control {unknown[0][:40]!r}")
-        if not self.controls:
+        if not self.controls and not self.channels:
             raise ValueError("it has no control")
+        if self.controls and self.channels:
+            raise ValueError("it names both curves and channels")
         if len(set(self.controls)) < len(self.controls):
             raise ValueError("it names a control twice")
+        if problem := channel_problem(self.channels, self.op.value, self.value, self.amounts):
+            raise ValueError(problem)
         numbers = (self.start, self.end, self.falloff, self.fade_out, self.value, self.about or 0.0)
         if not all(math.isfinite(number) and abs(number) <= LARGEST for number in numbers):
             raise ValueError(f"its numbers must be between -{LARGEST:.0f} and {LARGEST:.0f}")
@@ -142,8 +157,8 @@ class Edit:
     def _hash(self) -> int:
         return hash(
             (
-                *(self.controls, self.op, self.start, self.end, self.falloff, self.value),
-                *(self.points, self.seed),
+                *(self.controls, self.channels, self.op, self.start, self.end, self.falloff),
+                *(self.value, self.points, self.seed),
             )
         )
 
@@ -196,7 +211,8 @@ class Edit:
 
     def mirrored(self) -> Edit:
         """The edit on the other side of the face."""
-        return replace(self, controls=tuple(MIRRORED_CONTROL[c] for c in self.controls))
+        controls = tuple(MIRRORED_CONTROL[c] for c in self.controls)
+        return replace(self, controls=controls, channels=mirrored_channels(self.channels))
 
 
 def fade(outside: Doubles, falloff: float) -> Doubles:
@@ -210,9 +226,8 @@ def fade(outside: Doubles, falloff: float) -> Doubles:
 
 def to_json(edit: Edit) -> dict[str, Any]:
     """The edit as an entry of an edits file."""
-    named: dict[str, Any] = (
-        {"control": edit.controls[0]} if len(edit.controls) == 1 else {"controls": [*edit.controls]}
-    )
+    what, names = ("channel", edit.channels) if edit.channels else ("control", edit.controls)
+    named: dict[str, Any] = {what: names[0]} if len(names) == 1 else {f"{what}s": [*names]}
     return (
         named
         | {
@@ -244,6 +259,8 @@ def _optional(edit: Edit) -> dict[str, Any]:
         entry["seed"] = edit.seed
     if edit.points:
         entry["points"] = [list(point) for point in edit.points]
+    if edit.amounts:
+        entry["amounts"] = [list(amounts) for amounts in edit.amounts]
     return entry
 
 
@@ -255,8 +272,9 @@ def from_json(entry: Any) -> Edit:
     """
     fields = Fields(entry)
     op = fields.choice("op", Op)
+    controls, channels = _what(fields)
     edit = Edit(
-        controls=_controls(fields),
+        controls=controls,
         op=op,
         start=fields.number("start"),
         end=fields.number("end"),
@@ -270,15 +288,22 @@ def from_json(entry: Any) -> Edit:
         points=fields.pairs("points", MOST_POINTS),
         companions=fields.choice("companions", Company, Company.YIELD),
         seed=fields.whole("seed", high=MOST_SEED) if fields.has("seed") else 0,
+        channels=channels,
+        amounts=fields.rows("amounts"),
     )
     fields.finish()
     return edit
 
 
-def _controls(fields: Fields) -> tuple[str, ...]:
-    if fields.has("control") == fields.has("controls"):
-        raise FieldError('it needs "control" (a name) or "controls" (a list of names)')
-    return (fields.text("control"),) if fields.has("control") else fields.texts("controls")
+def _what(fields: Fields) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The curves and the channels that an edit names; one of the two is empty."""
+    given = [name for name in ("control", "controls", "channel", "channels") if fields.has(name)]
+    if len(given) != 1:
+        raise FieldError(
+            'it needs "control" (a curve), "controls" (a list of curves), "channel" or "channels"'
+        )
+    names = fields.texts(given[0]) if given[0].endswith("s") else (fields.text(given[0]),)
+    return (names, ()) if given[0].startswith("control") else ((), names)
 
 
 def edits_from(fields: Fields, name: str = "edits") -> tuple[Edit, ...]:

@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from itertools import islice
 
 from faceedit_app.core.arrays import Floats
-from faceedit_app.editing.solving.chunks import ChunkTask, Rows
+from faceedit_app.editing.solving.channel_edits import Task
+from faceedit_app.editing.solving.chunks import Rows
 from faceedit_app.editing.solving.solver import Solver
 
 REMEMBERED = 1024  # changes that `Live.changes` can report
@@ -24,6 +25,7 @@ class Live:
     Attributes:
         tracked, asked, achieved: (T, C) mm: the three curves of the plots.
         weights: (T, 52) in ARKit order.
+        rotations: (T, 9) radians, as `Clip.rotations`; None if the take has none.
         patience: about how many seconds `show` may take; the rest is left to `work`. None = as
             long as it takes.
     """
@@ -34,9 +36,11 @@ class Live:
         self.asked: Floats = solver.controls.copy()
         self.achieved: Floats = solver.controls.copy()
         self.weights: Floats = solver.tracked.copy()
+        turns = solver.clip.rotations
+        self._turns, self.rotations = turns, None if turns is None else turns.copy()
         self.patience: float | None = None
-        self._wanted: Mapping[int, ChunkTask] = {}
-        self._shown: dict[int, ChunkTask] = {}
+        self._wanted: Mapping[int, Task] = {}
+        self._shown: dict[int, Task] = {}
         self._changed: dict[int, int] = {}  # frames, by chunk
         self._waiting: list[int] = []  # chunks, the most urgent last
         self._total = 0
@@ -63,12 +67,13 @@ class Live:
         """Show the take as tracked."""
         self.show({})
 
-    def show(self, tasks: Mapping[int, ChunkTask]) -> None:
+    def show(self, tasks: Mapping[int, Task]) -> None:
         """Show the results of these tasks by chunk, and the take as tracked elsewhere."""
         for chunk in [chunk for chunk in self._shown if chunk not in tasks]:
             rows = self._solver.chunks.slice(chunk)
             self.asked[rows] = self.achieved[rows] = self.tracked[rows]
             self.weights[rows] = self._solver.tracked[rows]
+            self._turn(rows, None)
             del self._shown[chunk], self._changed[chunk]
             self._note(rows)
         self._wanted = tasks
@@ -115,10 +120,18 @@ class Live:
         self.asked[rows] = patch.asked
         self.achieved[rows] = patch.controls
         self.weights[rows] = patch.weights
+        self._turn(rows, patch.rotations)
         self._note(rows)
         self._shown[chunk] = task
         differs = (patch.weights != self._solver.tracked[rows]).any(axis=1)
+        if self._turns is not None and patch.rotations is not None:
+            differs |= (patch.rotations != self._turns[rows]).any(axis=1)
         self._changed[chunk] = int(differs.sum())
+
+    def _turn(self, rows: slice, rotations: Floats | None) -> None:
+        """Show rotations on some frames; None = as tracked."""
+        if self.rotations is not None and self._turns is not None:
+            self.rotations[rows] = self._turns[rows] if rotations is None else rotations
 
     def _note(self, rows: slice) -> None:
         self._changes.append((rows.start, rows.stop))

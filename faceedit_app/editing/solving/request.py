@@ -175,6 +175,8 @@ def _wanted(
             return curve
         case Op.ADD:
             return curve + _drawn(edit, times[rows])
+        case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
+            raise ValueError(f"{edit.op} is for channels")
 
 
 def smoothing_frames(edit: Edit, rate: float) -> int:

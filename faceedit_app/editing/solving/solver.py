@@ -29,6 +29,7 @@ from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
 from faceedit_app.editing.solving.answers import Answers
+from faceedit_app.editing.solving.channel_edits import ChannelEdits, ChannelTask, Task
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.combining import Combining, RegionRequest
@@ -51,6 +52,8 @@ DECIMALS = 5
 SAMPLED = 12
 # Results of regions that are kept.
 REMEMBERED = 12
+# Answers to curves that are kept for edits of channels.
+REMEMBERED_CHUNKS = 6
 # Seconds of standard deviation of the Gaussian that divides a request into slow and quick.
 QUICK = 0.04
 # The take's closed lips: this percentile of its opening, if that is less than so many mm; else the
@@ -60,11 +63,15 @@ _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
 
 @dataclass(frozen=True)
 class Patch:
-    """A chunk's result: `asked` (N, C) mm, `weights` (N, 52), `controls` (N, C) mm."""
+    """A chunk's result: `asked` (N, C) mm, `weights` (N, 52), `controls` (N, C) mm.
+
+    `rotations` are (N, 9) radians; None = as tracked.
+    """
 
     asked: Floats
     weights: Floats
     controls: Floats
+    rotations: Floats | None = None
 
 
 class Solver:
@@ -81,6 +88,7 @@ class Solver:
         self.tracked = clip.arkit_weights()
         self._rig = rig
         self._theirs: Rig | None = None
+        self._channels = ChannelEdits(clip, self.tracked)
         self.distances = rig.arkit_distances
         self._missing = frozenset(rig.missing_controls)
         self.controls = self.distances.measure(self.tracked)
@@ -134,6 +142,7 @@ class Solver:
     def use_character(self, theirs: Rig | None) -> None:
         """Close lips and lids on the user's character from now on; the chunks change."""
         self._theirs = theirs
+        self._bases: dict[int, tuple[ChunkTask, Patch]] = {}
         self._closing = (
             Closing(
                 self._rig,
@@ -204,10 +213,12 @@ class Solver:
         high = np.maximum(high, self.controls.max(axis=0))
         return list(zip(low.tolist(), high.tolist(), strict=True))
 
-    def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, ChunkTask]:
+    def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Task]:
         """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
-        return self.chunks.tasks(self._possible(edits), settings, listening)
+        curves = [edit for edit in edits if not edit.channels]
+        tasks = self.chunks.tasks(self._possible(curves), settings, listening)
+        return self._channels.tasks(tasks, self._channels.possible(edits), self.chunks)
 
     def _possible(self, edits: Sequence[Edit]) -> Sequence[Edit]:
         """The edits without controls that the character lacks or the take cannot answer."""
@@ -226,8 +237,39 @@ class Solver:
         columns = [ARKIT_INDEX[c] for c in self.clip.channels]
         return self._fills.found(active(edits), lost.positions, weights)[:, columns]
 
-    def solve(self, task: ChunkTask) -> Patch:
+    def solve(self, task: Task) -> Patch:
         """Compute one chunk."""
+        return self._edit_channels(task) if isinstance(task, ChannelTask) else self._answered(task)
+
+    def _edit_channels(self, task: ChannelTask) -> Patch:
+        """Edit the channels of a chunk after its curves have been answered."""
+        rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
+        mine = self._base(task.chunk, curves)
+        weights, rotations = self._channels.apply(
+            task, rows, lambda chunk, base: self._base(chunk, base).weights, DECIMALS
+        )
+        controls = self.distances.measure(weights)
+        same = (weights == mine.weights).all(axis=1)
+        controls[same] = mine.controls[same]
+        # Curves that nobody asked for go where the channels take them.
+        asked = np.where(mine.asked == self.controls[rows], controls, mine.asked)
+        return Patch(asked, weights, controls, rotations)
+
+    def _base(self, chunk: int, task: ChunkTask | None) -> Patch:
+        """The answer to the curves of a chunk; the last ones are kept for further edits."""
+        if task is None:
+            rows = self.chunks.slice(chunk)
+            return Patch(self.controls[rows], self.tracked[rows], self.controls[rows])
+        known = self._bases.pop(chunk, None)
+        if known is None or known[0] != task:
+            known = task, self._answered(task)
+        self._bases[chunk] = known
+        while len(self._bases) > REMEMBERED_CHUNKS:
+            del self._bases[next(iter(self._bases))]  # the least recently used
+        return known[1]
+
+    def _answered(self, task: ChunkTask) -> Patch:
+        """Answer the curves of one chunk."""
         rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
         times, rate = self.clip.times[near], self.clip.rate
         filled, tracked = self._start(task)

@@ -78,7 +78,7 @@ class Exports:
         assert session is not None
         self._note_wait()
         document.work_off()
-        take, weights = session.take, session.clip_weights()
+        take, edited = session.take, session.edited_clip()
 
         def done(written: Exported) -> None:
             if document.session is session:
@@ -89,7 +89,7 @@ class Exports:
 
         self._workspace.message.emit(f"Exporting {path.name}…")
         self._workspace.background.run(
-            lambda: export_take(take, weights, path, form, options), done, self._report
+            lambda: export_take(take, edited, path, form, options), done, self._report
         )
 
     def export_film(self) -> None:

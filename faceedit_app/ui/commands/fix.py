@@ -19,6 +19,7 @@ from faceedit_app.editing.help.presets import (
 )
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.calibration import CalibrationCommands
 from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
@@ -40,6 +41,7 @@ class FixCommands:
         self._workspace = workspace
         self._document, self._timeline = workspace.document, workspace.timeline
         self.words = WordCommands(workspace)
+        self.calibration = CalibrationCommands(workspace)
 
     # --- fixes and presets -------------------------------------------------------------------
 
@@ -315,6 +317,11 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
     Command("say_clearly", "Say it clearl&y…", lambda do: do.words.say_clearly(), (),
             "Set how clearly the words are said, with lips that still meet",
             enabled=lambda do: do.words.has_words),
+    Command("neutral_frame", "This frame is ne&utral", lambda do: do.calibration.this_frame(), (),
+            "Take the pose at the playhead away from the selection or the whole take; blinks and "
+            "words keep their height", starts_group=True),
+    Command("levels", "Stren&gth by channel…", lambda do: do.calibration.levels(), (),
+            "Set multiplier, offset and soft limit of each channel, as one edit"),
     Command("next_problem", "&Next problem", lambda do: do.step(1), ("Down",),
             "Go to the next problem", "down",
             enabled=lambda do: bool(do.problems), starts_group=True),

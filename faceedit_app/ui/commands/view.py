@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QBuffer, QByteArray, QIODevice
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice, Qt
 from PySide6.QtGui import QGuiApplication, QImage
+from PySide6.QtWidgets import QDockWidget, QMainWindow
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROLS
@@ -30,6 +31,7 @@ class ViewCommands:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._timeline = workspace, workspace.timeline
+        self._channels: QDockWidget | None = None
 
     @property
     def face(self) -> FacePane | None:
@@ -183,6 +185,40 @@ class ViewCommands:
             self.face.show_difference(wanted)
             self._workspace.preferences.set_difference(wanted)
 
+    def all_channels(self) -> None:
+        """Show the channels of the take as plain curves, or hide them."""
+        from faceedit_app.ui.page.channels_panel import ChannelsPanel
+
+        window, page = self._workspace.window, self._workspace.page
+        if page is None or not isinstance(window, QMainWindow):
+            return
+        if self._channels is None:
+            panel = page.channels = ChannelsPanel(self._workspace.document, self._timeline)
+            self._channels = QDockWidget("All channels", window)
+            self._channels.setObjectName("channels")
+            self._channels.setWidget(panel)
+            window.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, self._channels)
+            return
+        self._channels.setVisible(self._channels.isHidden())
+
+    @property
+    def shows_channels(self) -> bool:
+        """Whether the channels are shown as plain curves."""
+        return self._channels is not None and not self._channels.isHidden()
+
+    def follow_head(self) -> None:
+        """Turn the head as it was recorded, or keep it straight."""
+        if self.face is not None:
+            wanted = not self.face.follows_head
+            self.face.follow_head(wanted)
+            self._workspace.preferences.set_follows_head(wanted)
+
+    @property
+    def has_rotations(self) -> bool:
+        """Whether the take says how the head turns."""
+        session = self._workspace.session
+        return session is not None and session.rotations is not None
+
     def glance(self, glancing: bool) -> None:
         """Show the tracked face while a key is held."""
         if self.face is not None:
@@ -255,6 +291,10 @@ MENU: Menu[ViewCommands] = Menu("&View", (
     Command("show_difference", "Show &difference", ViewCommands.show_difference, ("Ctrl+T",),
             "Tint the edited face by its distance from the tracked one",
             checked=lambda do: do.face is not None and do.face.shows_difference),
+    Command("follow_head", "Follow the &head", ViewCommands.follow_head, (),
+            "Turn the character's head as it was recorded, or keep it straight; for takes with "
+            "head rotation", enabled=lambda do: do.has_rotations,
+            checked=lambda do: do.face is not None and do.face.follows_head),
     *(
         Command(f"curve_{index + 1}", f"&{index + 1} {control.label}",
                 partial(ViewCommands.focus_curve, index=index),
@@ -274,6 +314,9 @@ MENU: Menu[ViewCommands] = Menu("&View", (
     Command("show_all_curves", "Show &all curves", ViewCommands.show_all_curves,
             tip="Show the hidden curves again",
             enabled=lambda do: do.shown_curves < len(CONTROLS), submenu=CURVES),
+    Command("all_channels", "A&ll channels", ViewCommands.all_channels, ("Ctrl+Shift+L",),
+            "Show the 52 channels, head and eyes as plain curves, to read, scale, smooth and draw",
+            checked=lambda do: do.shows_channels),
     Command("focus_face", "Move camera with &keys", ViewCommands.focus_face, ("9",),
             "Move the camera: arrows orbit, + and - zoom; Esc returns to the curves"),
     Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,

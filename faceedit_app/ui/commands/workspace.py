@@ -42,10 +42,13 @@ class Workspace(QObject):
     Signals:
         message(str): what was done, or why nothing was, for the status bar.
         warning(str): something the user should know, for the banner.
+        offer(str, str, callable): something to do about it: the text, the button's, and what it
+            does.
     """
 
     message = Signal(str)
     warning = Signal(str)
+    offer = Signal(str, str, object)
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:
         super().__init__(window)

@@ -17,9 +17,8 @@ from PySide6.QtCore import (
 )
 
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.fields import clean_text
-from faceedit_app.editing.edits.describe import describe, describe_controls
+from faceedit_app.editing.edits.describe import describe, describe_what
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.edits.groups import Key, groups_of, key_of
 from faceedit_app.ui.look.texts import plain_tip
@@ -156,8 +155,7 @@ class EditsModel(QAbstractListModel):
         edits = [self.edits[one] for one in self.stands_for(row)]
         when, what, strength = self.columns(edits[0])
         if len(edits) > 1:
-            together = {control for edit in edits for control in edit.controls}
-            what = describe_controls([c for c in CONTROL_IDS if c in together])
+            what = describe_what(*edits)
             if len({edit.strength for edit in edits}) > 1:
                 strength = "–"
         return when, what, strength
@@ -258,6 +256,6 @@ def columns(
         tail = ""
     return (
         f"{start}{tail}" if start == end else f"{start} – {end}{tail}",
-        describe_controls(edit.controls),
+        describe_what(edit),
         f"{100 * edit.strength:.0f} %",
     )

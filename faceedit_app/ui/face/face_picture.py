@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QImage, QPainter
 
 from faceedit_app import render
 from faceedit_app.core.arrays import Doubles, Floats, Pixels
+from faceedit_app.core.head import Head
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import tint_of
 from faceedit_app.ui.look.palette import BORDER, TEXT
@@ -36,6 +37,9 @@ class FacePicture:
         self._weights: Floats | None = None
         self._beside: Floats | None = None
         self._against: Floats | None = None
+        self._head: Head | None = None
+        self._rotation: Floats | None = None
+        self._rotation_beside: Floats | None = None
         self._begun = False
 
     def open(self, rig: Rig, size: Size) -> None:
@@ -48,7 +52,7 @@ class FacePicture:
         if self._rig is not None and self._rig is not rig:
             # Weights of another character do not apply.
             self._weights = self._beside = self._against = None
-        self._rig = rig
+        self._rig, self._head = rig, None
         self._renderer = render.open_renderer(rig, *size)
 
     def close(self) -> None:
@@ -78,6 +82,17 @@ class FacePicture:
     def show(self, weights: Floats | None, beside: Floats | None, against: Floats | None) -> None:
         """Set the weights to draw; see `Viewport.show_weights`."""
         self._weights, self._beside, self._against = weights, beside, against
+
+    def turn(self, rotation: Floats | None, beside: Floats | None) -> None:
+        """Set how the heads are turned; see `Viewport.turn_heads`."""
+        self._rotation, self._rotation_beside = rotation, beside
+
+    def _turned(self, rig: Rig, vertices: Floats, rotation: Floats | None) -> Floats:
+        if rotation is None:
+            return vertices
+        if self._head is None:
+            self._head = Head(rig)
+        return self._head.turned(vertices, rotation)
 
     def aim(self, aim: render.Aim, aspect: float) -> None:
         """Point the camera, for a picture of width / height `aspect`."""
@@ -151,9 +166,10 @@ class FacePicture:
     def _first(self, rig: Rig) -> tuple[Floats, Floats | None]:
         """The vertices (V, 3) of the face and, if it is tinted, the strength of the tint (V,)."""
         vertices = rig.neutral if self._weights is None else rig.vertices(self._weights)
+        turned = self._turned(rig, vertices, self._rotation)
         if self._against is None:
-            return vertices, None
-        return vertices, tint_of(vertices, rig.vertices(self._against))
+            return turned, None
+        return turned, tint_of(vertices, rig.vertices(self._against))
 
     def _faces(self, renderer: render.FaceRenderer, rig: Rig, size: Size, smooth: bool) -> Pixels:
         """(H, W, 4) the picture: one face, or two side by side."""
@@ -164,7 +180,8 @@ class FacePicture:
         width, height = size
         shown = [self._first(rig)]
         if self._beside is not None:
-            shown.insert(0, (rig.vertices(self._beside), None))
+            vertices = self._turned(rig, rig.vertices(self._beside), self._rotation_beside)
+            shown.insert(0, (vertices, None))
         renderer.resize(max(width // len(shown), 1), height)
         pictures = []
         for vertices, tint in shown:

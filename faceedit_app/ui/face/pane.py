@@ -6,6 +6,7 @@ from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
+from faceedit_app.editing.session import EditSession
 from faceedit_app.render import Aim
 from faceedit_app.ui.face.handles import FaceHandles
 from faceedit_app.ui.face.viewport import Viewport
@@ -17,7 +18,8 @@ from faceedit_app.ui.state.timeline import Timeline
 
 MENU = (
     ("reset_camera", *(f"camera_{aim}" for aim in Aim if aim is not Aim.FRONT), "focus_face"),
-    ("show_edited", "show_tracked", "show_both", "show_difference"),
+    ("show_edited", "show_tracked", "show_both", "show_difference", "follow_head"),
+    ("neutral_frame",),
     ("copy_picture", "save_picture"),
 )
 
@@ -35,7 +37,7 @@ class FacePane(QWidget):
         super().__init__()
         self._actions, self._document, self._timeline = actions, document, timeline
         self._tracked, self._glancing, self._both = False, False, False
-        self._difference = False
+        self._difference = self._follows = False
         self.viewport = Viewport(self)
         self.handles = FaceHandles(self.viewport)
         layout = QVBoxLayout(self)
@@ -95,6 +97,25 @@ class FacePane(QWidget):
             self._tracked = False
         self._switched()
 
+    @property
+    def follows_head(self) -> bool:
+        """Whether the head turns as it was recorded."""
+        return self._follows
+
+    def follow_head(self, wanted: bool) -> None:
+        """Turn the head as it was recorded, or keep it straight."""
+        self._follows = wanted
+        self._switched()
+
+    def _turn_heads(self, session: EditSession, frame: int) -> None:
+        """Turn the heads as they are in a frame, if they are to follow."""
+        edited, tracked = session.rotations, session.take.clip.rotations
+        if not self._follows or edited is None or tracked is None:
+            self.viewport.turn_heads(None)
+            return
+        shown = tracked if self.shows_tracked else edited
+        self.viewport.turn_heads(shown[frame], tracked[frame])
+
     def aim(self, aim: str) -> None:
         """Point the camera: see `render.Aim`."""
         self.viewport.aim(Aim(aim))
@@ -119,6 +140,7 @@ class FacePane(QWidget):
             )
             self.handles.use_rig(session.rig)
             self.handles.is_wanted = not (self.shows_tracked or self.shows_both)
+            self._turn_heads(session, frame)
             self.viewport.show_weights(
                 session.rig_weights(frame, self.shows_tracked),
                 beside=tracked if self.shows_both else None,

@@ -139,6 +139,15 @@ class Viewport(QWidget):
             self._frame()
         self.redraw()
 
+    def turn_heads(self, rotation: Floats | None, beside: Floats | None = None) -> None:
+        """Turn the heads from the next `show_weights` on; None = straight.
+
+        Args:
+            rotation: yaw, pitch and roll in radians, see `Head.turned`.
+            beside: of the second face.
+        """
+        self._picture.turn(rotation, beside)
+
     def _explain(self) -> None:
         """Show the legend while the face is tinted."""
         self.legend.setVisible(self._picture.is_tinted and self.can_draw)

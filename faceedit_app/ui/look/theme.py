@@ -128,8 +128,8 @@ QLineEdit {{
     background: {BACKGROUND}; border: 1px solid {ACCENT}; border-radius: 3px; padding: 0 4px;
     selection-background-color: {ACCENT_DEEP};
 }}
-QLineEdit#find_word {{ border-color: {BORDER}; min-height: 20px; }}
-QLineEdit#find_word:focus {{ border-color: {ACCENT}; }}
+QLineEdit#find_word, QLineEdit#search {{ border-color: {BORDER}; min-height: 20px; }}
+QLineEdit#find_word:focus, QLineEdit#search:focus {{ border-color: {ACCENT}; }}
 QLineEdit#find_word[refused="true"],
 QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
 

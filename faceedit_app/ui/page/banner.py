@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSizePolicy,
+    QToolButton,
+)
 
 from faceedit_app.ui.look.icons import icon, picture
 from faceedit_app.ui.look.palette import ORANGE
@@ -17,6 +26,7 @@ class Banner(QFrame):
     def __init__(self) -> None:
         super().__init__()
         self._messages: dict[str, str] = {}  # message: details
+        self._offered: tuple[str, Callable[[], None]] | None = None  # message, what can be done
         self.setObjectName("banner")
         sign = QLabel()
         sign.setPixmap(picture("warning", ORANGE, 16, self.devicePixelRatioF()))
@@ -30,11 +40,16 @@ class Banner(QFrame):
         close.setAccessibleName("Dismiss")
         close.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         close.clicked.connect(self.dismiss)
+        self.button = QPushButton()
+        self.button.setAccessibleName("What the message offers")
+        self.button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.button.clicked.connect(self._accept)
         row = QHBoxLayout(self)
         row.setContentsMargins(MARGIN, 3, MARGIN, 3)
         row.setSpacing(GAP)
         row.addWidget(sign)
         row.addWidget(self.text, 1)
+        row.addWidget(self.button)
         row.addWidget(close)
         self.hide()
 
@@ -43,6 +58,25 @@ class Banner(QFrame):
         self._messages.pop(text, None)
         self._messages[text] = detail
         self._show()
+
+    def offer(self, text: str, button: str, act: Callable[[], None]) -> None:
+        """Show a message with a button; it replaces the last one that had one."""
+        self.withdraw()
+        self._offered = text, act
+        self.button.setText(button)
+        self.button.setAccessibleName(button)
+        self.show_message(text)
+
+    def withdraw(self) -> None:
+        """Remove the message with a button."""
+        if self._offered is not None:
+            self.remove(self._offered[0])
+
+    def _accept(self) -> None:
+        if self._offered is not None:
+            act = self._offered[1]
+            self.withdraw()
+            act()
 
     def remove(self, text: str) -> None:
         """Remove a message that no longer holds."""
@@ -55,6 +89,9 @@ class Banner(QFrame):
         self._show()
 
     def _show(self) -> None:
+        if self._offered is not None and self._offered[0] not in self._messages:
+            self._offered = None
+        self.button.setVisible(self._offered is not None)
         self.text.setText("\n".join(self._messages))
         self.text.setToolTip(plain_tip("\n".join(filter(None, self._messages.values()))))
         self.setVisible(bool(self._messages))

@@ -22,6 +22,7 @@ from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
 from faceedit_app.ui.media.waveform import SoundRow
 from faceedit_app.ui.media.words_row import WordsRow
+from faceedit_app.ui.page.channels_panel import ChannelsPanel
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.expressions import Expressions
 from faceedit_app.ui.page.first_steps import HintLayer, Step
@@ -76,6 +77,7 @@ class Editor(QWidget):
         self.edits = EditsPanel(actions, document, timeline)
         self.problem_list = ProblemsList(actions, self.problems, timeline)
         self.expressions = Expressions(actions, document, self.face.viewport)
+        self.channels: ChannelsPanel | None = None  # once it has been opened
         self.lists = QTabWidget()
         self.transport = Transport(actions, timeline, playback)
         self.transport.extras.addWidget(Volume(actions["mute"], media, sound_player))
@@ -209,6 +211,8 @@ class Editor(QWidget):
         if self.words.strip.is_held:
             self.words.strip.cancel()
             return True
+        if self.channels is not None and self.channels.cancel_gesture():
+            return True
         return (
             self.hints.finish()
             or self.settings_bar.cancel()
@@ -220,6 +224,8 @@ class Editor(QWidget):
         """The mouse is lost to another window: end drags and keep their result."""
         for part in (self.curves, self.sound.waveform, self.words.strip, self.face.viewport):
             part.mouse_lost()
+        if self.channels is not None:
+            self.channels.mouse_lost()
         for slider in self.findChildren(QAbstractSlider):
             slider.setSliderDown(False)
 

@@ -122,7 +122,9 @@ class Overview(QWidget):
         painter.drawRoundedRect(frame, 3, 3)
         painter.setPen(Qt.PenStyle.NoPen)
         for edit in session.edits:
-            color = control_named(edit.controls[0]).color if edit.enabled else style.TICK
+            color = style.TICK
+            if edit.enabled:
+                color = control_named(edit.controls[0]).color if edit.controls else style.MUTED
             left, right = (self.x_of(seconds) for seconds in edit.span)
             place = QRectF(left, 4.5, max(right - left, _LEAST), HEIGHT - 9.0)
             painter.setBrush(style.color(color, 150))

@@ -29,6 +29,7 @@ from faceedit_app.ui.state.preferences import Preferences
 
 if TYPE_CHECKING:  # these import a lot; the window appears first
     from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
     from faceedit_app.ui.page.editor import Editor
 
@@ -58,6 +59,7 @@ class MainWindow(WindowBase):
         self._slow_reading = QTimer(self, singleShot=True, interval=_SLOW_MS)
         self._slow_reading.timeout.connect(self._clear)
         self._journal_note = ""  # as last shown
+        self._missing_shown = ""  # channels that edits name and the take lacks, as last shown
         self._lacks_shown: set[str] = set()  # controls of the open take already warned about
         self.commands = Commands(workspace)
         self.actions_ = Actions(self, self.document, self.commands.menus())
@@ -106,6 +108,7 @@ class MainWindow(WindowBase):
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
         workspace.warning.connect(self.banner.show_message)
+        workspace.offer.connect(self.banner.offer)
         media.failed.connect(self._show_error)
         media.missed.connect(lambda error: self.banner.show_message(str(error), str(error)))
         self.start_page.chosen.connect(self.commands.file.open_if_saved)
@@ -192,6 +195,7 @@ class MainWindow(WindowBase):
         page.solving.finished.connect(self.status.show_work)
         self.status.cancelled.connect(page.solving.cancel)
         page.face.show_difference(self._preferences.difference())
+        page.face.follow_head(self._preferences.follows_head())
         self.actions_.refresh()
         return page
 
@@ -247,6 +251,7 @@ class MainWindow(WindowBase):
         session = self.document.session
         assert session is not None
         self._lacks_shown.clear()
+        self.banner.withdraw()
         self.playback.pause()
         page = self.build_editor()
         page.open()
@@ -260,18 +265,35 @@ class MainWindow(WindowBase):
             self._preferences.set_hints_seen()
             QTimer.singleShot(0, page.hints.begin)  # after the layout
         self.commands.take.follow(session.take, session.state.media)
+        self.commands.fix.calibration.offer_neutral()
         if problem := self._preferences.problem():
             self.banner.show_message(problem, problem)
 
     def _warn_of_lacks(self) -> None:
         """Warn, once per take and control, of edits that the take's channels cannot show."""
         session = self.document.session
-        if session is None or not session.lacks:
+        if session is None:
             return
+        self._warn_of_missing(session)
         edited = {control for edit in session.edits for control in edit.controls}
         for control in [name for name in session.lacks if name in edited - self._lacks_shown]:
             self._lacks_shown.add(control)
             self.banner.show_message(str(session.lacks[control]))
+
+    def _warn_of_missing(self, session: EditSession) -> None:
+        """Warn of edits of channels that the take lacks; the line goes when they do."""
+        if not any(edit.channels for edit in session.edits):
+            missing = ""
+        else:
+            from faceedit_app.editing.solving.channel_edits import missing_channels
+
+            missing = missing_channels(session.edits, session.take.clip)
+            missing = f"Some edits are left out: {missing}" if missing else ""
+        before, self._missing_shown = self._missing_shown, missing
+        if missing != before:
+            self.banner.remove(before)
+            if missing:
+                self.banner.show_message(missing)
 
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path

@@ -84,6 +84,14 @@ class Preferences:
         """Remember whether the face is tinted."""
         self._settings.setValue("difference", "true" if shown else "false")
 
+    def follows_head(self) -> bool:
+        """Whether the head last turned as it was recorded."""
+        return str(self._settings.value("follows_head", "false")) == "true"
+
+    def set_follows_head(self, follows: bool) -> None:
+        """Remember whether the head turns."""
+        self._settings.setValue("follows_head", "true" if follows else "false")
+
     def hints_wanted(self) -> bool:
         """Whether the first steps have not been shown yet."""
         return self._settings.value("hints_seen") is None

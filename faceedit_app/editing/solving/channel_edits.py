@@ -1,0 +1,268 @@
+"""Edits of channels: what they do to the weights and rotations that the curves' answer left.
+
+They act after the answer to the curves, in the order of the list, and no network hears of them. A
+chunk is computed from its fixed frames, and from those around it that a smooth reads, so that a
+part has the same bits as the whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_INDEX, ROTATIONS
+from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.core.clip import Clip
+from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, Rows
+from faceedit_app.editing.solving.filters import smoothed
+from faceedit_app.editing.solving.request import active, smoothing, smoothing_frames
+
+WEIGHTS = len(ARKIT_INDEX)
+# A soft limit leaves weights below this share of its ceiling as they are.
+KNEE = 0.7
+_FARTHEST_TURN = 180.0  # degrees
+_JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
+
+
+@dataclass(frozen=True)
+class ChannelTask:
+    """A chunk to compute with edits of channels, and all that its result depends on.
+
+    Attributes:
+        chunk: its number.
+        near: the frames that it is computed from.
+        bases: the chunks that hold these frames, with the answer to the curves there; None where
+            no curve is edited.
+        edits: the edits of channels that it depends on, in the user's order.
+    """
+
+    chunk: int
+    near: Rows
+    bases: tuple[tuple[int, ChunkTask | None], ...]
+    edits: tuple[Edit, ...]
+
+
+Task = ChunkTask | ChannelTask
+
+
+def channels_of(clip: Clip) -> frozenset[str]:
+    """The channels of a clip that can be edited: weights, and rotations if it has them."""
+    turns = () if clip.rotations is None else ROTATIONS
+    return frozenset((*clip.channels, *turns))
+
+
+def missing_channels(edits: Sequence[Edit], clip: Clip) -> str:
+    """One line about channels that edits name and a clip lacks; empty if there are none."""
+    has = channels_of(clip)
+    missing = dict.fromkeys(name for edit in edits for name in edit.channels if name not in has)
+    return f"the take has no {', '.join(missing)} to change" if missing else ""
+
+
+class ChannelEdits:
+    """Computes the edits of channels of one take.
+
+    Args:
+        clip: the take as tracked.
+        tracked: (T, 52) its weights in ARKit order.
+    """
+
+    def __init__(self, clip: Clip, tracked: Floats) -> None:
+        self._times, self._rate = clip.times, clip.rate
+        self._tracked, self._rotations = tracked, clip.rotations
+        self._has = channels_of(clip)
+        self._medians = np.median(self._values(tracked, slice(0, len(tracked))), axis=0)
+
+    def possible(self, edits: Sequence[Edit]) -> tuple[Edit, ...]:
+        """The effective edits of channels, without the channels that the take lacks."""
+        found = []
+        for edit in active([edit for edit in edits if edit.channels]):
+            kept = [k for k, name in enumerate(edit.channels) if name in self._has]
+            if len(kept) == len(edit.channels):
+                found.append(edit)
+            elif kept:
+                names = tuple(edit.channels[k] for k in kept)
+                amounts = tuple(edit.amounts[k] for k in kept) if edit.amounts else ()
+                found.append(replace(edit, channels=names, amounts=amounts))
+        return tuple(found)
+
+    def tasks(
+        self, curves: Mapping[int, ChunkTask], edits: Sequence[Edit], chunks: Chunks
+    ) -> dict[int, Task]:
+        """The tasks by chunk.
+
+        Args:
+            curves: the tasks that answer the edits of curves.
+            edits: the edits of channels, see `possible`.
+            chunks: the chunks of the take.
+        """
+        tasks: dict[int, Task] = dict(curves)
+        if not edits:
+            return tasks
+        spans = [self._frames(edit) for edit in edits]
+        for chunk in range(len(chunks)):
+            rows = chunks.slice(chunk)
+            near, seen = (rows.start, rows.stop), []
+            for edit, (start, stop) in reversed(list(zip(edits, spans, strict=True))):
+                first, last = max(near[0], start), min(near[1], stop)
+                if first < last:
+                    seen.append(edit)
+                    around = smoothing_frames(edit, self._rate)
+                    near = min(near[0], first - around), max(near[1], last + around)
+            acts = any(start < rows.stop and stop > rows.start for start, stop in spans)
+            if not acts or rows.start == rows.stop:
+                continue
+            near = max(near[0], 0), min(near[1], len(self._times))
+            bases = tuple(
+                (k, curves.get(k))
+                for k in range(chunks.of_frame(near[0]), chunks.of_frame(near[1] - 1) + 1)
+            )
+            tasks[chunk] = ChannelTask(chunk, near, bases, tuple(reversed(seen)))
+        return tasks
+
+    def _frames(self, edit: Edit) -> Rows:
+        first, last = edit.span
+        start, stop = np.searchsorted(self._times, (first - SLACK, last + SLACK))
+        return int(start), int(stop)
+
+    def _values(self, weights: Floats, rows: slice) -> Doubles:
+        """(N, 61): the weights (N, 52), then the rotations as tracked, in degrees."""
+        turns = np.zeros((len(weights), len(CHANNELS) - WEIGHTS))
+        if self._rotations is not None:
+            turns = np.degrees(self._rotations[rows].astype(np.float64))
+        return np.concatenate([weights.astype(np.float64), turns], axis=1)
+
+    def apply(
+        self,
+        task: ChannelTask,
+        rows: slice,
+        base: Callable[[int, ChunkTask | None], Floats],
+        decimals: int,
+    ) -> tuple[Floats, Floats | None]:
+        """The weights (N, 52) and the rotations (N, 9) in radians of a chunk.
+
+        Args:
+            task: the task.
+            rows: the chunk's frames.
+            base: answers the curves of a chunk: (N, 52) weights.
+            decimals: to which changed numbers are rounded.
+        """
+        near = slice(*task.near)
+        parts = [base(chunk, curves) for chunk, curves in task.bases]
+        # The first part begins where its chunk does, at or before the first frame that is read.
+        place = [chunk for chunk, _ in task.bases].index(task.chunk)
+        first = rows.start - sum(map(len, parts[:place]))
+        around = np.concatenate(parts)[near.start - first : near.stop - first]
+        before = self._values(around, near)
+        after = self._edited(before, task.edits, near)
+        inner = slice(rows.start - near.start, rows.stop - near.start)
+        same = after[inner] == before[inner]
+        weights = np.where(same[:, :WEIGHTS], around[inner], after[inner, :WEIGHTS].round(decimals))
+        if self._rotations is None:
+            return weights.astype(np.float32), None
+        turned = np.radians(after[inner, WEIGHTS:]).round(decimals)
+        rotations = np.where(same[:, WEIGHTS:], self._rotations[rows], turned)
+        return weights.astype(np.float32), rotations.astype(np.float32)
+
+    def _edited(self, values: Doubles, edits: Sequence[Edit], near: slice) -> Doubles:
+        """Values (N, 61) with the edits."""
+        result, times = values.copy(), self._times[near]
+        for edit in edits:
+            start, stop = self._frames(edit)
+            rows = slice(max(start, near.start) - near.start, min(stop, near.stop) - near.start)
+            if rows.start >= rows.stop:
+                continue
+            columns = [CHANNEL_INDEX[name] for name in edit.channels]
+            now = result[rows][:, columns]
+            wanted = self._wanted(edit, result[:, columns], rows, times, columns)
+            mask = edit.mask(times[rows])[:, None]
+            strength = min(edit.strength, 1.0) if edit.op in _TO_A_GOAL else edit.strength
+            moved = now + mask * strength * (wanted - now)
+            if is_rotation(edit.channels[0]):
+                moved = np.clip(moved, -_FARTHEST_TURN, _FARTHEST_TURN)
+            else:
+                moved = np.clip(moved, np.minimum(now, 0.0), np.maximum(now, 1.0))
+            result[rows, columns] = np.where(mask > 0, moved, now)
+        _keep_lips_together(result, values)
+        return result
+
+    def _wanted(
+        self, edit: Edit, around: Doubles, rows: slice, times: Doubles, columns: list[int]
+    ) -> Doubles:
+        """(N, K) what an edit at full strength makes of its channels on `rows`."""
+        now = around[rows]
+        match edit.op:
+            case Op.SCALE:
+                middle = self._medians[columns] if edit.about is None else edit.about
+                scaled: Doubles = middle + edit.value * (now - middle)
+                return scaled
+            case Op.SMOOTH:
+                return self._smooth(edit, around, rows)
+            case Op.DRAW:
+                drawn = np.interp(times[rows], *edit.polyline)
+                return np.repeat(drawn[:, None], len(columns), axis=1)
+            case Op.LIMIT:
+                return softly_limited(now, np.full(len(columns), edit.value))
+            case Op.NEUTRAL:
+                rest, peak = np.array(edit.amounts).T
+                return without_rest(now, rest, peak)
+            case Op.LEVELS:
+                factor, offset, limit = np.array(edit.amounts).T
+                levelled = factor * now + offset
+                return np.where(limit < 1, softly_limited(levelled, limit), levelled)
+            case _:
+                return now + edit.value
+
+    def _smooth(self, edit: Edit, around: Doubles, rows: slice) -> Doubles:
+        margin = smoothing_frames(edit, self._rate)
+        if not margin:
+            return around[rows]
+        first, last = max(rows.start - margin, 0), min(rows.stop + margin, len(around))
+        smooth = smoothed(around[first:last], smoothing(edit) * self._rate)
+        return smooth[rows.start - first : rows.stop - first]
+
+
+# Operations that go to a goal: more than all the way would go beyond it.
+_TO_A_GOAL = (Op.SMOOTH, Op.NEUTRAL, Op.LIMIT)
+
+
+def softly_limited(values: Doubles, ceiling: Doubles) -> Doubles:
+    """Values (N, K) that approach `ceiling` (K,) smoothly; those below `KNEE` of it are unchanged.
+
+    Value and slope are continuous, the order of values is kept, and the ceiling is never passed.
+    Rotations are limited in both directions.
+    """
+    size, knee = np.abs(values), KNEE * ceiling
+    room = ceiling - knee
+    above = knee + room * -np.expm1(-np.maximum(size - knee, 0.0) / room)
+    limited: Doubles = np.where(size > knee, np.copysign(above, values), values)
+    return limited
+
+
+def without_rest(values: Doubles, rest: Doubles, peak: Doubles) -> Doubles:
+    """Values (N, K) with a rest pose (K,) taken away, and the height of peaks (K,) kept.
+
+    Subtracting alone would cost a blink of 0.9 over a squint of 0.3 a third of its height. So what
+    lies between rest and peak is stretched to lie between 0 and the peak: a blink that closed the
+    lids still does, and nothing but the scale of the motion changes. What lies above the peak
+    stays as it is.
+    """
+    stretched = (values - rest) * (peak / (peak - rest))
+    moved: Doubles = np.where(values < peak, np.maximum(stretched, np.minimum(values, 0.0)), values)
+    return moved
+
+
+def _keep_lips_together(values: Doubles, before: Doubles) -> None:
+    """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
+
+    If the take itself exceeds this, the same excess is allowed. So mouthClose follows a jaw that
+    is lowered.
+    """
+    excess = np.maximum(before[:, _CLOSE] - before[:, _JAW], 0.0)
+    moved = (values[:, [_CLOSE, _JAW]] != before[:, [_CLOSE, _JAW]]).any(axis=1)
+    most = values[:, _JAW] + excess
+    over = moved & (values[:, _CLOSE] > most)
+    values[over, _CLOSE] = most[over]

@@ -1,0 +1,166 @@
+"""The plot of one channel: its weight or rotation over time, to read, select and draw on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pyqtgraph as pg
+
+from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.editing.edits.channels import is_rotation
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.axes import ValueAxis
+from faceedit_app.ui.curves.gestures import Pointer, Span, clamped
+from faceedit_app.ui.curves.marks import Playhead, selection_region
+from faceedit_app.ui.curves.time_view import Mouse, TimeView
+from faceedit_app.ui.curves.tools import DrawDrag
+from faceedit_app.ui.state.timeline import Timeline
+
+_ROOM = 0.06  # of the values, above and below
+_LEAST_TURN = 5.0  # degrees either way: less would look like movement
+
+
+class ChannelPlot(pg.PlotItem, Mouse):
+    """Draws a channel as tracked and as edited; a drag selects a range, or draws.
+
+    Args:
+        timeline: the time axis that it shares.
+        channel: its name.
+        session: answers whose take it is from.
+        draws: whether a drag draws.
+    """
+
+    def __init__(
+        self,
+        timeline: Timeline,
+        channel: str,
+        session: Callable[[], EditSession | None],
+        draws: Callable[[], bool],
+    ) -> None:
+        self.channel = channel
+        self.shown = ""  # its name and the value at the playhead
+        self._timeline, self._session, self._draws = timeline, session, draws
+        self._drawn: DrawDrag | None = None
+        self._selecting: float | None = None  # seconds of the press
+        self.view = TimeView(timeline, self)
+        super().__init__(viewBox=self.view, axisItems={"left": ValueAxis()}, enableMenu=False)
+        self.hideButtons()
+        self.hideAxis("bottom")
+        self.view.setLimits(minYRange=0.02)
+        self._selection, self._playhead = selection_region(), Playhead()
+        self._tracked = pg.PlotDataItem(pen=style.tracked_pen())
+        self._edited = pg.PlotDataItem(pen=style.face_pen(style.FOCUS))
+        self._name = pg.LabelItem(justify="left", color=style.LABEL)
+        self._name.setParentItem(self.view)
+        self.view.addItem(self._selection, ignoreBounds=True)
+        for line in (self._tracked, self._edited):
+            line.setClipToView(True)
+            line.setDownsampling(auto=True, method="peak")
+            self.view.addItem(line)
+        self.view.addItem(self._playhead, ignoreBounds=True)
+
+    @property
+    def is_drawing(self) -> bool:
+        """Whether something is being drawn."""
+        return self._drawn is not None
+
+    # --- what is shown -----------------------------------------------------------------------
+
+    def show_values(self, times: Times, tracked: Doubles, edited: Doubles) -> None:
+        """Show the channel (T,) as tracked and as edited."""
+        self._tracked.setData(times, tracked)
+        self._edited.setData(times, edited)
+        if self._drawn is None:
+            self._fit(
+                float(min(tracked.min(), edited.min())), float(max(tracked.max(), edited.max()))
+            )
+
+    def _fit(self, low: float, high: float) -> None:
+        if is_rotation(self.channel):
+            low, high = min(low, -_LEAST_TURN), max(high, _LEAST_TURN)
+        else:
+            low, high = min(low, 0.0), max(high, 1.0)
+        room = _ROOM * (high - low)
+        self.view.setYRange(low - room, high + room, padding=0)
+
+    def show_marks(self, value: float, playhead: float, selection: Span | None) -> None:
+        """Show the value at the playhead, the playhead and the selection."""
+        shown = f"{value:+.1f}°" if is_rotation(self.channel) else f"{value:.2f}"
+        self.shown = f"{self.channel}  {shown}".replace("-", "−")
+        self._name.setText(self.shown)
+        self._playhead.setValue(playhead)
+        self._selection.show_span(selection, style.SELECTED)
+
+    # --- mouse -------------------------------------------------------------------------------
+
+    def _seconds(self, pointer: Pointer) -> float:
+        scale = self.view.scale_now
+        return self._timeline.snap(scale.time_at(clamped(pointer.x, (0.0, scale.width))))
+
+    def pressed(self, pointer: Pointer) -> None:
+        """Begin to draw or to select."""
+        if not self._draws():
+            self._selecting = self._seconds(pointer)
+            self._timeline.go_to_time(self._selecting)
+            return
+        scale = self.view.scale_now
+        at = scale.time_at(pointer.x), scale.value_at(pointer.y)
+        limits = (-180.0, 180.0) if is_rotation(self.channel) else (0.0, 1.0)
+        self._drawn = DrawDrag((), at[0], scale, limits, at, ())
+
+    def dragged(self, pointer: Pointer) -> None:
+        """Draw on, or select up to the pointer."""
+        if self._selecting is not None:
+            now = self._seconds(pointer)
+            if now != self._selecting:
+                self._timeline.select((self._selecting, now))
+            return
+        session = self._session()
+        if self._drawn is not None and session is not None:
+            self._drawn = self._drawn.moved(pointer.x, pointer.y, False)
+            if self._drawn.moving:
+                session.preview(self._edit(self._drawn))
+
+    def released(self, pointer: Pointer) -> None:
+        """Keep what was drawn or selected."""
+        self.dragged(pointer)
+        self.mouse_lost()
+
+    def double_clicked(self, pointer: Pointer) -> None:
+        """Clear the selection."""
+        if self._draws():
+            self.pressed(pointer)
+        else:
+            self._timeline.select(None)
+
+    def mouse_lost(self) -> None:
+        """End the gesture and keep its result."""
+        drawn, self._drawn, self._selecting = self._drawn, None, None
+        session = self._session()
+        if drawn is not None and drawn.moving and session is not None:
+            session.commit()
+
+    def cancel(self) -> None:
+        """Drop what is being drawn."""
+        drawn, self._drawn, self._selecting = self._drawn, None, None
+        session = self._session()
+        if drawn is not None and session is not None:
+            session.cancel()
+
+    def _edit(self, drawn: DrawDrag) -> Edit:
+        fade_in, fade_out = self._timeline.own_falloffs
+        points = tuple(zip(*np.round(np.array(drawn.points).T, 5).tolist(), strict=True))
+        first, last = points[0][0], points[-1][0]
+        return Edit(
+            (),
+            Op.DRAW,
+            first,
+            last,
+            fade_in,
+            falloff_out=None if fade_out == fade_in else fade_out,
+            points=points,
+            channels=(self.channel,),
+        )

@@ -1,0 +1,353 @@
+"""All channels: the weights and rotations of the take as plain curves, for those who know them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QShowEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QCheckBox,
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QLineEdit,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
+
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.channel_plot import ChannelPlot
+from faceedit_app.ui.curves.gestures import Span
+from faceedit_app.ui.curves.plot import Marks
+from faceedit_app.ui.curves.ruler import Ruler
+from faceedit_app.ui.look.theme import GAP, MARGIN
+from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
+
+MOST_PLOTS = 4
+_CEILING, _CEILING_TURN = 0.8, 20.0  # of Limit at first: a weight, degrees
+_FIRST = ("jawOpen",)  # selected at first
+_IDLE = 0.005  # a weight that moves less is idle
+
+
+class ChannelsPanel(QWidget):
+    """A list of channels with search; those that are selected are plotted and can be edited.
+
+    The buttons act on the selected channels, in the selected time range or the whole take.
+    """
+
+    def __init__(self, document: Document, timeline: Timeline) -> None:
+        super().__init__()
+        self._document, self._timeline = document, timeline
+        self.plots: list[ChannelPlot] = []
+        self._items: dict[str, QListWidgetItem] = {}
+        self.search = QLineEdit()
+        self.search.setObjectName("search")
+        self.search.setPlaceholderText("Search channels")
+        self.search.setAccessibleName("Search channels")
+        self.search.setClearButtonEnabled(True)
+        self.search.textChanged.connect(self._filter)
+        self.list = QListWidget()
+        self.list.setAccessibleName("Channels")
+        self.list.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        self.list.itemSelectionChanged.connect(self._choose)
+        self.area = pg.GraphicsLayoutWidget()
+        self.area.setBackground(style.BACKGROUND)
+        self.area.ci.setContentsMargins(0, 0, 0, 0)
+        self.area.ci.setSpacing(2)
+        self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.ruler = Ruler(timeline)
+        self.draw = QCheckBox("&Draw")
+        self.draw.setToolTip("Drag on a plot to draw; otherwise a drag selects a time range")
+        self.factor = _number(0.0, 10.0, 0.05, 0.5, "×", "Factor for Scale")
+        self.smoothing = _number(10.0, 2000.0, 10.0, 80.0, " ms", "Width of Smooth")
+        self.ceiling = _number(0.05, 1.0, 0.05, _CEILING, "", "Ceiling for Limit")
+        self._buttons = [
+            self._button("Scale", "Multiply the distance from the take's median", self.scale),
+            self._button("Smooth", "Calm shaking", self.smooth),
+            self._button("Limit", "Approach a ceiling smoothly and never pass it", self.limit),
+            self._button("Mute", "Set to 0", self.mute),
+        ]
+        self._lay_out()
+        document.opened.connect(self.reload)
+        for changed in (document.changed, document.previewed):
+            changed.connect(self._refresh)
+        for moved in (
+            timeline.playhead_moved,
+            timeline.selection_changed,
+            timeline.falloff_changed,
+        ):
+            moved.connect(self._mark)
+        self.reload()
+
+    def _button(self, text: str, tip: str, act: object) -> QPushButton:
+        button = QPushButton(text)
+        button.setToolTip(f"{tip}, in the selected range or the whole take")
+        button.clicked.connect(act)
+        return button
+
+    def _lay_out(self) -> None:
+        row = QHBoxLayout()
+        row.setSpacing(GAP)
+        scale, smooth, limit, mute = self._buttons
+        for button, field in (
+            (scale, self.factor),
+            (smooth, self.smoothing),
+            (limit, self.ceiling),
+        ):
+            row.addWidget(button)
+            row.addWidget(field)
+            row.addSpacing(GAP)
+        row.addWidget(mute)
+        row.addSpacing(GAP)
+        row.addWidget(self.draw)
+        row.addStretch()
+        left, right = QWidget(), QWidget()
+        # The times stand above the plots, not above their numbers.
+        times = QHBoxLayout()
+        times.addSpacing(style.AXIS_WIDTH)
+        times.addWidget(self.ruler)
+        for box, parts in ((left, (self.search, self.list)), (right, (self.area,))):
+            column = QVBoxLayout(box)
+            column.setContentsMargins(0, 0, 0, 0)
+            column.setSpacing(GAP // 2)
+            if box is right:
+                column.addLayout(times)
+            for part in parts:
+                column.addWidget(part)
+            if box is right:
+                column.addLayout(row)
+        split = QSplitter(Qt.Orientation.Horizontal)
+        split.setChildrenCollapsible(False)
+        split.addWidget(left)
+        split.addWidget(right)
+        split.setSizes((190, 900))
+        split.setStretchFactor(1, 1)
+        whole = QVBoxLayout(self)
+        whole.setContentsMargins(MARGIN, GAP // 2, MARGIN, GAP // 2)
+        whole.addWidget(split)
+
+    # --- the list ----------------------------------------------------------------------------
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels that the take has, in ARKit order, then the rotations."""
+        session = self._document.session
+        if session is None:
+            return ()
+        has = set(session.take.clip.channels)
+        turns = session.rotations is not None
+        return tuple(name for name in CHANNELS if (turns if is_rotation(name) else name in has))
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """The selected channels, in the order of the list."""
+        return tuple(name for name in self.channels if self._items[name].isSelected())
+
+    def choose(self, *channels: str) -> None:
+        """Select channels."""
+        for name in self.channels:
+            self._items[name].setSelected(name in channels)
+
+    def reload(self) -> None:
+        """Another take: list its channels, and keep those that are selected."""
+        chosen = [item.text() for item in self.list.selectedItems()]
+        self.list.blockSignals(True)
+        self.list.clear()
+        session = self._document.session
+        idle = _idle(session) if session is not None else set()
+        self._items = {}
+        for name in self.channels:
+            item = self._items[name] = QListWidgetItem(name)
+            if name in idle:
+                item.setForeground(style.color(style.MUTED))
+                item.setToolTip("Idle: the take never moves it")
+            self.list.addItem(item)
+        self.list.blockSignals(False)
+        kept = [name for name in chosen if name in self._items]
+        self.choose(*(kept or _FIRST))
+        self._filter(self.search.text())
+        if session is not None:
+            clip = session.take.clip
+            gaps = [(clip.times[gap.frame], clip.times[gap.frame + 1]) for gap in clip.gaps]
+            self.ruler.show_clip(clip, gaps)
+        self._choose()
+        for item in self.list.selectedItems()[:1]:
+            self.list.scrollToItem(item, QAbstractItemView.ScrollHint.PositionAtCenter)
+
+    def _filter(self, text: str) -> None:
+        for name, item in self._items.items():
+            item.setHidden(text.strip().lower() not in name.lower())
+
+    def _choose(self) -> None:
+        """Plot the first of the selected channels."""
+        wanted = self.chosen[:MOST_PLOTS]
+        if [plot.channel for plot in self.plots] != list(wanted):
+            self.area.ci.clear()
+            self.plots = []
+            for row, name in enumerate(wanted):
+                plot = ChannelPlot(self._timeline, name, self._session, self.draw.isChecked)
+                self.area.ci.addItem(plot, row, 0)
+                self.plots.append(plot)
+        for button in self._buttons:
+            button.setEnabled(bool(self.chosen))
+        self._set_unit(bool(self.chosen) and all(map(is_rotation, self.chosen)))
+        self._refresh()
+
+    def _set_unit(self, turns: bool) -> None:
+        """Let the ceiling be in degrees, or a weight."""
+        if turns == bool(self.ceiling.suffix()):
+            return
+        self.ceiling.setSuffix("°" if turns else "")
+        self.ceiling.setRange(*((1.0, 180.0) if turns else (0.05, 1.0)))
+        self.ceiling.setSingleStep(1.0 if turns else 0.05)
+        self.ceiling.setDecimals(0 if turns else 2)
+        self.ceiling.setValue(_CEILING_TURN if turns else _CEILING)
+
+    # --- the plots ---------------------------------------------------------------------------
+
+    def _session(self) -> EditSession | None:
+        return self._document.session
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Show what has changed meanwhile."""
+        super().showEvent(event)
+        self._refresh()
+
+    def _refresh(self) -> None:
+        session = self._document.session
+        if session is None or not self.isVisible():
+            return
+        for plot in self.plots:
+            tracked, edited = values_of(session, plot.channel)
+            plot.show_values(session.take.clip.times, tracked, edited)
+        self._mark()
+
+    def _mark(self) -> None:
+        session, line = self._document.session, self._timeline
+        if session is None or not self.isVisible():
+            return
+        span = None
+        if line.selection is not None:
+            span = Span(*line.selection, line.falloff, line.falloff_out)
+        frame = min(max(line.frame, 0), len(session.weights) - 1)
+        self.ruler.show_marks(Marks(selection=span), line.time)
+        for plot in self.plots:
+            value = float(values_of(session, plot.channel)[1][frame])
+            plot.show_marks(value, line.time, span)
+
+    # --- gestures ----------------------------------------------------------------------------
+
+    def cancel_gesture(self) -> bool:
+        """Drop what is being drawn; False if nothing is."""
+        drawing = [plot for plot in self.plots if plot.is_drawing]
+        for plot in drawing:
+            plot.cancel()
+        return bool(drawing)
+
+    def mouse_lost(self) -> None:
+        """End drawing and keep it: the release was lost."""
+        for plot in self.plots:
+            plot.mouse_lost()
+
+    # --- edits -------------------------------------------------------------------------------
+
+    def scale(self) -> None:
+        """Scale the selected channels."""
+        self._add(Op.SCALE, self.factor.value())
+
+    def smooth(self) -> None:
+        """Smooth the selected channels."""
+        self._add(Op.SMOOTH, self.smoothing.value() / 1000.0)
+
+    def limit(self) -> None:
+        """Limit the selected channels softly."""
+        self._add(Op.LIMIT, self.ceiling.value())
+
+    def mute(self) -> None:
+        """Set the selected channels to 0."""
+        self._add(Op.SCALE, 0.0, about=0.0)
+
+    def _add(self, op: Op, value: float, about: float | None = None) -> None:
+        """Edit the selected channels: weights and rotations in an edit each, as one step."""
+        session, line = self._document.session, self._timeline
+        if session is None:
+            return
+        start, end, fade_in, fade_out = 0.0, line.duration, 0.0, 0.0
+        if line.own_selection is not None:
+            (start, end), (fade_in, fade_out) = line.own_selection, line.own_falloffs
+        falloff_out = None if fade_out == fade_in else fade_out
+        edits = [
+            Edit(
+                (),
+                op,
+                start,
+                end,
+                fade_in,
+                round(value, 4),
+                falloff_out=falloff_out,
+                about=about,
+                channels=channels,
+            )
+            for channels in _by_unit(self.chosen)
+        ]
+        session.add(*edits)
+
+
+def values_of(session: EditSession, channel: str) -> tuple[Doubles, Doubles]:
+    """(T,) a channel as tracked and as edited: a weight, or degrees."""
+    if not is_rotation(channel):
+        k = ARKIT_INDEX[channel]
+        clip = session.take.clip
+        tracked = clip.weights[:, clip.channels.index(channel)].astype(np.float64)
+        return tracked, session.weights[:, k].astype(np.float64)
+    k, before = CHANNEL_INDEX[channel] - len(ARKIT_INDEX), session.take.clip.rotations
+    assert before is not None
+    assert session.rotations is not None
+    return (
+        np.degrees(before[:, k].astype(np.float64)),
+        np.degrees(session.rotations[:, k].astype(np.float64)),
+    )
+
+
+def _idle(session: EditSession) -> set[str]:
+    """The channels that the take never moves."""
+    clip = session.take.clip
+    moves = np.ptp(clip.weights, axis=0)
+    return {name for name, move in zip(clip.channels, moves, strict=True) if move < _IDLE}
+
+
+def _by_unit(channels: Sequence[str]) -> list[tuple[str, ...]]:
+    """The weights among channels, and the rotations, without empty groups."""
+    groups = (tuple(c for c in channels if is_rotation(c) is turns) for turns in (False, True))
+    return [group for group in groups if group]
+
+
+def _number(
+    low: float, high: float, step: float, value: float, unit: str, name: str
+) -> QDoubleSpinBox:
+    """A field for a number."""
+    field = QDoubleSpinBox()
+    field.setRange(low, high)
+    field.setSingleStep(step)
+    field.setDecimals(0 if step >= 1 else 2)
+    if unit == "×":
+        field.setPrefix("× ")
+    else:
+        field.setSuffix(unit)
+    field.setValue(value)
+    field.setAccessibleName(name)
+    field.setToolTip(name)
+    return field
