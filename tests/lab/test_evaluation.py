@@ -79,7 +79,7 @@ def test_evaluate_writes_the_json_of_the_promise(
     found = json.loads(file.read_text())
     assert set(found) == {
         "regions", "closures", "edits", "takes", "people", "restoration", "real_or_edited",
-        "smile", "asymmetry", "smooth_roughness", "wild", "blinks",
+        "smile", "asymmetry", "smooth_roughness", "wild", "blinks", "inpainting",
     }  # fmt: skip
     assert set(found["regions"]) == {"lower", "upper", "eyelids"}
     for scores in found["regions"].values():
