@@ -187,8 +187,10 @@ def test_a_take_shorter_than_the_animation_of_the_character_opens_again(tmp_path
 @pytest.mark.skipif(not (SHARED / "heads" / "facecap.glb").exists(), reason="shared is absent")
 def test_a_real_character_is_animated(tmp_path: Path) -> None:
     path = tmp_path / "talk.glb"
-    export(path, character=SHARED / "heads" / "facecap.glb", compact=True)
-    assert accessor_errors(path.read_bytes()) == []
+    head = SHARED / "heads" / "facecap.glb"
+    export(path, character=head, compact=True)
+    # Its compressed views lie in a buffer that is not in the file.
+    assert set(accessor_errors(path.read_bytes())) <= set(accessor_errors(head.read_bytes()))
     back = open_take(path).clip
     np.testing.assert_allclose(back.arkit_weights(), CLIP.weights, atol=1e-5)
 

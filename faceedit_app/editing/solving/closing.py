@@ -31,6 +31,7 @@ _OF_OURS = np.where(ARE_LIPS, 0.15, 0.0)  # plus this share of the gap on ours
 _IN_FRONT, _DEPTH = 0.1, 0.3
 # In units of what counts as closed: if ours is this open, there is no goal for theirs.
 _LET_GO = 2.5
+_ITERATIONS = 8  # the goals of two characters take longer to meet
 _NEEDED = 0.05  # mm; smaller gaps are left
 _VARIANCE = 0.04  # of a channel without a model
 # Added to a model's: it knows how channels vary together on our character, not on theirs.
@@ -120,7 +121,14 @@ class _Part:
         if {"mouthClose", "jawOpen"} <= set(names):
             coupled = (names.index("mouthClose"), names.index("jawOpen"))
         goals = _joined(self._own, self._heights, _scaled(self._depths, _DEPTH))
-        self._reach = Reach(goals, self.columns, prior[np.ix_(have, have)], coupled)
+        self._reach = Reach(
+            goals,
+            self.columns,
+            prior[np.ix_(have, have)],
+            coupled,
+            iterations=_ITERATIONS,
+            gain=0.0,
+        )
 
     def close(self, weights: Floats, ours: Doubles, share: Doubles | float) -> None:
         """Close (T, 52) weights as far as possible, in place.

@@ -78,6 +78,8 @@ class Reach:
         natural: (K, K) by which the length of a change is judged; None = `covariance`. A take
             that hardly moves is not a face that can hardly move.
         wide: (K, K) covariance for changes that `covariance` does not know; None = `covariance`.
+        iterations: the most steps of a search.
+        gain: a search ends at a step that brings less than this share of what was left.
     """
 
     def __init__(
@@ -88,7 +90,10 @@ class Reach:
         coupled: tuple[int, int] | None = None,
         natural: Doubles | None = None,
         wide: Doubles | None = None,
+        iterations: int = ITERATIONS,
+        gain: float = GAIN,
     ) -> None:
+        self._iterations, self._gain = iterations, gain
         self._distances, self._channels = distances, channels
         self._covariance, self._coupled = covariance, coupled
         self._more = None if wide is None else wide - covariance
@@ -154,7 +159,7 @@ class Reach:
         rows: slice | Indices = slice(None)  # the frames that are not done yet
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
         here = self._place(frames, frames.vectors)
-        for iteration in range(ITERATIONS):
+        for iteration in range(self._iterations):
             slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
             aim = self._step(frames, slopes, wanted, change, frozen)
             aim *= self._shortening(aim, frames.limit)
@@ -166,7 +171,7 @@ class Reach:
             moving = (np.abs(new - change) > SETTLED) | (stopped != frozen)
             going = moving.any(axis=1) & (here.costs > MET)
             if iteration:  # bounds show in the first step, and are kept to from the second
-                going &= here.costs < (1.0 - GAIN) * before
+                going &= here.costs < (1.0 - self._gain) * before
             change, frozen = new, stopped
             if not going.any():
                 break
