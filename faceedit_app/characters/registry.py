@@ -74,12 +74,7 @@ def _is_obj(path: Path, head: bytes) -> bool:
 FORMATS: tuple[CharacterFormat, ...] = (
     CharacterFormat("VRM", (".vrm",), _is_vrm, read_vrm),
     CharacterFormat("glTF", (".glb", ".gltf"), _is_gltf, read_gltf),
-    CharacterFormat(
-        "FBX",
-        (".fbx",),
-        lambda p, h: h.startswith(MAGIC[:18]) or p.suffix.lower() == ".fbx",
-        read_fbx,
-    ),
+    CharacterFormat("FBX", (".fbx",), _is_fbx, read_fbx),
     CharacterFormat("OBJ", (".obj",), _is_obj, read_obj),
 )
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import trimesh
 from support.faces import shipped_rig
+from support.renderers import opened_renderer
 
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS
-from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.rig import MILLIMETRES, Rig
-from faceedit_app.render import Camera, open_renderer
+from faceedit_app.render import Camera
 from faceedit_app.render.camera import Aim, aimed_camera, default_camera
 from faceedit_app.render.renderer import FaceRenderer
 
@@ -26,12 +26,7 @@ def rig() -> Rig:
 
 @pytest.fixture(scope="module")
 def renderer(rig: Rig) -> Iterator[FaceRenderer]:
-    try:
-        opened = open_renderer(rig, SIZE, SIZE)
-    except Unavailable as error:
-        pytest.skip(str(error))
-    yield opened
-    opened.close()
+    yield from opened_renderer(rig, SIZE)
 
 
 def weights(rig: Rig, **channels: float) -> np.ndarray:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.faces import shipped_rig
+from support.renderers import opened_renderer
 from support.rigs import ball
 
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
@@ -43,12 +44,7 @@ def rig() -> Rig:
 
 @pytest.fixture(scope="module")
 def renderer(rig: Rig) -> Iterator[FaceRenderer]:
-    try:
-        opened = open_renderer(rig, SIZE, SIZE)
-    except Unavailable as error:
-        pytest.skip(str(error))
-    yield opened
-    opened.close()
+    yield from opened_renderer(rig, SIZE)
 
 
 def test_turned_head_moves_what_no_blendshape_moves(rig: Rig, renderer: FaceRenderer) -> None:

@@ -11,12 +11,12 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QToolButton
 from support.faces import shipped_rig
+from support.renderers import opened_renderer
 from support.rigs import ball
 from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, drag_curve, open_path, trigger
 
 from faceedit_app import render
-from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.rig import Rig
 from faceedit_app.render import FaceRenderer, default_camera, open_renderer
 from faceedit_app.render.difference import FULL, Tinter, ramp, tint_of
@@ -111,12 +111,7 @@ def rig() -> Rig:
 
 @pytest.fixture(scope="module")
 def renderer(rig: Rig) -> Iterator[FaceRenderer]:
-    try:
-        opened = open_renderer(rig, SIZE, SIZE)
-    except Unavailable as error:
-        pytest.skip(str(error))
-    yield opened
-    opened.close()
+    yield from opened_renderer(rig, SIZE)
 
 
 @pytest.mark.parametrize("smooth", [True, False])

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import Enum, auto
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import QDateTime, Qt
-from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
 
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import ENDINGS, FILM_ENDINGS
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from faceedit_app.formats.take import Take
     from faceedit_app.live.protocols import Protocol
     from faceedit_app.media.film_writer import FilmFormat
+
+Choice = TypeVar("Choice")
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
 MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
@@ -297,10 +299,7 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
         box.addButton("The animation, as a take", role.AcceptRole): OpenAs.TAKE,
         box.addButton("The face, as your character", role.AcceptRole): OpenAs.CHARACTER,
     }
-    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
-    box.exec()
-    clicked = box.clickedButton()
-    return next((what for button, what in choices.items() if button is clicked), OpenAs.CANCEL)
+    return _choice(box, choices, OpenAs.CANCEL)
 
 
 def ask_film_to_track(parent: QWidget, folder: Path) -> Path | None:
@@ -354,10 +353,7 @@ def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
         box.addButton("Discard", role.DestructiveRole): Unsaved.DISCARD,
     }
     box.setDefaultButton(save)
-    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
-    box.exec()
-    clicked = box.clickedButton()
-    return next((what for button, what in choices.items() if button is clicked), Unsaved.CANCEL)
+    return _choice(box, choices, Unsaved.CANCEL)
 
 
 def ask_changed(parent: QWidget, name: str) -> Changed:
@@ -369,10 +365,7 @@ def ask_changed(parent: QWidget, name: str) -> Changed:
         box.addButton("Save under another name…", role.AcceptRole): Changed.ELSEWHERE,
         box.addButton("Replace", role.DestructiveRole): Changed.REPLACE,
     }
-    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
-    box.exec()
-    clicked = box.clickedButton()
-    return next((what for button, what in choices.items() if button is clicked), Changed.CANCEL)
+    return _choice(box, choices, Changed.CANCEL)
 
 
 def show_error(parent: QWidget | None, error: Exception | str) -> None:
@@ -392,6 +385,14 @@ def _question(parent: QWidget, message: str, more: str) -> QMessageBox:
     box.setText(message)
     box.setInformativeText(more)
     return box
+
+
+def _choice(box: QMessageBox, choices: Mapping[QPushButton, Choice], cancel: Choice) -> Choice:
+    """What the clicked button stands for; `cancel` for Cancel, which is added, and Esc."""
+    box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
+    box.exec()
+    clicked = box.clickedButton()
+    return next((what for button, what in choices.items() if button is clicked), cancel)
 
 
 def _save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path | None:
