@@ -17,7 +17,7 @@ from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
     from faceedit_app.editing.exporting import Options, OutFormat
-    from faceedit_app.editing.files.journal import Pending
+    from faceedit_app.editing.files.pending import Pending
     from faceedit_app.editing.filming import Shot
     from faceedit_app.formats.take import Take
     from faceedit_app.live.protocols import Protocol
