@@ -25,7 +25,6 @@ from faceedit_app.ui.curves.range_fields import RangeFields
 from faceedit_app.ui.curves.readout import Readout
 from faceedit_app.ui.curves.rows import Rows
 from faceedit_app.ui.curves.ruler import Ruler
-from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
@@ -267,12 +266,7 @@ class CurvesPanel(QWidget):
         self._curves = VisibleCurves(session) if session is not None else None
         self._axes.curves = self._curves
         clip = session.take.clip if session is not None else None
-        gaps: list[Interval] = []
-        if clip is not None:
-            gaps = [
-                (float(clip.times[gap.frame]), float(clip.times[gap.frame + 1]))
-                for gap in clip.gaps
-            ]
+        gaps = clip.gap_times if clip is not None else []
         self.ruler.show_clip(clip, gaps)
         self._pages.setCurrentIndex(0 if session is None else 1)
         for plot in self.plots:
