@@ -9,7 +9,14 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from pyrender import (
+
+from faceedit_app.core.arrays import Doubles, Floats, Pixels
+from faceedit_app.core.rig import Rig
+from faceedit_app.render import contexts
+from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, Camera, field_of_view
+from faceedit_app.render.model import DEPTH, LiveMesh, Model
+from faceedit_app.render.painter import Order, Painter
+from faceedit_app.render.pyrender_parts import (
     Material,
     Mesh,
     OffscreenRenderer,
@@ -18,13 +25,6 @@ from pyrender import (
     RenderFlags,
     Scene,
 )
-
-from faceedit_app.core.arrays import Doubles, Floats, Pixels
-from faceedit_app.core.rig import Rig
-from faceedit_app.render import contexts
-from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, Camera, field_of_view
-from faceedit_app.render.model import DEPTH, LiveMesh, Model
-from faceedit_app.render.painter import Order, Painter
 from faceedit_app.render.shade import bake_shade
 from faceedit_app.render.surface import NormalSolver, vertex_looks
 from faceedit_app.render.targets import Kept, Target, Targets, View
