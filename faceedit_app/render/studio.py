@@ -57,6 +57,9 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         backend: the result of `contexts.choose_backend`.
         width, height: the initial size, pixels.
 
+    Attributes:
+        shade: (V,) in 0..1, the share of the light from above that reaches each vertex.
+
     Raises:
         Exception: any error of the driver or PyOpenGL.
     """
@@ -74,7 +77,8 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
     ) -> None:
         self._background, self._backend = background, backend
         super().__init__(width, height)
-        self._model = Model(rig, vertex_looks(rig, self._bake(rig)))
+        self.shade = self._bake(rig) if rig.shade is None else rig.shade
+        self._model = Model(rig, vertex_looks(rig, self.shade))
         self._scene = Scene()
         for mesh in (self._model.still, self._model.moving, self._model.backdrop):
             self._scene.add(mesh)
