@@ -22,7 +22,7 @@ class LazyPackage(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         with _running:
-            if isinstance(self, LazyPackage) and not self.__dict__.get("_runs"):
+            if _is_use(name) and isinstance(self, LazyPackage) and not self.__dict__.get("_runs"):
                 self._runs = True
                 try:
                     _open(self)
@@ -33,6 +33,11 @@ class LazyPackage(ModuleType):
         if name in self.__dict__:
             return self.__dict__[name]
         raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+
+
+def _is_use(name: str) -> bool:
+    """Whether asking for an attribute uses a package; `inspect` asks all modules for some."""
+    return not name.startswith("__") or name in ("__all__", "__path__", "__version__")
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -54,6 +55,14 @@ def test_a_package_runs_when_it_is_used(package: str) -> None:
     assert not hasattr(sys.modules[package], "EARLIER")
 
 
+def test_looking_at_a_package_does_not_run_it(package: str) -> None:
+    with lazily(package):
+        pass
+    assert not hasattr(sys.modules[package], "__wrapped__")
+    assert inspect.getsource(sys.modules[package]) == BODY
+    assert not has_run(package)
+
+
 def test_a_package_runs_before_other_modules_of_it(package: str) -> None:
     with lazily(package):
         pass
@@ -101,6 +110,7 @@ def test_drawing_imports_no_viewer_and_no_readers_of_meshes() -> None:
     """They would take a quarter of the time until the face is there, and 50 MB."""
     code = """
 import sys
+from PySide6.QtCore import QObject  # from now on, it looks at all modules
 from faceedit_app.ui.state.loading import prepare_renderer
 prepare_renderer()
 assert "faceedit_app.render.studio" in sys.modules, "not prepared"
