@@ -269,7 +269,7 @@ def first_rows(content: bytes) -> tuple[tuple[str, ...], Cells]:
 
 
 def _header(lines: Sequence[bytes]) -> int:
-    """The index of the header: the first line with a channel, or else the first with any text.
+    """The index of the header: the first line with a channel and no number, or else the first.
 
     Comments, a title and Excel's `sep=;` may stand before it.
     """
@@ -279,7 +279,8 @@ def _header(lines: Sequence[bytes]) -> int:
         line = lines[place].rstrip(b"\r\n") if place < len(lines) else b""
         if _separators(line) > _MOST_COLUMNS:
             continue
-        if any(canonical_channel(plain_text(cell)) for cell in split_header(line)[1] or ()):
+        texts = [plain_text(cell) for cell in split_header(line)[1] or ()]
+        if any(map(canonical_channel, texts)) and not any(map(_is_number, texts)):
             return place
     return first
 
