@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
@@ -27,7 +28,6 @@ from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
-    from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.help.problems import Problem
 
 
@@ -90,7 +90,6 @@ class FixCommands:
 
     def fill(self) -> None:
         """Preview other motion of the take in place of the selection, in four variations."""
-        from faceedit_app.editing.edits.edit import LONGEST_FILL
         from faceedit_app.editing.help import fill
 
         session, page = self._document.session, self._workspace.page
@@ -213,7 +212,6 @@ class FixCommands:
     @staticmethod
     def _variations(fix: tuple[Edit, ...]) -> list[tuple[Edit, ...]]:
         """A fix that is a fill, in four variations; else nothing."""
-        from faceedit_app.editing.edits.edit import Op
         from faceedit_app.editing.help.fill import variations
 
         if len(fix) != 1 or fix[0].op is not Op.FILL:
