@@ -118,7 +118,7 @@ def track_film(
     Args:
         path: the film.
         rig: the shipped character.
-        report: is told how far it is; called in this thread.
+        report: called in this thread with how far it is.
         stopped: True gives up.
         face: as in `read_landmarks`.
         settings: of the fit.
