@@ -157,7 +157,7 @@ def fit_landmarks(
     if len(found) < _FEWEST:
         raise FileError(
             film.path,
-            f"shows a face in {len(found)} pictures only",
+            f"shows a face in only {len(found)} pictures",
             "use a film in which a face looks at the camera",
         )
     seen = film.points[found][:, model.numbers] * (1.0, -1.0, -1.0)

@@ -302,7 +302,7 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
             "Set how happy the mouth looks, in the selection or the whole take",
             starts_group=True),
     Command("fill", "&Fill", FixCommands.fill, ("Ctrl+I",),
-            "Replace the selection, up to 4 s, by other motion of the take that joins both sides"),
+            "Replace the selection, up to 4 s, with other motion of the take that joins up on both sides"),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Save selection as prese&t…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),
@@ -316,7 +316,7 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
             "Set how clearly the words are said, with lips that still meet",
             enabled=lambda do: do.words.has_words),
     Command("neutral_frame", "This frame is ne&utral", lambda do: do.calibration.this_frame(), (),
-            "Take the pose at the playhead away from the selection or the whole take; blinks and "
+            "Subtract the pose at the playhead from the selection or the whole take; blinks and "
             "words keep their height", starts_group=True),
     Command("levels", "Stren&gth by channel…", lambda do: do.calibration.levels(), (),
             "Set multiplier, offset and soft limit of each channel, as one edit"),
@@ -343,7 +343,7 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
     Command("accept_fix", "Accept the proposal", FixCommands.accept, ("Return", "Enter"),
             "Make the proposed edits", "tick", enabled=lambda do: do.has_proposal),
     Command("discard_fix", "Discard the proposal", FixCommands.discard, (),
-            "Drop the proposed edits (Esc)", "close",
+            "Discard the proposed edits (Esc)", "close",
             enabled=lambda do: do.has_proposal),
 ))
 # fmt: on

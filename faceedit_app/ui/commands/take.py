@@ -211,7 +211,7 @@ MENU: Menu[TakeCommands] = Menu("&Take", (
             tip="Say which words are spoken; they appear under the waveform",
             starts_group=True),
     Command("find_word", "Find a wo&rd", lambda do: do.words.find(), ("Ctrl+F",),
-            "Search a word and select its time", enabled=lambda do: do.words.has_words),
+            "Find a word and select its time", enabled=lambda do: do.words.has_words),
     Command("remove_words", "Remove w&ords", lambda do: do.words.remove(),
             tip="Remove the words from the take; edits stay",
             enabled=lambda do: do.words.has_words),
