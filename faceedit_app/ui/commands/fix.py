@@ -302,7 +302,7 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
             "Set how happy the mouth looks, in the selection or the whole take",
             starts_group=True),
     Command("fill", "&Fill", FixCommands.fill, ("Ctrl+I",),
-            "Replace the selection, up to 4 s, with other motion of the take, joined on both sides"),
+            "Replace the selection, up to 4 s, with other motion of the take that fits both sides"),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Save selection as prese&t…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),
