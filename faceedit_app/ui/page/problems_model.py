@@ -97,8 +97,11 @@ class ProblemsModel(QAbstractTableModel):
         self, section: int, orientation: Qt.Orientation, role: int = Qt.ItemDataRole.DisplayRole
     ) -> Any:
         """The titles of the columns."""
-        is_title = role == Qt.ItemDataRole.DisplayRole
-        return _HEADS[section] if is_title and orientation is Qt.Orientation.Horizontal else None
+        if orientation is not Qt.Orientation.Horizontal:
+            return None
+        if role == Qt.ItemDataRole.TextAlignmentRole and section == AMOUNT:
+            return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        return _HEADS[section] if role == Qt.ItemDataRole.DisplayRole else None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         """What can be fixed has a tick."""
@@ -122,7 +125,7 @@ class ProblemsModel(QAbstractTableModel):
             case Qt.ItemDataRole.AccessibleTextRole if column == KIND:
                 return f"{problem.message}, at {self._shown_time(problem.time)}"
             case Qt.ItemDataRole.TextAlignmentRole if column == AMOUNT:
-                return Qt.AlignmentFlag.AlignRight
+                return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
             case _:
                 return None
 
