@@ -145,6 +145,10 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
             self._kept.copy_to(self._targets.of(view.size, 0), view)
             self._prepared = view
 
+    def release(self) -> None:
+        """Let another thread use it, if `contexts.may_change_threads`."""
+        self._platform.release()
+
     def delete(self) -> None:
         """Free everything on the graphics card, and the context."""
         self._platform.make_current()

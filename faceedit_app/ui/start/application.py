@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import sys
 from importlib import import_module
+from typing import Any
 
 from PySide6.QtWidgets import QApplication
 
@@ -52,7 +53,7 @@ def _read_no_sources() -> None:
     import …`), which no module of FaceEdit does. The sources would also stay in memory.
     """
     try:
-        features = import_module("shibokensupport.feature")
+        features: Any = import_module("shibokensupport.feature")
     except ImportError:  # another version of PySide6, which starts more slowly
         return
     if hasattr(features, "_mod_uses_pyside"):
