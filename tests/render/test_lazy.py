@@ -114,8 +114,9 @@ from PySide6.QtCore import QObject  # from now on, it looks at all modules
 from faceedit_app.ui.state.loading import prepare_renderer
 prepare_renderer()
 assert "faceedit_app.render.studio" in sys.modules, "not prepared"
-print([name for name in ("pyglet", "imageio", "tkinter", "trimesh.base", "scipy.spatial",
-                         "scipy.optimize", "scipy.ndimage", "torch") if name in sys.modules])
+heavy = {"pyglet", "imageio", "tkinter", "trimesh.base", "networkx", "torch"}
+heavy |= {"scipy.spatial", "scipy.optimize", "scipy.ndimage"}
+print(sorted(heavy & set(sys.modules)))
 import pyrender, trimesh
 assert pyrender.Viewer and trimesh.Trimesh
 """
