@@ -63,7 +63,7 @@ def lazily(*packages: str) -> Iterator[None]:
     reported as usual.
 
     Args:
-        packages: names of top-level packages.
+        packages: their names.
     """
     with _running:
         waiting = [package for name in packages if (package := _lazy(name)) is not None]
@@ -83,6 +83,9 @@ def _lazy(name: str) -> ModuleType | None:
         package = module_from_spec(spec)
         package.__class__ = LazyPackage
         sys.modules[name] = package
+        parent, _, child = name.rpartition(".")
+        if parent:
+            setattr(sys.modules[parent], child, package)
     found = sys.modules.get(name)
     return found if isinstance(found, LazyPackage) else None
 
