@@ -18,7 +18,6 @@ _RARELY = 200_000  # new objects between two collections
 
 def application() -> QApplication:
     """The Qt application of this process, created on the first call."""
-    _read_no_sources()
     existing = QApplication.instance()
     app = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])
     app.setApplicationName("FaceEdit")
@@ -58,3 +57,6 @@ def _read_no_sources() -> None:
         return
     if hasattr(features, "_mod_uses_pyside"):
         features._mod_uses_pyside = lambda _module: False
+
+
+_read_no_sources()  # now, because importing the window is most of what it speeds up
