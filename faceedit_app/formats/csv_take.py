@@ -107,7 +107,7 @@ def csv_take(
         timing=times.timing,
         lost=rows.lost,
         timecodes=_timecodes(clocks, rows, times),
-        carried=tuple(table.names[k] or "(unnamed)" for k in carried),
+        carried=tuple(shown(table.names[k]) or "(unnamed)" for k in carried),
         notes=(
             *_empty_notes(found, columns),
             *_count_notes(table, rows, said),
