@@ -116,6 +116,7 @@ def denser(rig: Rig, vertices: int) -> Rig:
         deltas=np.ascontiguousarray(moved.transpose(1, 0, 2), np.float32),
         colors=colors.astype(np.float32),
         materials=tuple(materials),
+        shade=None,
     )
 
 
