@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.media import is_film, is_media
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, dropping
 from faceedit_app.ui.commands.menus import Commands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.icons import app_icon
@@ -350,37 +349,8 @@ class MainWindow(WindowBase):
         self.start_page.show_drop(active)
 
     def take_files(self, paths: list[Path]) -> None:
-        """Open a take or a character, load edits, add sound or film."""
-        media = [path for path in paths if is_media(path)]
-        path = next((path for path in paths if path not in media), None)
-        film = next((path for path in media if is_film(path)), None)
-        if path is None and film is not None and self.document.session is None:
-            self.commands.file.track(film)
-            return
-        self.commands.take.drop(media, opens_take=path is not None)
-        if path is None:
-            return
-        from faceedit_app.characters.registry import is_character
-        from faceedit_app.formats.registry import is_take  # not needed before the window is up
-
-        if is_character(path):
-            self._take_character(path, is_take(path))
-            return
-        is_open = self.document.session is not None
-        if path.suffix.lower() == ".json" and is_open and not is_take(path):
-            self.commands.file.load_edits(path)
-        else:
-            self.commands.file.open_if_saved(path)
-
-    def _take_character(self, path: Path, is_take: bool) -> None:
-        """A character was dropped, or a file that may be one."""
-        as_what = dialogs.OpenAs.CHARACTER
-        if is_take:
-            as_what = dialogs.ask_take_or_character(self, path.name)
-        if as_what is dialogs.OpenAs.TAKE:
-            self.commands.file.open_if_saved(path)
-        elif as_what is dialogs.OpenAs.CHARACTER:
-            self.commands.file.character.open(path)
+        """Open or add files that were dropped; see `commands.dropping`."""
+        dropping.take_files(self.workspace, self.commands, paths)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Take the keyboard from the start."""
