@@ -195,6 +195,8 @@ class MainWindow(WindowBase):
         self._preferences.restore_panes(page.panes, page.side)
         page.problems.picked.connect(self.commands.fix.go_to)
         page.hints.closed.connect(page.curves.setFocus)
+        page.hints.began.connect(self.commands.file.character.make_room_for_hints)
+        page.hints.closed.connect(self.commands.file.character.hints_closed)
         page.solving.advanced.connect(self.status.show_work)
         page.solving.finished.connect(self.status.show_work)
         self.status.cancelled.connect(page.solving.cancel)
