@@ -106,7 +106,7 @@ class MainWindow(WindowBase):
         self.document.saved.connect(self._mark_modified)
         self.document.character_changed.connect(self._show_character)
         opener.reading.connect(self._show_reading)
-        opener.character_loaded.connect(self._prepare_face)
+        opener.character_loaded.connect(self._load_model)
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
         workspace.warning.connect(self.banner.show_message)
@@ -146,7 +146,7 @@ class MainWindow(WindowBase):
         self, take: Path | None = None, demo: bool = False, character: Path | None = None
     ) -> None:
         """Start loading; call it once the window is on the screen."""
-        self._background.run(loading.prepare_renderer, lambda _: None, self._show_error)
+        self._background.run(loading.prepare_renderer, self._use_renderer, self._show_error)
         self.document.keeps_journal = self.document.awaits_engine = True
         if not offer_recovery(self.workspace):
             if take is not None:
@@ -204,20 +204,18 @@ class MainWindow(WindowBase):
         self.actions_.refresh()
         return page
 
-    def _prepare_face(self, rig: Rig) -> None:
-        """The character is loaded: open a renderer for it, and meanwhile load the model."""
+    def _load_model(self, rig: Rig) -> None:
+        """The character is loaded: load the model that was made for it."""
         if rig.missing_note:
             self.banner.show_message(rig.missing_note)
-
-        def prepared(ready: FaceRenderer | None) -> None:
-            self._can_draw, self._ready = True, ready
-            self._open_face()
-            self._settle()
-
-        self._background.run(lambda: loading.open_renderer(rig), prepared, self._show_error)
         self._background.run(
             lambda: loading.load_engine(rig), self._use_engine, self._continue_without_engine
         )
+
+    def _use_renderer(self, ready: FaceRenderer | None) -> None:
+        self._can_draw, self._ready = True, ready
+        self._open_face()
+        self._settle()
 
     def _settle(self) -> None:
         """One of what start-up waits for is there, or has failed."""
