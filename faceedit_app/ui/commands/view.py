@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # comes with the page, after the first paint
     from faceedit_app.ui.curves import CurvesPanel
     from faceedit_app.ui.face.pane import FacePane
 
-CAMERA, CURVES, FILM = "Ca&mera", "C&urves", "Fil&m"  # submenus
+CAMERA, CURVES, FILM = "Ca&mera", "C&urves", "&Film"  # submenus
 ZOOM = 0.7  # of the time in view, per step
 MARGIN = 0.1  # of the selection, on either side of it
 
