@@ -160,7 +160,10 @@ def render(
     size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
     view: Annotated[
         str,
-        typer.Option(help="For a film: face, both (tracked, edited), or film (beside the face)."),
+        typer.Option(
+            help="For a film: face, both (tracked, edited), film (beside the face), film-above or "
+            "film-below."
+        ),
     ] = "face",
     film_fps: Annotated[
         Optional[float],  # noqa: UP045

@@ -201,6 +201,7 @@ class MainWindow(WindowBase):
         self.status.cancelled.connect(page.solving.cancel)
         page.face.show_difference(self._preferences.difference())
         page.face.follow_head(self._preferences.follows_head())
+        self.commands.view.restore_film_place()
         self.actions_.refresh()
         return page
 
