@@ -192,7 +192,7 @@ def test_a_broadcast_rate_survives_a_live_link_face_csv(
     rows = "".join(f"{n / rate:.6f},{0.01 * (n % 50):.3f}\n" for n in range(frames))
     path.write_text(f"time_s,jawOpen\n{rows}")
     take = open_take(path)
-    convert(out, take, choose_format(out, "livelink"))
+    convert(out, take, FORMATS["livelink"])
     again = open_take(out).clip
     assert again.rate == pytest.approx(rate, abs=1e-3)
     assert again.gaps == ()
