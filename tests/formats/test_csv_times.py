@@ -235,7 +235,7 @@ def test_a_rate_that_is_given_wins_over_the_file_s_own(tmp_path: Path) -> None:
     take = open_take(path, fps=60)
     assert take.clip.rate == 60
     assert take.clip.duration == pytest.approx(1)
-    assert "the frame rate was set to 60 fps, by its times it is 30 fps" in take.notes
+    assert "the frame rate was set to 60 fps; by its times it is 30 fps" in take.notes
     assert open_take(path, fps=30).notes == ()
 
 
