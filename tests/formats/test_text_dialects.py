@@ -46,6 +46,9 @@ def with_comma(body: list[list[str]]) -> list[list[str]]:
 CONTENTS: dict[str, bytes] = {
     "decimal comma, semicolons": text(with_comma(rows()), ";").encode(),
     "decimal comma, tabs": text(with_comma(rows()), "\t").encode(),
+    "decimal comma in quotes": text(
+        [[f'"{cell.replace(".", ",")}"' for cell in row] for row in rows()]
+    ).encode(),
     "UTF-16 of a spreadsheet": ("\ufeff" + text(separator="\t")).encode("utf-16-le"),
     "UTF-16, big end first": ("\ufeff" + text()).encode("utf-16-be"),
     "UTF-16 without a mark": text().encode("utf-16-le"),
