@@ -21,7 +21,8 @@ from faceedit_app.editing.files import journal
 from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import ViewState
 from faceedit_app.editing.steps import EditState
-from faceedit_app.lab.attacks.monkey import Monkey, dialogs_cancelled
+from faceedit_app.lab.attacks.hands import dialogs_cancelled
+from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover
