@@ -12,6 +12,7 @@ from PySide6.QtWidgets import (
     QDialog,
     QDoubleSpinBox,
     QLineEdit,
+    QPushButton,
     QSpinBox,
     QToolButton,
     QWidget,
@@ -176,6 +177,8 @@ def _is_usable(widget: QWidget) -> bool:
     """Whether it can be used, and neither opens another take nor a menu that waits."""
     if not widget.isVisible() or not widget.isEnabled():
         return False
+    if isinstance(widget, QPushButton):
+        return widget.menu() is None
     if isinstance(widget, QToolButton):
         action = widget.defaultAction()
         return widget.menu() is None and (action is None or action.objectName() not in LEFT_OUT)
