@@ -19,6 +19,7 @@ def _together() -> Iterator[tuple[frozenset[str], str]]:
     yield frozenset(CONTROL_IDS), "All curves"
 
 
+_SAME = 1e-4  # seconds
 _TOGETHER = {controls: name for controls, name in _together() if len(controls) > 1}
 
 
@@ -46,6 +47,8 @@ def describe(edit: Edit) -> str:
             return f"Add to {_lower(what)}"
         case Op.FILL:
             return f"Fill {_lower(what)}" if len(edit.controls) < len(CONTROLS) else "Fill"
+        case Op.RETIME:
+            return _describe_retime(edit)
         case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
             raise ValueError(f"{edit.op} is for channels")
 
@@ -113,6 +116,21 @@ def _describe_set(edit: Edit, what: str) -> str:
             return f"Close {part}"
         return f"Close {_lower(what).removesuffix(' opening')}"
     return f"{what} to {edit.value:.1f} mm"
+
+
+def _describe_retime(edit: Edit) -> str:
+    """What the pins do, where it is one simple thing."""
+    moves = [now - was for was, now in edit.pins]
+    if len(edit.pins) != 2:
+        return "Retime"
+    (was, now), (then_was, then_now) = edit.pins
+    if abs(then_now - now) < _SAME:
+        return f"Cut {then_was - was:.2f} s"
+    if abs(then_was - was) < _SAME:
+        return f"Insert {then_now - now:.2f} s"
+    if abs(moves[0] - moves[1]) < _SAME:
+        return f"Move in time {moves[0]:+.2f} s".replace("-", "−")
+    return f"Stretch to {100 * (then_now - now) / (then_was - was):.0f} %"
 
 
 def describe_controls(controls: Sequence[str]) -> str:

@@ -24,7 +24,7 @@ from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
@@ -95,7 +95,7 @@ class Solver:
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
         opening = self.controls[:, CONTROL_INDEX[LIP_OPENING]]
-        self._fills = Fills(clip, self.tracked, opening)
+        self._fills = Fills(clip, self.tracked, opening, self.distances.measure)
         shut = float(np.percentile(opening, _SHUT_PERCENTILE))
         self.shut = shut if shut < _SHUT_MOST else _SHUT  # mm between closed lips
         self.use_engine(engine)
@@ -108,7 +108,7 @@ class Solver:
         self._mute = self._missing | self.lacks.keys()
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
         self.chunks = Chunks(
-            clip.times, clip.rate, len(self.grid), scale, context, self._fills.around
+            clip.times, clip.rate, len(self.grid), scale, context, self._fills.reads
         )
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._sample = self._measure()
@@ -224,7 +224,7 @@ class Solver:
         """The edits without controls that the character lacks or the take cannot answer."""
         if not self._mute:
             return edits
-        whole = Op.FILL, Op.RESET  # they count by region
+        whole = *OF_THE_TAKE, Op.RESET  # they count by region
         parts = (edit if edit.op in whole else without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
 
@@ -246,7 +246,7 @@ class Solver:
         rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
         mine = self._base(task.chunk, curves)
         weights, rotations = self._channels.apply(
-            task, rows, lambda chunk, base: self._base(chunk, base).weights, DECIMALS
+            task, rows, lambda chunk, base: self._moved(chunk, base), DECIMALS
         )
         controls = self.distances.measure(weights)
         same = (weights == mine.weights).all(axis=1)
@@ -254,6 +254,13 @@ class Solver:
         # Curves that nobody asked for go where the channels take them.
         asked = np.where(mine.asked == self.controls[rows], controls, mine.asked)
         return Patch(asked, weights, controls, rotations)
+
+    def _moved(self, chunk: int, task: ChunkTask | None) -> tuple[Floats, Floats | None]:
+        """The weights (N, 52) and rotations (N, 9) of a chunk before edits of channels."""
+        base, turns = self._base(chunk, task), self.clip.rotations
+        if turns is None or base.rotations is not None:
+            return base.weights, base.rotations
+        return base.weights, turns[self.chunks.slice(chunk)]
 
     def _base(self, chunk: int, task: ChunkTask | None) -> Patch:
         """The answer to the curves of a chunk; the last ones are kept for further edits."""
@@ -278,7 +285,7 @@ class Solver:
             rate,
             tracked,
             self.medians,
-            [edit for edit in task.edits if edit.op is not Op.FILL],
+            task.edits,
             self._companions,
             self._limit_arrays,
             self.controls[near].astype(np.float64),
@@ -329,16 +336,18 @@ class Solver:
         # The last bits of a matrix product depend on the number of frames.
         same = (result == self.tracked[rows]).all(axis=1)
         controls[same] = self.controls[rows][same]
-        return Patch(mine.curves.astype(np.float32), result, controls)
+        turned = self._fills.turned(task.edits, near)
+        rotations = None if turned is None else turned[inner]
+        return Patch(mine.curves.astype(np.float32), result, controls, rotations)
 
     def _start(self, task: ChunkTask) -> tuple[Floats, Doubles]:
-        """What edits of a chunk start from: the take with fills, on the frames near it.
+        """What edits of a chunk start from: the take with fills and retimes, near it.
 
         Returns:
             Weights (N', 52), and curves (N', C) mm.
         """
         near = slice(*task.near)
-        if not any(edit.op is Op.FILL for edit in task.edits):
+        if not any(edit.op in OF_THE_TAKE for edit in task.edits):
             return self.tracked[near], self.controls[near].astype(np.float64)
         weights = self._fills.applied(task.edits, near)
         controls = self.distances.measure(weights)
@@ -379,7 +388,7 @@ class Solver:
             return answers
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
         times = self.clip.times[slice(*task.near)]
-        fills = any(edit.op is Op.FILL for edit in task.edits)
+        fills = any(edit.op in OF_THE_TAKE for edit in task.edits)
         start = to_grid(times, tracked, first, last) if fills else self.grid[first:last]
         edited = start + to_grid(times, change, first, last)
         grid_range = first, last
