@@ -190,8 +190,7 @@ class EditSession:
         return was_previewing
 
     def _preview(self, state: EditState) -> None:
-        if state != self._steps.preview:
-            self._steps.preview = state
+        if self._steps.show(state):
             self._compute()
             self.previewed.emit()
 
@@ -350,7 +349,8 @@ class EditSession:
     def _change(self, state: EditState, name: str, merge: Hashable = None) -> None:
         """Preview and commit at once, with one signal."""
         added = state.edits[len(self.edits) :] or state.edits[-1:]
-        was_previewing, self._steps.preview = self.is_previewing, state
+        was_previewing = self.is_previewing
+        self._steps.show(state)
         is_step = self._steps.commit(name or describe_edits(added), merge)
         if is_step or was_previewing:
             self._arrive(is_step)

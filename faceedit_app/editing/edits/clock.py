@@ -7,13 +7,13 @@ runs backwards. At the ends of the range it joins the take's own time at its own
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Times
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import Edit
 
 # Seconds on either side of a cut in which both sides are mixed, so that the face does not jump.
 CROSSFADE = 0.08
@@ -156,48 +156,3 @@ def _joint_slope(width: Doubles, mean: Doubles) -> float:
 def clock_of(edit: Edit) -> Clock:
     """The clock of a retime."""
     return Clock(edit)
-
-
-def followed(edits: tuple[Edit, ...], old: Edit | None, new: Edit | None) -> tuple[Edit, ...]:
-    """Edits that stay on what they were made on when a retime before them changes.
-
-    Curves, channels and words that were edited move in time with the take's content. Fills and
-    retimes do not: they act before all others, in their own order.
-
-    Args:
-        edits: the edits that were made on the content.
-        old, new: the retime before and after its change; None if there was none, or is none.
-    """
-    before, after = (_clock(edit) for edit in (old, new))
-    if before is None and after is None:
-        return edits
-    return tuple(_moved(edit, before, after) for edit in edits)
-
-
-def _clock(edit: Edit | None) -> Clock | None:
-    if edit is None or edit.op is not Op.RETIME or edit.effect is None:
-        return None
-    return clock_of(edit.effect)
-
-
-def _moved(edit: Edit, before: Clock | None, after: Clock | None) -> Edit:
-    if edit.op in (Op.FILL, Op.RETIME, Op.RESET):
-        return edit
-    first, last = edit.span
-    old = np.array([first, edit.start, edit.end, last, *(t for t, _ in edit.points)])
-    new = old if before is None else before.moments(old)
-    new = new if after is None else after.shown(new)
-    if np.abs(new - old).max() < 1e-6:
-        return edit
-    first, start, end, last, *times = new.round(6).tolist()
-    points = zip(times, (mm for _, mm in edit.points), strict=True)
-    kept = dict(points)  # those of a cut fall together
-    fades = max(start - first, 0.0), max(last - end, 0.0)
-    return replace(
-        edit,
-        start=start,
-        end=end,
-        falloff=fades[0],
-        falloff_out=None if fades[0] == fades[1] else fades[1],
-        points=tuple(kept.items()),
-    )

@@ -19,7 +19,7 @@ def _together() -> Iterator[tuple[frozenset[str], str]]:
     yield frozenset(CONTROL_IDS), "All curves"
 
 
-_SAME = 1e-4  # seconds
+_SAME = 2e-4  # seconds, twice their rounding
 _TOGETHER = {controls: name for controls, name in _together() if len(controls) > 1}
 
 
@@ -121,15 +121,15 @@ def _describe_set(edit: Edit, what: str) -> str:
 def _describe_retime(edit: Edit) -> str:
     """What the pins do, where it is one simple thing."""
     moves = [now - was for was, now in edit.pins]
-    if len(edit.pins) != 2:
+    if not 1 <= len(edit.pins) <= 2:
         return "Retime"
-    (was, now), (then_was, then_now) = edit.pins
+    (was, now), (then_was, then_now) = edit.pins[0], edit.pins[-1]
+    if abs(moves[0] - moves[-1]) < _SAME:
+        return f"Move in time {moves[0]:+.2f} s".replace("-", "−")
     if abs(then_now - now) < _SAME:
         return f"Cut {then_was - was:.2f} s"
     if abs(then_was - was) < _SAME:
         return f"Insert {then_now - now:.2f} s"
-    if abs(moves[0] - moves[1]) < _SAME:
-        return f"Move in time {moves[0]:+.2f} s".replace("-", "−")
     return f"Stretch to {100 * (then_now - now) / (then_was - was):.0f} %"
 
 

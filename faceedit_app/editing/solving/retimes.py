@@ -131,10 +131,12 @@ class Retiming:
             apart = np.abs(times[place] - shown)
             good = (apart <= 0.75 * self._step) & (mixed.share[place] == 0)
             good &= ~clock.cuts_out(self._times[near][at])
-            loss = np.abs(curve[at] - kept[place, control])
-            order = np.argsort(loss, kind="stable")  # of two for one frame, the greater one
-            for k in order[good[order] & (loss[order] > _LOSS)]:
-                found[place[k], columns] = out[at[k], columns]
+            missed = curve[at] - kept[place, control]
+            good &= np.abs(missed) > _LOSS
+            # Of several for one frame the last stays: a closure, and the one that loses most.
+            for k in np.lexsort((np.abs(missed), missed < 0)):
+                if good[k]:
+                    found[place[k], columns] = out[at[k], columns]
 
 
 def _columns_with(control: Control) -> Indices:
@@ -150,11 +152,12 @@ def _columns_with(control: Control) -> Indices:
 
 
 def _extremes(curve: Floats) -> Bools:
-    """(N,) whether a frame is a local extreme: of a plateau, its first and its last frame."""
-    before, after = np.diff(curve, prepend=curve[:1]), np.diff(curve, append=curve[-1:])
-    turns = (before * after < 0) | ((before != 0) != (after != 0))
-    turns[[0, -1]] = False
-    extremes: Bools = turns
+    """(N,) whether a frame is a local extreme; of one that lasts, its first and last frame."""
+    steps = np.diff(curve)
+    moving = np.flatnonzero(steps)
+    turns = np.flatnonzero(steps[moving[:-1]] * steps[moving[1:]] < 0)
+    extremes = np.zeros(len(curve), np.bool_)
+    extremes[moving[turns] + 1] = extremes[moving[turns + 1]] = True
     return extremes
 
 
