@@ -311,9 +311,9 @@ class EditSession:
         name = "Words" if words is not None else "Remove words"
         self._change(replace(self.state, words=words, media=media or self.state.media), name)
 
-    def restore(self, state: EditState) -> None:
-        """Go to a state from a file, as one step."""
-        self._change(state, "Recovery")
+    def restore(self, state: EditState, name: str = "Recovery") -> None:
+        """Go to another state, such as one from a file, as one step."""
+        self._change(state, name)
 
     def begin_with(self, state: EditState) -> None:
         """Start from the state of a project, which Undo cannot go behind."""

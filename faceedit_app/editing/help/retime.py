@@ -101,14 +101,14 @@ def retime(clip: Clip, span: Range, goal: Range, pad: float = LEAST_PAD) -> Edit
     """
     first, last = float(clip.times[0]), float(clip.times[-1])
     early, late = goal[0] - span[0], goal[1] - span[1]
-    start = max(span[0] - _room(early, pad), first)
-    end = min(span[1] + _room(late, pad), last)
+    start = max(span[0] - padded(early, pad), first)
+    end = min(span[1] + padded(late, pad), last)
     pins = tuple(zip(span, goal, strict=True))
     return _edit(start, end, pins if span[0] < span[1] else pins[:1])
 
 
-def _room(difference: float, pad: float) -> float:
-    """Seconds of the take beside a range that make up for a difference."""
+def padded(difference: float, pad: float = LEAST_PAD) -> float:
+    """Seconds of the take beside a range that make up for a difference; 0 for none."""
     if abs(difference) < _SMALLEST:
         return 0.0
     return max(pad, _PADDED * abs(difference))
@@ -189,9 +189,9 @@ def by_pins(
     first, last = float(clip.times[0]), float(clip.times[-1])
     (was, now), (then_was, then_now) = pins[0], pins[-1]
     if start is None:
-        start = max(min(was, now) - _room(now - was, LEAST_PAD), first)
+        start = max(min(was, now) - padded(now - was), first)
     if end is None:
-        end = min(max(then_was, then_now) + _room(then_now - then_was, LEAST_PAD), last)
+        end = min(max(then_was, then_now) + padded(then_now - then_was), last)
     for pin in pins:
         if not all(first - _SMALLEST <= second <= last + _SMALLEST for second in pin):
             raise FaceEditError(
