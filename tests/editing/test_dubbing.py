@@ -97,7 +97,7 @@ def test_it_is_one_step_with_the_words_and_the_sound() -> None:
     session = session_by_rig(CLIP)
     session.say(OURS)
     found = match(CLIP, OURS, said(*WORDS, start=1.0))
-    keep(session, found, MediaFile(Path("/there/dub.wav")))
+    keep(session, found, sound=MediaFile(Path("/there/dub.wav")))
     assert [edit.op for edit in session.edits] == [Op.RETIME]
     assert session.words == found.words
     assert session.state.media is not None

@@ -134,14 +134,20 @@ def match(clip: Clip, ours: Transcript, theirs: Transcript, offset: float | None
     )
 
 
-def keep(session: EditSession, found: Match, sound: MediaFile | None = None) -> None:
+def keep(
+    session: EditSession,
+    found: Match,
+    media: Placement | None = None,
+    sound: MediaFile | None = None,
+) -> None:
     """Retime the take, and give it the other sound's words, as one step.
 
     Args:
+        media: the take's sound and film as they are placed now; None = as the session has them.
         sound: the other sound, to play with the take; None = the take keeps its own.
     """
     state = session.state
-    media = state.media
+    media = media or state.media
     if sound is not None:
         film = None if media is None else media.film
         media = Placement(replace(sound, offset=found.offset), film)

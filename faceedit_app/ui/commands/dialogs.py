@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 Choice = TypeVar("Choice")
 
 PROJECTS = "Projects (*.faceedit);;All files (*)"
-MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
-WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
+MEDIA_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in ENDINGS)
+MEDIA = f"Sound and film ({MEDIA_PATTERNS});;All files (*)"
+WORD_PATTERNS = "*.TextGrid *.textgrid *.srt *.vtt *.json *.txt"
+WORDS = f"Words ({WORD_PATTERNS});;All files (*)"
 WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
 FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
 FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
@@ -263,6 +265,13 @@ def ask_media(parent: QWidget, folder: Path) -> Path | None:
 def ask_words(parent: QWidget, folder: Path) -> Path | None:
     """Which file says what is said."""
     return _chosen(QFileDialog.getOpenFileName(parent, "Open words", str(folder), WORDS))
+
+
+def ask_match(parent: QWidget, folder: Path) -> Path | None:
+    """Which sound, or file with the times of its words, the take is matched to."""
+    patterns = f"Sound and words ({MEDIA_PATTERNS} {WORD_PATTERNS});;All files (*)"
+    title = "Match another sound, or words with times"
+    return _chosen(QFileDialog.getOpenFileName(parent, title, str(folder), patterns))
 
 
 def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:

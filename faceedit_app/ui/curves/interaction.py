@@ -10,8 +10,9 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
-from faceedit_app.editing.edits.edit import Company, Edit, Op
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
+from faceedit_app.ui.curves.changing import changed, changed_by
 from faceedit_app.ui.curves.edges import GRASP, Edge
 from faceedit_app.ui.curves.gestures import (
     CurveDrag,
@@ -23,6 +24,7 @@ from faceedit_app.ui.curves.gestures import (
     stepped_falloff,
 )
 from faceedit_app.ui.curves.plot import CurvePlot
+from faceedit_app.ui.curves.retime_drag import is_on_content
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import Gesture, Press, begin, move
 from faceedit_app.ui.state.timeline import Timeline
@@ -31,7 +33,6 @@ from faceedit_app.ui.state.tools import Tool, Tools
 # Seconds between two previews: a mouse may report 1000 moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016
 _LEAST_WIDTH = 8 * GRASP  # pixels of an edit whose edges are grabbed on the plots
-_LEAST_STRENGTH = 0.25  # of an edit that a drag can change: with less, the hand would do nothing
 _HAND = 0.01  # mm per unit of the hand's moves, in place of pixels
 _NOTHING = 1e-9  # mm: nudges up and down that cancel out
 CURSORS = {
@@ -41,6 +42,7 @@ CURSORS = {
     Tool.SMOOTH: Qt.CursorShape.CrossCursor,
     Tool.FLATTEN: Qt.CursorShape.CrossCursor,
     Tool.RESTORE: Qt.CursorShape.CrossCursor,
+    Tool.RETIME: Qt.CursorShape.SizeHorCursor,
 }
 
 
@@ -161,7 +163,7 @@ class Interaction(QObject):
             return
         self._enter(plot, pointer)
         edge = self._edge_under(plot, pointer.x)
-        if edge is not None:
+        if edge is not None and self._tools.tool is not Tool.RETIME:
             self._edges.grab(edge, plot.current_scale.time_at(pointer.x))
         else:
             self._begin(plot, pointer)
@@ -271,6 +273,8 @@ class Interaction(QObject):
         session, control = self.session, plot.control.id
         assert session is not None
         frame, column = session.take.clip.frame_at(time), CONTROL_INDEX[control]
+        chosen = self.chosen_edit()
+        retime = chosen[1] if chosen is not None else None
         return Press(
             control,
             self.edited_from(control, one_side),
@@ -281,6 +285,8 @@ class Interaction(QObject):
             float(session.asked[frame, column]),
             float(session.tracked[frame, column]),
             session.limits[column],
+            session.take.clip,
+            retime if is_on_content(retime, time, slack) else None,
         )
 
     # --- a hand on the face ------------------------------------------------------------------
@@ -352,21 +358,9 @@ class Interaction(QObject):
         self._show_edited_frame()
 
     def _changed_by(self, press: Press) -> tuple[int, Edit] | None:
-        """The chosen edit, if it is a move of the same curves at the same place."""
-        chosen = self.chosen_edit()
-        if chosen is None or self._tools.tool is not Tool.MOVE:
-            return None
-        edit, hold = chosen[1], (press.span.start, press.span.end)
-        line = self._timeline
-        is_same = (
-            edit.op is Op.OFFSET
-            and edit.companions is Company.YIELD
-            and edit.enabled
-            and edit.strength >= _LEAST_STRENGTH
-            and set(edit.controls) == set(press.controls)
-            and (hold == line.selection or hold == (edit.start, edit.end))
-        )
-        return chosen if is_same else None
+        """The chosen edit, if the press changes it."""
+        tool, selection = self._tools.tool, self._timeline.selection
+        return changed_by(self.chosen_edit(), tool, press, selection)
 
     def _preview_edit(self, edit: Edit | None) -> None:
         """Show a new edit, or the chosen one with what the drag adds to it."""
@@ -377,11 +371,8 @@ class Interaction(QObject):
             return
         row, old = self._changes
         line = self._timeline
-        added = edit.value / old.strength if edit is not None else 0.0
-        new = replace(old, value=old.value + added)
-        if (old.falloff, old.fade_out) != (line.falloff, line.falloff_out):
-            new = replace(new, falloff=line.falloff, falloff_out=line.falloff_out)
-        session.preview_replace(row, new)
+        falloffs = line.falloff, line.falloff_out
+        session.preview_replace(row, changed(old, edit, falloffs))
 
     def _show_edited_frame(self) -> None:
         """Make the viewport show the frame being changed."""

@@ -334,8 +334,7 @@ class EditsPanel(QWidget):
             return
         edits, rows = list(self.model.edits), self.bound
         for row in rows:
-            shaped = edits[row].stretched(start, end)
-            edits[row] = replace(shaped, falloff=fade_in, falloff_out=fade_out)
+            edits[row] = edits[row].reshaped(start, end, fade_in, fade_out)
         if self._is_new:
             self._timeline.keep_falloffs()
         self._is_reshaped = True
