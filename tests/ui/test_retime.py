@@ -45,6 +45,10 @@ def only_edit(window: MainWindow) -> Edit:
     return edit
 
 
+def edits_of(window: MainWindow) -> tuple[Edit, ...]:
+    return session_of(window).edits
+
+
 def dialog_of(window: MainWindow) -> RetimeDialog:
     (dialog,) = (d for d in window.findChildren(RetimeDialog) if d.isVisible())
     return dialog
@@ -210,8 +214,9 @@ def test_cut_and_pause(window: MainWindow) -> None:
     dialog.option.setChecked(True)
     dialog.number.setValue(0.6)
     dialog.accept()
-    assert [edit.op for edit in session.edits] == [Op.RETIME, Op.FILL]
-    assert (session.edits[1].start, session.edits[1].end) == pytest.approx((3.0, 3.6), abs=0.02)
+    retime, fill = edits_of(window)
+    assert (retime.op, fill.op) == (Op.RETIME, Op.FILL)
+    assert (fill.start, fill.end) == pytest.approx((3.0, 3.6), abs=0.02)
     assert session.undo_name == "Insert 0.60 s"
     trigger(window, "undo")
     assert session.edits == ()
