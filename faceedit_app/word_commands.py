@@ -12,6 +12,13 @@ import typer
 from faceedit_app import character_commands
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
+from faceedit_app.options import (
+    CharacterOption,
+    FpsOption,
+    JsonOption,
+    ModelsOption,
+    OverwriteOption,
+)
 
 if TYPE_CHECKING:
     from faceedit_app.editing.help.dubbing import Match
@@ -42,7 +49,7 @@ def words(
         Optional[Path],  # noqa: UP045
         typer.Option(help="Write the words to this file: TextGrid, SRT or JSON."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: JsonOption = False,
     fix: Annotated[
         bool, typer.Option("--fix", help="Close the lips at each m, b and p that stays open.")
     ] = False,
@@ -68,28 +75,18 @@ def words(
         Optional[Path],  # noqa: UP045
         typer.Option("-o", "--output", help="With --fix or --retime-to: the edited take."),
     ] = None,
-    character: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Your character: the lips are measured, and close, on it."),
-    ] = None,
-    fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second, if the take does not give them."),
-    ] = None,
-    models: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--models", help="Folder of models; default: those that ship."),
-    ] = None,
-    overwrite: Annotated[
-        bool,
-        typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
-    ] = False,
+    character: CharacterOption = None,
+    fps: FpsOption = None,
+    models: ModelsOption = None,
+    overwrite: OverwriteOption = False,
 ) -> None:
     """Find when each word was said, and whether the lips close on m, b and p.
 
-    With --retime-to, the take says its words when another sound does.
+    With --retime-to, the take says its words when another sound does. With --character, the lips
+    are measured, and close, on that character.
     """
     from faceedit_app.media import is_media
+    from faceedit_app.words.aligning import NOISY, Line
     from faceedit_app.words.files import Imported, as_tables, read_words, write_words
 
     if (text is None) == (file is None):
@@ -98,7 +95,6 @@ def words(
         raise FaceEditError("-o belongs to --fix or --retime-to: give both or neither")
     if retime_to is None and (their_text is not None or their_start is not None):
         raise FaceEditError("--their-text and --their-start belong to --retime-to")
-    from faceedit_app.words.aligning import NOISY, Line
 
     said = read_words(file) if file is not None else Imported((Line(text or ""),))
     spellings = _spellings(sounds_like or [])

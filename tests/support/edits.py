@@ -52,3 +52,11 @@ def edits(draw: st.DrawFn) -> Edit:
         companions=draw(st.sampled_from(Company)),
         pins=draw(pins(start, end)) if retimes else (),
     )
+
+
+def offset(
+    control: str | tuple[str, ...], start: float, end: float, value: float, falloff: float = 0.1
+) -> Edit:
+    """An edit that moves curves by so many mm."""
+    controls = (control,) if isinstance(control, str) else control
+    return Edit(controls, Op.OFFSET, start, end, falloff, value)
