@@ -92,6 +92,8 @@ def name_channels(channels: Sequence[str]) -> str:
 
 def describe_what(*edits: Edit) -> str:
     """What edits change together: a name for their curves and channels."""
+    if all(edit.op is Op.RETIME for edit in edits):
+        return "Whole face"
     controls = {name for edit in edits for name in edit.controls}
     channels = {name for edit in edits for name in edit.channels}
     parts = []
