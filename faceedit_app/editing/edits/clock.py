@@ -18,7 +18,7 @@ from faceedit_app.editing.edits.edit import Edit
 # Seconds on either side of a cut in which both sides are mixed, so that the face does not jump.
 CROSSFADE = 0.08
 _STEEPEST = 3.0  # times the mean speed between two pins: with more, a cubic would turn back
-_HALVINGS = 60  # to invert the clock to the last bit
+_HALVINGS = 36  # to invert the clock to a nanosecond, over a minute
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ on the result, so that curves drawn within a fill stay as they are, whichever ca
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -21,7 +22,30 @@ from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.retimes import Measure, Retiming
 
 DECIMALS = 5  # of filled weights, see `solver.DECIMALS`
-REMEMBERED = 32  # fills that are kept: a drag over a fill asks for the same again
+REMEMBERED = 32  # results that are kept: a drag over a fill asks for the same again
+
+
+Kept = TypeVar("Kept")
+
+
+class Recent(Generic[Kept]):
+    """Results that are kept until others have been asked for more recently.
+
+    Args:
+        most: how many are kept.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most, self._kept = most, dict[Hashable, Kept]()
+
+    def to(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
+        """The result for a key; it is made if it is not kept."""
+        found = self._kept.pop(key, None)
+        found = make() if found is None else found
+        self._kept[key] = found
+        while len(self._kept) > self._most:
+            del self._kept[next(iter(self._kept))]
+        return found
 
 
 class Fills:
@@ -38,8 +62,8 @@ class Fills:
         self._clip, self._tracked = clip, tracked
         self._filling = Filling(clip, tracked, opening)
         self._retiming = Retiming(clip, measure)
-        self._starts: dict[tuple[object, ...], Floats] = {}
-        self._known: dict[tuple[object, ...], Doubles] = {}
+        self._starts, self._turns = Recent[Floats](REMEMBERED), Recent[Floats](REMEMBERED)
+        self._known = Recent[Doubles](REMEMBERED)
         self._present = np.array([ARKIT_INDEX[c] for c in clip.channels], np.intp)
 
     @property
@@ -64,15 +88,8 @@ class Fills:
         What these edits read for the frames that matter must lie within `near`, see `reads`, as
         far as the take has it; frames beyond may be wrong.
         """
-        acting = tuple(edit for edit in edits if edit.op in (Op.RESET, *OF_THE_TAKE))
-        key = acting, near.start, near.stop
-        found = self._starts.pop(key, None)
-        if found is None:
-            found = self._made(acting, near)
-        self._starts[key] = found
-        while len(self._starts) > REMEMBERED:
-            del self._starts[next(iter(self._starts))]  # the least recently used
-        return found
+        acting = _acting(edits)
+        return self._starts.to((acting, near.start, near.stop), lambda: self._made(acting, near))
 
     def _made(self, edits: Sequence[Edit], near: slice) -> Floats:
         out, tracked = self._tracked[near].copy(), self._tracked[near]
@@ -91,6 +108,11 @@ class Fills:
         turns = self._clip.rotations
         if turns is None or not any(edit.op is Op.RETIME for edit in edits):
             return None
+        acting = _acting(edits)
+        key = acting, near.start, near.stop
+        return self._turns.to(key, lambda: self._turned(acting, near, turns))
+
+    def _turned(self, edits: Sequence[Edit], near: slice, turns: Floats) -> Floats:
         out, tracked = turns[near].copy(), turns[near]
         columns = np.arange(turns.shape[1])
         for edit in edits:
@@ -137,13 +159,7 @@ class Fills:
         stretch = self._stretch(edit, out, near, first, stop)
         around = stretch.before.tobytes(), stretch.after.tobytes()
         key = (first, stop, edit.seed, edit.points, *around)
-        content = self._known.pop(key, None)
-        if content is None:
-            content = self._filling.fill(stretch)
-        self._known[key] = content
-        while len(self._known) > REMEMBERED:
-            del self._known[next(iter(self._known))]  # the least recently used
-        return content
+        return self._known.to(key, lambda: self._filling.fill(stretch))
 
     def _stretch(self, edit: Edit, out: Floats, near: slice, first: int, stop: int) -> Stretch:
         """What a fill has to fill, in the take with earlier fills (N, 52) on the frames `near`."""
@@ -179,9 +195,11 @@ class Fills:
                 out[covered] = np.nan
             first, stop = fill_frames(times, edit.span)
             if edit.op is Op.FILL and 0 < stop - first < len(times):
-                stretch = self._stretch(edit, self.applied(edits[:i], whole), whole, first, stop)
+                stretch = self._stretch(
+                    edit, self._made(_acting(edits[:i]), whole), whole, first, stop
+                )
                 out[covered] = self._filling.between(stretch, seconds[covered])
-        change = (weights - self.applied(edits, whole)).astype(np.float64)
+        change = (weights - self._made(_acting(edits), whole)).astype(np.float64)
         share = share[:, None]
         out += (1.0 - share) * change[before] + share * change[before + 1]
         found: Floats = np.round(np.clip(out, 0.0, 1.0), DECIMALS).astype(np.float32)
@@ -201,6 +219,11 @@ class Fills:
         names = [c for region in regions for c in (*region.channels, *region.accompanying)]
         mine: Indices = np.intersect1d([ARKIT_INDEX[c] for c in names], self._present)
         return mine.astype(np.intp)
+
+
+def _acting(edits: Sequence[Edit]) -> tuple[Edit, ...]:
+    """Those that change the take that all others start from."""
+    return tuple(edit for edit in edits if edit.op in (Op.RESET, *OF_THE_TAKE))
 
 
 def _put(out: Floats, made: tuple[slice, Doubles] | None) -> None:

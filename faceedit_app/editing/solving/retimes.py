@@ -23,10 +23,11 @@ from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.solving.filling import fill_frames
 
 _WIDEST = 8.0  # times as fast as the take: the mean over a frame's time gets no wider
-_SAMPLES = 9  # moments in the mean
+_OFFSETS = np.linspace(-4, 4, 9) / 9  # of the moments in the mean, as shares of its width
 _LOSS = 0.1  # mm
+_LASTS = 3  # frames of the longest extreme: of a longer one, the mean keeps the middle
 # Frames on either side of a moment that its value depends on.
-AROUND = int(_WIDEST / 2) + 3
+AROUND = int(_WIDEST / 2) + _LASTS
 
 Measure = Callable[[Floats], Floats]  # (N, 52) weights -> (N, C) mm
 
@@ -92,21 +93,18 @@ class Retiming:
 
     def _sampled(self, values: Floats | Doubles, near: slice, mixed: Moments) -> Doubles:
         """(N, K) the values (N', K) on the frames `near` at some moments."""
-        at, fast = mixed.first, mixed.speed > 1.0
-        found = interpolate(self._times[near], values, at)
         cut = mixed.share > 0
-        if cut.any():
-            other = interpolate(self._times[near], values, mixed.second[cut])
-            found[cut] += mixed.share[cut][:, None] * (other - found[cut])
-        fast &= ~cut
-        if fast.any():
-            # A frame's own time blurs once already when it is recorded.
-            speed = np.minimum(mixed.speed[fast], _WIDEST)
-            width = self._step * np.sqrt(speed * speed - 1.0)
-            offsets = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
-            moments = at[fast][:, None] + width[:, None] * offsets
-            flat = interpolate(self._times[near], values, moments.ravel())
-            found[fast] = flat.reshape(len(moments), _SAMPLES, -1).mean(axis=1)
+        fast = (mixed.speed > 1.0) & ~cut
+        # A frame's own time blurs once already when it is recorded.
+        speed = np.minimum(mixed.speed[fast], _WIDEST)
+        width = self._step * np.sqrt(speed * speed - 1.0)
+        spread = mixed.first[fast][:, None] + width[:, None] * _OFFSETS
+        moments = np.concatenate([mixed.first, mixed.second[cut], spread.ravel()])
+        every = interpolate(self._times[near], values, moments)
+        count, others = len(cut), int(cut.sum())
+        found, other, means = np.split(every, [count, count + others])
+        found[cut] += mixed.share[cut][:, None] * (other - found[cut])
+        found[fast] = means.reshape(-1, len(_OFFSETS), values.shape[1]).mean(axis=1)
         return found
 
     def _keep_extremes(
@@ -119,18 +117,15 @@ class Retiming:
         mixed: Moments,
     ) -> None:
         """Show the extremes of curves that can close, in place."""
-        times = self._times[rows]
-        inside = (self._times[near] > clock.start) & (self._times[near] < clock.end)
+        moments, recorded = clock.moments(self._times[rows]), self._times[near]
+        shown = (recorded > moments[0]) & (recorded < moments[-1]) & ~clock.cuts_out(recorded)
         curves = self._measure(out)
         kept = self._measure(found.astype(np.float32))
         for control, columns in self._groups:
             curve = curves[:, control]
-            at = np.flatnonzero(_extremes(curve) & inside)
-            shown = clock.shown(self._times[near][at])
-            place = _nearest(times, shown)
-            apart = np.abs(times[place] - shown)
-            good = (apart <= 0.75 * self._step) & (mixed.share[place] == 0)
-            good &= ~clock.cuts_out(self._times[near][at])
+            at = np.flatnonzero(_extremes(curve) & shown)
+            place = _nearest(moments, recorded[at])
+            good = mixed.share[place] == 0
             missed = curve[at] - kept[place, control]
             good &= np.abs(missed) > _LOSS
             # Of several for one frame the last stays: a closure, and the one that loses most.
@@ -152,18 +147,23 @@ def _columns_with(control: Control) -> Indices:
 
 
 def _extremes(curve: Floats) -> Bools:
-    """(N,) whether a frame is a local extreme; of one that lasts, its first and last frame."""
-    steps = np.diff(curve)
-    moving = np.flatnonzero(steps)
-    turns = np.flatnonzero(steps[moving[:-1]] * steps[moving[1:]] < 0)
-    extremes = np.zeros(len(curve), np.bool_)
-    extremes[moving[turns] + 1] = extremes[moving[turns + 1]] = True
+    """(N,) whether a frame is a local extreme, of up to `_LASTS` frames.
+
+    It depends on `_LASTS` frames on either side only, so that a part has the same as the whole.
+    """
+    padded = np.pad(curve, _LASTS, mode="edge")
+    around = np.lib.stride_tricks.sliding_window_view(padded, 2 * _LASTS + 1)
+    sides = around[:, :_LASTS], around[:, _LASTS + 1 :]
+    low, high = (np.stack([f(side, axis=1) for side in sides]) for f in (np.min, np.max))
+    least = ((curve <= low) & (curve < high)).all(axis=0)
+    most = ((curve >= high) & (curve > low)).all(axis=0)
+    extremes: Bools = least | most
     return extremes
 
 
-def _nearest(times: Times, wanted: Times) -> Indices:
-    """(N,) the frames of `times` nearest to other times."""
-    right = np.clip(np.searchsorted(times, wanted), 1, max(len(times) - 1, 1))
-    right = np.minimum(right, len(times) - 1)
-    left = np.maximum(right - 1, 0)
-    return np.where(wanted - times[left] <= times[right] - wanted, left, right)
+def _nearest(moments: Times, wanted: Times) -> Indices:
+    """(N,) which of some moments, in order of time, is nearest to each wanted one between them."""
+    right = np.clip(np.searchsorted(moments, wanted), 1, max(len(moments) - 1, 1))
+    left = right - 1
+    right = np.minimum(right, len(moments) - 1)
+    return np.where(wanted - moments[left] <= moments[right] - wanted, left, right)
