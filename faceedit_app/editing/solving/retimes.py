@@ -157,8 +157,7 @@ def _extremes(curve: Floats) -> Bools:
     low, high = (np.stack([f(side, axis=1) for side in sides]) for f in (np.min, np.max))
     least = ((curve <= low) & (curve < high)).all(axis=0)
     most = ((curve >= high) & (curve > low)).all(axis=0)
-    extremes: Bools = least | most
-    return extremes
+    return np.logical_or(least, most)
 
 
 def _nearest(moments: Times, wanted: Times) -> Indices:
