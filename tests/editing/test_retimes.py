@@ -14,6 +14,7 @@ from support.edits import pins
 from support.sessions import demo_take, session_by_networks, session_by_rig
 from support.takes import make_livelink_csv
 
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIP_OPENING
@@ -22,6 +23,7 @@ from faceedit_app.editing.edits.clock import Clock
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op, from_json, to_json
 from faceedit_app.editing.edits.retiming import retimed
+from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.editing.help import retime
 from faceedit_app.editing.help.presets import save_preset
 from faceedit_app.editing.session import EditSession
@@ -232,6 +234,29 @@ def test_edits_of_channels_and_rotations_act_on_it_too() -> None:
     assert session.rotations[rows, 0] == pytest.approx(turns[rows, 0] + np.radians(10), abs=1e-4)
     assert np.array_equal(session.rotations[:, 1:], turns[:, 1:])
     assert np.array_equal(session.weights, weights)
+
+
+def test_curves_that_nobody_asked_for_go_where_channels_take_them() -> None:
+    session = session_by_rig(clip_of())
+    session.add(STRETCH)
+    session.add(Edit((), Op.OFFSET, 2.5, 5.0, 0.0, 0.3, channels=("jawOpen",)))
+    rows = (session.take.clip.times > 2.6) & (session.take.clip.times < 4.9)
+    assert np.array_equal(session.asked[rows], session.achieved[rows])
+
+
+@pytest.mark.parametrize("session_on", [session_by_rig, session_by_networks])
+def test_resynthesis_starts_from_the_retimed_take(
+    session_on: Callable[[Clip], EditSession],
+) -> None:
+    clip = clip_of()
+    session = session_on(clip)
+    session.configure(replace(session.settings, mode=Mode.RESYNTHESIZE))
+    session.add(Edit((LIP_OPENING,), Op.OFFSET, 6.5, 6.6, 0.0, 1.0))
+    plain = session.weights.copy()
+    dimple = ARKIT_INDEX["mouthDimpleLeft"]
+    session.add(STRETCH)
+    there, here = clip.frame_at(3.0), clip.frame_at(2.5)
+    assert session.weights[here, dimple] == pytest.approx(plain[there, dimple], abs=0.02)
 
 
 def test_a_reset_after_it_takes_it_away_to_the_bit() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -47,6 +48,18 @@ class ChannelTask:
 
 
 Task = ChunkTask | ChannelTask
+
+
+class Answered(Protocol):
+    """A chunk whose curves have been answered."""
+
+    @property
+    def weights(self) -> Floats:
+        """(N, 52) in ARKit order."""
+
+    @property
+    def rotations(self) -> Floats | None:
+        """(N, 9) radians; None if the take has none."""
 
 
 def channels_of(clip: Clip) -> frozenset[str]:
@@ -139,7 +152,7 @@ class ChannelEdits:
         self,
         task: ChannelTask,
         rows: slice,
-        base: Callable[[int, ChunkTask | None], tuple[Floats, Floats | None]],
+        base: Callable[[int, ChunkTask | None], Answered],
         decimals: int,
     ) -> tuple[Floats, Floats | None]:
         """The weights (N, 52) and the rotations (N, 9) in radians of a chunk.
@@ -147,17 +160,17 @@ class ChannelEdits:
         Args:
             task: the task.
             rows: the chunk's frames.
-            base: answers the curves of a chunk: (N, 52) weights, and (N, 9) rotations.
+            base: answers the curves of a chunk.
             decimals: to which changed numbers are rounded.
         """
         near = slice(*task.near)
         parts = [base(chunk, curves) for chunk, curves in task.bases]
         # The first part begins where its chunk does, at or before the first frame that is read.
         place = [chunk for chunk, _ in task.bases].index(task.chunk)
-        first = rows.start - sum(len(weights) for weights, _ in parts[:place])
+        first = rows.start - sum(len(part.weights) for part in parts[:place])
         read = slice(near.start - first, near.stop - first)
-        around = np.concatenate([weights for weights, _ in parts])[read]
-        turns = [rotations for _, rotations in parts if rotations is not None]
+        around = np.concatenate([part.weights for part in parts])[read]
+        turns = [part.rotations for part in parts if part.rotations is not None]
         turned = np.concatenate(turns)[read] if turns else None
         before = self._values(around, turned)
         after = self._edited(before, task.edits, near)

@@ -104,10 +104,10 @@ class Fills:
         return out
 
     def turned(self, edits: Sequence[Edit], near: slice) -> Floats | None:
-        """(N, 9) the rotations with the retimes among `edits`, radians; None = as tracked."""
+        """(N, 9) the rotations with the retimes among `edits`, radians; None if there are none."""
         turns = self._clip.rotations
         if turns is None or not any(edit.op is Op.RETIME for edit in edits):
-            return None
+            return None if turns is None else turns[near]
         acting = _acting(edits)
         key = acting, near.start, near.stop
         return self._turns.to(key, lambda: self._turned(acting, near, turns))

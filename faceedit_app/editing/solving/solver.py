@@ -65,13 +65,15 @@ _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
 class Patch:
     """A chunk's result: `asked` (N, C) mm, `weights` (N, 52), `controls` (N, C) mm.
 
-    `rotations` are (N, 9) radians; None = as tracked.
+    `rotations` are (N, 9) radians; None = the take has none. `started` (N, C) mm is what edits of
+    curves started from.
     """
 
     asked: Floats
     weights: Floats
     controls: Floats
-    rotations: Floats | None = None
+    rotations: Floats | None
+    started: Floats
 
 
 class Solver:
@@ -245,28 +247,21 @@ class Solver:
         """Edit the channels of a chunk after its curves have been answered."""
         rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
         mine = self._base(task.chunk, curves)
-        weights, rotations = self._channels.apply(
-            task, rows, lambda chunk, base: self._moved(chunk, base), DECIMALS
-        )
+        weights, rotations = self._channels.apply(task, rows, self._base, DECIMALS)
         controls = self.distances.measure(weights)
         same = (weights == mine.weights).all(axis=1)
         controls[same] = mine.controls[same]
         # Curves that nobody asked for go where the channels take them.
-        asked = np.where(mine.asked == self.controls[rows], controls, mine.asked)
-        return Patch(asked, weights, controls, rotations)
-
-    def _moved(self, chunk: int, task: ChunkTask | None) -> tuple[Floats, Floats | None]:
-        """The weights (N, 52) and rotations (N, 9) of a chunk before edits of channels."""
-        base, turns = self._base(chunk, task), self.clip.rotations
-        if turns is None or base.rotations is not None:
-            return base.weights, base.rotations
-        return base.weights, turns[self.chunks.slice(chunk)]
+        asked = np.where(mine.asked == mine.started, controls, mine.asked)
+        return Patch(asked, weights, controls, rotations, mine.started)
 
     def _base(self, chunk: int, task: ChunkTask | None) -> Patch:
         """The answer to the curves of a chunk; the last ones are kept for further edits."""
         if task is None:
             rows = self.chunks.slice(chunk)
-            return Patch(self.controls[rows], self.tracked[rows], self.controls[rows])
+            tracked, turns = self.controls[rows], self.clip.rotations
+            rotations = None if turns is None else turns[rows]
+            return Patch(tracked, self.tracked[rows], tracked, rotations, tracked)
         known = self._bases.pop(chunk, None)
         if known is None or known[0] != task:
             known = task, self._answered(task)
@@ -304,7 +299,7 @@ class Solver:
         if influences:
             change = self._wanted_change(asked, tracked)
             slow = smoothed(change, QUICK * rate)
-            answers = self._answer(task, tuple(influences), tracked, slow)
+            answers = self._answer(task, tuple(influences), before, tracked, slow)
             change, slow = change[inner], slow[inner]
             for name, influence in influences.items():
                 part = self._parts[name]
@@ -338,7 +333,8 @@ class Solver:
         controls[same] = self.controls[rows][same]
         turned = self._fills.turned(task.edits, near)
         rotations = None if turned is None else turned[inner]
-        return Patch(mine.curves.astype(np.float32), result, controls, rotations)
+        started = tracked[inner].astype(np.float32)
+        return Patch(mine.curves.astype(np.float32), result, controls, rotations, started)
 
     def _start(self, task: ChunkTask) -> tuple[Floats, Doubles]:
         """What edits of a chunk start from: the take with fills and retimes, near it.
@@ -373,17 +369,23 @@ class Solver:
         return change
 
     def _answer(
-        self, task: ChunkTask, regions: tuple[str, ...], tracked: Doubles, change: Doubles
+        self,
+        task: ChunkTask,
+        regions: tuple[str, ...],
+        before: Doubles,
+        tracked: Doubles,
+        change: Doubles,
     ) -> dict[str, Doubles]:
         """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
 
         Args:
-            tracked: (N', C) mm, the controls near the task, with fills.
+            before: (N, 52) weights of the chunk, with fills and retimes.
+            tracked: (N', C) mm, the controls near the task, with fills and retimes.
             change: (N', C) mm by which those that are asked for differ from them.
         """
         rows, settings = self.chunks.slice(task.chunk), task.settings
         resynthesize = settings.mode is Mode.RESYNTHESIZE
-        answers = {name: self._unanswered(name, rows, resynthesize) for name in regions}
+        answers = {name: self._unanswered(name, before, resynthesize) for name in regions}
         if self._answers is None or not regions:
             return answers
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
@@ -410,12 +412,12 @@ class Solver:
                 answers[name] = answer
         return answers
 
-    def _unanswered(self, name: str, rows: slice, resynthesize: bool) -> Doubles:
+    def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:
         """(N, K) what stands in for the networks' answer if there is none."""
         part = self._parts[name]
         if resynthesize:
-            return self.tracked[rows][:, part.columns].astype(np.float64)
-        return np.zeros((rows.stop - rows.start, len(part.region.channels)))
+            return before[:, part.columns]
+        return np.zeros((len(before), len(part.region.channels)))
 
     def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
         """Put a region's weights into those of a chunk (N, 52).
