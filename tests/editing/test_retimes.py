@@ -431,6 +431,28 @@ def test_pauses_and_cuts_use_the_side_that_has_room(at: float) -> None:
 
 
 CLIP = clip_of()
+
+
+def test_a_face_that_soon_stands_still_makes_up_for_it_there() -> None:
+    clip = clip_of()
+    weights = clip.weights.copy()
+    weights[(clip.times > 4.0) & (clip.times < 4.6)] = weights[clip.frame_at(4.0)]
+    clip = replace(clip, weights=weights)
+    pause = retime.pause(clip, 3.2, 0.3)
+    assert pause.pins[-1][0] == pytest.approx(4.0, abs=0.04)
+    assert pause.end == pytest.approx(4.6, abs=0.04)
+    clock = Clock(pause)
+    between = np.linspace(3.6, 3.9, 10)
+    assert clock.shown(between) == pytest.approx(between + 0.3, abs=0.05)
+    cut = retime.cut(clip, (3.2, 3.5))
+    assert cut.end == pytest.approx(4.6, abs=0.04)
+    assert Clock(cut).shown(between) == pytest.approx(between - 0.3, abs=0.05)
+    assert describe(pause) == "Insert 0.30 s"
+    assert describe(cut) == "Cut 0.30 s"
+    far = retime.pause(clip, 0.5, 0.1)
+    assert far.end < 1.5
+
+
 IMPOSSIBLE: tuple[Callable[[], Edit], ...] = (
     lambda: retime.stretched(CLIP, (0.0, 7.98), 1.5),
     lambda: retime.stretched(CLIP, (3.0, 4.0), 3.0),

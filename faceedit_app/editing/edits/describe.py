@@ -123,15 +123,17 @@ def _describe_set(edit: Edit, what: str) -> str:
 def _describe_retime(edit: Edit) -> str:
     """What the pins do, where it is one simple thing."""
     moves = [now - was for was, now in edit.pins]
-    if not 1 <= len(edit.pins) <= 2:
+    if not edit.pins:
         return "Retime"
-    (was, now), (then_was, then_now) = edit.pins[0], edit.pins[-1]
-    if abs(moves[0] - moves[-1]) < _SAME:
+    (was, now), (then_was, then_now) = edit.pins[0], edit.pins[:2][-1]
+    if len(edit.pins) < 3 and abs(moves[0] - moves[-1]) < _SAME:
         return f"Move in time {moves[0]:+.2f} s".replace("-", "−")
     if abs(then_now - now) < _SAME:
         return f"Cut {then_was - was:.2f} s"
     if abs(then_was - was) < _SAME:
         return f"Insert {then_now - now:.2f} s"
+    if len(edit.pins) > 2:
+        return "Retime"
     return f"Stretch to {100 * (then_now - now) / (then_was - was):.0f} %"
 
 

@@ -25,7 +25,7 @@ from faceedit_app.formats.timing import counted
 from faceedit_app.words.speech_sounds import lips_of
 from faceedit_app.words.transcript import Transcript
 
-MOST_UNITS = 6_000  # phonemes of one side: the table of the alignment takes their square
+MOST_UNITS = 12_000  # phonemes of one side: the table of the alignment takes their square
 _GAP = 0.7  # cost of a phoneme that only one side has
 _ALIKE, _SAME_KIND, _OTHER = 0.4, 1.0, 1.6  # cost of two that differ
 _CLOSEST = 0.02  # seconds between two pins of the take
@@ -101,7 +101,7 @@ def match(clip: Clip, ours: Transcript, theirs: Transcript, offset: float | None
     mine, other = _units(ours, theirs)
     if max(len(mine), len(other)) > MOST_UNITS:
         raise FaceEditError(
-            f"There are over {MOST_UNITS:,} phonemes to match; match a part of the take at a time"
+            f"There are over {MOST_UNITS:,} phonemes to match; match a shorter take"
         )
     pairs = _aligned([unit.symbol for unit in mine], [unit.symbol for unit in other])
     good = [(i, j) for i, j in pairs if _cost(mine[i].symbol, other[j].symbol) <= _ALIKE]

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FaceEditError
@@ -19,6 +21,11 @@ LEAST_PAD = 0.3  # seconds beside the range that make up for it, if the take has
 _EASE = 0.15  # seconds in which the face comes to rest before a pause
 _PADDED = 3.0  # times the difference in time is taken from the rest, where there is room
 _DIGITS = 4  # of seconds
+# What comes after a cut or pause and stands still makes up for it alone, if it is near enough (in
+# seconds, or times the difference) and its speed is not changed by more than a factor.
+_NEAR, _NEAR_TIMES, _STILL_FASTEST = 1.5, 4.0, 5.0
+_STILL = 0.15  # of the speed of the fastest tenth of the frames around
+_AROUND = 10.0  # seconds
 _SMALLEST = 0.001  # seconds; smaller differences are none
 
 Range = tuple[float, float]
@@ -117,7 +124,8 @@ def padded(difference: float, pad: float = LEAST_PAD) -> float:
 def cut(clip: Clip, span: Range, pad: float = LEAST_PAD) -> Edit:
     """A retime that leaves out a range; the take after it fills its time by playing slower.
 
-    Without room after it, the take before it does.
+    If the face soon stands still, it stands still for longer. Without room after the range, the
+    take before it fills the time.
 
     Raises:
         FaceEditError: the take has no room on either side.
@@ -128,6 +136,10 @@ def cut(clip: Clip, span: Range, pad: float = LEAST_PAD) -> Edit:
     length = end - start
     if length <= 0:
         raise FaceEditError("Select what to cut first")
+    still = _still(clip, end, length, length / (_STILL_FASTEST - 1.0))
+    if still is not None:
+        pins = ((start, start), (end, start), (still[0], still[0] - length))
+        return _edit(max(start - CROSSFADE, first), still[1], pins)
     least, wanted = length / (1 / SLOWEST - 1), max(pad, 2.0 * length)
     if last - end >= least:
         beside = min(wanted, last - end)
@@ -144,7 +156,8 @@ def cut(clip: Clip, span: Range, pad: float = LEAST_PAD) -> Edit:
 def pause(clip: Clip, at: float, seconds: float, pad: float = LEAST_PAD) -> Edit:
     """A retime that holds the face for some seconds; the take after it plays faster.
 
-    Without room after it, the take before it does.
+    If the face soon stands still, it does so for a shorter time. Without room after the pause, the
+    take before it makes room.
 
     Args:
         at: when the pause begins.
@@ -156,6 +169,12 @@ def pause(clip: Clip, at: float, seconds: float, pad: float = LEAST_PAD) -> Edit
     first, last = float(clip.times[0]), float(clip.times[-1])
     if not seconds > 0:
         raise FaceEditError("A pause must be longer than 0 s")
+    still = _still(clip, at, seconds, seconds / (1.0 - 1.0 / _STILL_FASTEST))
+    if still is not None:
+        # It sets off again at ease, then plays as it was until it stands still.
+        own = [moment for moment in (at + _EASE, still[0]) if moment <= still[0]]
+        pins = ((at, at), (at, at + seconds), *((moment, moment + seconds) for moment in own))
+        return _edit(max(at - _EASE, first), still[1], pins)
     least, wanted = seconds / (1 - 1 / FASTEST), max(pad, _PADDED * seconds)
     if last - at >= least:
         end = at + min(wanted, last - at)
@@ -167,6 +186,29 @@ def pause(clip: Clip, at: float, seconds: float, pad: float = LEAST_PAD) -> Edit
         f"A pause of {seconds:.2f} s needs {least:.2f} s of the take before or after it, "
         "which make room"
     )
+
+
+def _still(clip: Clip, after: float, difference: float, least: float) -> Range | None:
+    """The first stretch soon after a time in which the face stands still for long enough.
+
+    Args:
+        difference: seconds to make up for.
+        least: seconds that the stretch must last.
+    """
+    times = clip.times
+    near = slice(*np.searchsorted(times, (after - _AROUND, after + _AROUND)).tolist())
+    if near.stop - near.start < 3:
+        return None
+    speeds = np.abs(np.diff(clip.weights[near], axis=0)).sum(axis=1) / np.diff(times[near])
+    still = speeds < _STILL * float(np.percentile(speeds, 90))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
+    for begin, end in edges.reshape(-1, 2).tolist():
+        start, stop = float(max(times[near][begin], after)), float(times[near][end])
+        if start - after > max(_NEAR, _NEAR_TIMES * difference):
+            break
+        if stop - start >= least:
+            return start, stop
+    return None
 
 
 def by_pins(

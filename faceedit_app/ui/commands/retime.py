@@ -104,7 +104,7 @@ class RetimeCommands:
 
         def edits(seconds: float, filled: bool) -> tuple[Edit, ...]:
             edit = pause(clip, at, seconds)
-            (_, start), (_, end) = edit.pins
+            (_, start), (_, end) = edit.pins[:2]
             if not filled:
                 return (edit,)
             if seconds > LONGEST_FILL:
