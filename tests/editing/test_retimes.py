@@ -503,11 +503,25 @@ def test_damaged_pins_are_refused(change: dict[str, object], complaint: str) -> 
 
 
 def test_another_range_scales_the_pins() -> None:
-    scaled = STRETCH.reshaped(2.0, 4.0, 0.3, 0.3)
+    scaled = STRETCH.stretched(2.0, 4.0)
     assert scaled.pins == ((2.5, 2.25), (3.0, 3.25))
     assert STRETCH.stretched(3.0, 3.0).effect is None
     assert STRETCH.shifted(1.0).pins == ((4.0, 3.5), (5.0, 5.5))
     assert retimed(STRETCH, 0.5).pins == ((1.5, 1.25), (2.0, 2.25))
+
+
+def test_by_its_handles_a_range_changes_around_the_pins() -> None:
+    wider = retime.reshaped(STRETCH, 1.8, 6.0, 0.0, 0.5)
+    assert (wider.start, wider.end, wider.pins) == (1.8, 6.5, STRETCH.pins)
+    tight = retime.reshaped(STRETCH, 2.9, 4.6, 0.0, 0.0)
+    assert (tight.start, tight.end) == (2.0, 5.0)
+    assert 0.49 < speeds(tight).min() <= speeds(tight).max() < 2.01
+    moved = retime.reshaped(STRETCH, 2.5, 6.5, 0.0, 0.0)
+    assert moved == STRETCH.shifted(0.5)
+    other = Edit((LIP_OPENING,), Op.OFFSET, 1.0, 2.0, 0.2, 3.0)
+    assert retime.reshaped(other, 1.0, 3.0, 0.1, 0.3) == replace(
+        other, end=3.0, falloff=0.1, falloff_out=0.3
+    )
 
 
 def test_a_preset_takes_whole_retimes_only(tmp_path: Path) -> None:

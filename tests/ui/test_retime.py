@@ -146,16 +146,29 @@ def test_a_wild_drag_stops_where_the_take_has_no_room(window: MainWindow) -> Non
     assert (was / now).max() < 2.01
 
 
-def test_falloffs_and_range_of_a_chosen_retime(window: MainWindow) -> None:
+def test_the_range_of_a_chosen_retime_is_changed_by_its_handles(window: MainWindow) -> None:
     plot = begin(window)
     drag(plot, place(plot, 4.5), place(plot, 4.6))
-    edit, editor = only_edit(window), editor_of(window)
-    editor.edits.select(0)
-    editor.edits.reshape(edit.start, edit.end + 0.2, 0.3, 0.3)
-    editor.edits.end_reshape()
-    reshaped = only_edit(window)
-    assert reshaped.falloff == 0.0
-    assert reshaped.end == pytest.approx(edit.end + 0.2)
+    edit, bar = only_edit(window), editor_of(window).curves.range_bar
+    trigger(window, "tool_move")
+    run_events()
+    drag(bar, place(bar, edit.end, bar.height() / 2), place(bar, edit.end + 1.0, bar.height() / 2))
+    wider = only_edit(window)
+    assert (wider.start, wider.falloff, wider.pins) == (edit.start, 0.0, edit.pins)
+    assert wider.end == pytest.approx(edit.end + 1.0, abs=0.05)
+    assert window.timeline.selection == pytest.approx((wider.start, wider.end))
+
+
+def test_a_hand_on_the_face_makes_an_edit_of_its_own(window: MainWindow) -> None:
+    plot = begin(window)
+    drag(plot, place(plot, 4.5), place(plot, 4.6))
+    retime = only_edit(window)
+    curves = editor_of(window).curves
+    assert curves.hand.grab("mouth_opening", False)
+    curves.hand.pull(3.0, False)
+    curves.hand.let_go()
+    assert [edit.op for edit in edits_of(window)] == [Op.RETIME, Op.OFFSET]
+    assert edits_of(window)[0] == retime
 
 
 # --- the menu --------------------------------------------------------------------------------

@@ -239,13 +239,6 @@ class Edit:
             return replace(self, start=start, end=end, points=points, pins=())
         return self._mapped(start, end, lambda second: start + factor * (second - self.start))
 
-    def reshaped(self, start: float, end: float, fade_in: float, fade_out: float) -> Edit:
-        """The edit with another hold and other falloffs, unless it can have none."""
-        shaped = self.stretched(start, end)
-        if self.op is Op.RETIME:
-            return shaped
-        return replace(shaped, falloff=fade_in, falloff_out=fade_out)
-
     def _mapped(self, start: float, end: float, to: Callable[[float], float]) -> Edit:
         """The edit with another hold, and its points and pins at other times."""
         return replace(

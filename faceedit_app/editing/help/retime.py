@@ -7,6 +7,7 @@ that follows keeps its time, and with it sound and film.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -186,6 +187,29 @@ def pause(clip: Clip, at: float, seconds: float, pad: float = LEAST_PAD) -> Edit
         f"A pause of {seconds:.2f} s needs {least:.2f} s of the take before or after it, "
         "which make room"
     )
+
+
+def reshaped(edit: Edit, start: float, end: float, fade_in: float, fade_out: float) -> Edit:
+    """An edit with another hold and other falloffs.
+
+    A retime has no falloff: its range grows by them. It keeps its pins, and as much room around
+    them as they need; if it is only moved, they move along.
+    """
+    if edit.op is not Op.RETIME:
+        return replace(edit.stretched(start, end), falloff=fade_in, falloff_out=fade_out)
+    start, end = start - fade_in, end + fade_out
+    if abs((end - start) - (edit.end - edit.start)) < _SMALLEST:
+        return edit.shifted(start - edit.start)
+    if edit.pins:
+        (was, now), (then_was, then_now) = edit.pins[0], edit.pins[-1]
+        start = min(start, was - _least_room(now - was))
+        end = max(end, then_was + _least_room(then_was - then_now))
+    return replace(edit, start=start, end=end)
+
+
+def _least_room(later: float) -> float:
+    """Seconds of the take before a pin that make up for it; after a pin, for the opposite."""
+    return later / (1 / SLOWEST - 1) if later > 0 else -later / (1 - 1 / FASTEST)
 
 
 def _still(clip: Clip, after: float, difference: float, least: float) -> Range | None:

@@ -268,7 +268,8 @@ class Interaction(QObject):
         self.plot, self.focused = plot, plot.control.id
         self._x = plot.current_scale.x_of(line.time)
         press = self._press(plot, line.time, (self._x, 0.0), self._grasp, one_side)
-        self._change = self._change_by(press)
+        # With the Retime tool, a press on a curve would go on with the chosen retime.
+        self._change = None if self._tools.tool is Tool.RETIME else self._change_by(press)
         self.drag = replace(move(press), mm_per_pixel=_HAND)
         self.changed.emit()
         return True
