@@ -365,7 +365,8 @@ class Take:
 
         Args:
             path: a file that ends in `.mp4` or `.webm`.
-            view: `face`, `both` (tracked and edited) or `film` (the take's film and the face).
+            view: `face`, `both` (tracked and edited), `film` (the take's film beside the face),
+                `film-above` or `film-below`.
             size: width and height, pixels.
             fps: pictures per second; None = the take's frame rate.
 
