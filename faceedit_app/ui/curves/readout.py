@@ -18,6 +18,8 @@ from faceedit_app.ui.curves.words import CHOSEN_HINT, IDLE_HINTS, length, note_o
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
+_MOST_PINS = 4
+
 
 class Readout:
     """Shows playhead, spans, handle, values and hint.
@@ -79,7 +81,9 @@ class Readout:
         drag, chosen = self._mouse.drag, self._mouse.chosen_edit()
         if isinstance(drag, RetimeDrag) and drag.moving:
             return drag.goal
-        return tuple(now for _, now in chosen[1].pins) if chosen is not None else ()
+        pins = chosen[1].pins if chosen is not None else ()
+        # Those of whole sentences would hide the curves.
+        return tuple(now for _, now in pins) if len(pins) <= _MOST_PINS else ()
 
     def _handle(self, session: EditSession, control: int) -> Handle | None:
         """The dot under the pointer, on the curve as asked for, since a drag moves that."""
