@@ -32,6 +32,7 @@ from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Alone, find_preset
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems
+from faceedit_app.editing.help.retime import by_pins
 from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.channel_edits import missing_channels
@@ -204,6 +205,28 @@ class Take:
             raise FaceEditError(f"The edit cannot be made: {missing}")
         self._check_inside(start, last)
         self.session.add(edit)
+        return self
+
+    def retime(
+        self,
+        pins: Iterable[tuple[float, float]],
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Take:
+        """Show moments of the take at other times; sound, film and all that follows keep theirs.
+
+        Args:
+            pins: (was, is) seconds, in order of time, such as `[(1.2, 1.2), (1.85, 2.05)]`.
+            start, end: seconds between which the take makes up for it; None = as far beyond the
+                pins as it takes.
+
+        Returns:
+            The take, so that calls can follow each other.
+
+        Raises:
+            FaceEditError: the pins cross, or lie outside the range or the take.
+        """
+        self.session.add(by_pins(self.session.take.clip, tuple(pins), start, end))
         return self
 
     def make_neutral(self, at: float) -> Take:

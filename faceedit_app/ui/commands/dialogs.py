@@ -232,6 +232,12 @@ def ask_words(parent: QWidget, folder: Path) -> Path | None:
     return _open_name(parent, "Open words", folder, file_kinds.WORDS)
 
 
+def ask_match(parent: QWidget, folder: Path) -> Path | None:
+    """Which sound, or file with the times of its words, the take is matched to."""
+    title = "Match another sound, or words with times"
+    return _open_name(parent, title, folder, file_kinds.SOUND_OR_WORDS)
+
+
 def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the words; the ending says as what."""
     return _save_name(parent, "Export words", suggestion, file_kinds.WRITTEN_WORDS)
