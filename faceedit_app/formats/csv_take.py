@@ -26,6 +26,7 @@ _COUNTS = ("blendshapecount", "numproperties")
 _TRACKED = (
     *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
     *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
+    *("numfaces", "facecount", "faces", "nfaces"),
 )
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
