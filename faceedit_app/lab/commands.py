@@ -179,8 +179,16 @@ def evaluate_tracking(
     output: Annotated[
         OptionalPath, typer.Option("--json", help="Write all figures to this file.")
     ] = None,
+    character: Annotated[
+        Paths,
+        typer.Option(
+            "--character", help="Who plays the takes besides FaceEdit's own; several times."
+        ),
+    ] = None,
 ) -> None:
     """Render films of takes, track them, and measure what was found."""
+    from faceedit_app.characters.fitted import open_character
+    from faceedit_app.editing.opening import shipped_rig
     from faceedit_app.lab.evaluation import tracking
     from faceedit_app.lab.training.data import take_paths
 
@@ -191,6 +199,7 @@ def evaluate_tracking(
             paths,
             seconds,
             progress=lambda done, of: progress.update(bar, completed=done, total=of),
+            characters=[shipped_rig(), *(open_character(path).rig for path in character or ())],
         )
     if output is not None:
         text = json.dumps(tracking.as_json(figures), indent=2) + "\n"

@@ -3,10 +3,11 @@
 The weights w of all pictures minimise
 
     sum of |seen - (rest + moves w)|² over landmarks, lips and lids  (what the film shows)
+  + the depth between the lips, but for what an open jaw makes it  (what it does not)
   + |w|² + |w|                                   (few channels and small weights are likely)
   + sum of a robust loss of each weight's acceleration               (faces move smoothly)
 
-with 0 <= w <= 1, by L-BFGS-B (Zhu, Byrd, Lu and Nocedal, "Algorithm 778", 1997). The loss is
+with 0 <= w <= 1 and mouthClose <= jawOpen, by L-BFGS-B (Zhu, Byrd, Lu and Nocedal, "Algorithm 778", 1997). The loss is
 pseudo-Huber (Charbonnier et al., 1997): quadratic for the shaking of landmarks, so that it is
 smoothed away, and linear for what is faster, so that blinks and closures stay. It looks both ways
 in time, and so it has no lag.
@@ -55,11 +56,11 @@ class FitSettings:
     gap: float = 0.12
     lid: float = 0.15
     gap_share: float = 0.05
-    depth: float = 0.4
+    depth: float = 0.2
     sparse: float = 1.0
     weight: float = 0.25
     acceleration: float = 40.0
-    smoothness: float = 20.0
+    smoothness: float = 40.0
 
 
 DEFAULT = FitSettings()
@@ -203,7 +204,9 @@ class _Problem:
         self._depth_row = _joined(gradients[:, 0, 2] - forward / up * gradients[:, 0, 1])
         self._rows = rows
         self._hessian = rows @ rows.T
-        self._hessian = self._hessian + np.outer(self._depth_row, self._depth_row) / settings.depth**2
+        self._hessian = (
+            self._hessian + np.outer(self._depth_row, self._depth_row) / settings.depth**2
+        )
         stiff = (self._gap_rows[:, 0] / settings.gap) ** 2
         stiff = stiff + ((self._gap_rows[:, 1:] / settings.lid) ** 2).sum(axis=1)
         self._ridge = 1.0 / settings.weight**2
