@@ -7,10 +7,10 @@ The weights w of all pictures minimise
   + |w|² + |w|                                   (few channels and small weights are likely)
   + sum of a robust loss of each weight's acceleration               (faces move smoothly)
 
-with 0 <= w <= 1 and mouthClose <= jawOpen, by L-BFGS-B (Zhu, Byrd, Lu and Nocedal, "Algorithm 778", 1997). The loss is
-pseudo-Huber (Charbonnier et al., 1997): quadratic for the shaking of landmarks, so that it is
-smoothed away, and linear for what is faster, so that blinks and closures stay. It looks both ways
-in time, and so it has no lag.
+with 0 <= w <= 1 and mouthClose <= jawOpen, by L-BFGS-B (Zhu, Byrd, Lu and Nocedal, "Algorithm
+778", 1997). The loss is pseudo-Huber (Charbonnier et al., 1997): quadratic for the shaking of
+landmarks, so that it is smoothed away, and linear for what is faster, so that blinks and closures
+stay. It looks both ways in time, and so it has no lag.
 """
 
 from __future__ import annotations
@@ -247,7 +247,7 @@ class _Problem:
             bounds=bounds,
             options={"maxiter": 400, "maxcor": 12, "ftol": 1e-9, "gtol": 1e-4},
         )
-        weights = np.clip(found.x.reshape(shape) * unit, 0.0, 1.0)
+        weights: Doubles = np.clip(found.x.reshape(shape) * unit, 0.0, 1.0)
         weights[:, _JAW] = np.minimum(weights[:, _JAW] + weights[:, _CLOSE], 1.0)
         return weights
 

@@ -44,7 +44,7 @@ def test_another_character_is_measured_on_its_own_face(tmp_path: Path) -> None:
     clip = Clip(speaking(20), ARKIT_CHANNELS, np.arange(20) / 25.0, 25.0)
     (tmp_path / "take.csv").write_bytes(livelink.write(clip))
     own = shipped_rig()
-    wide = replace(own, name="Wide", neutral=own.neutral * np.float32([1.06, 1.0, 1.0]))
+    wide = replace(own, name="Wide", neutral=own.neutral * np.array([1.06, 1.0, 1.0], np.float32))
     small = [Conditions("small", size=320, noise=0.0)]
     figures = evaluate_tracking([tmp_path / "take.csv"], 0.8, small, characters=[own, wide])
     assert [one.character for one in figures[:: len(METHODS)]] == [own.name, "Wide"]

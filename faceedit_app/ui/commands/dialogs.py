@@ -31,6 +31,7 @@ WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
 WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
 FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
 FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
+RECORDED_FILMS, TAKES = "Films (*.mp4)", "Takes (*.csv);;All files (*)"
 EDITS = "Edits (*.json);;All files (*)"
 PICTURES = "Pictures (*.png);;All files (*)"
 
@@ -148,9 +149,9 @@ def ask_record(parent: QWidget) -> tuple[Protocol, str, int] | None:
     return dialog.chosen if dialog.exec() else None
 
 
-def ask_record_name(parent: QWidget, suggestion: Path) -> Path | None:
-    """Where to write a recording."""
-    return _save_name(parent, "Record to", suggestion, "Takes (*.csv);;All files (*)")
+def ask_record_name(parent: QWidget, suggestion: Path, kinds: str = TAKES) -> Path | None:
+    """Where to write a recording, a take or a film."""
+    return _save_name(parent, "Record to", suggestion, kinds)
 
 
 def ask_stop_film(parent: QWidget) -> bool:
