@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, file_kinds
 from faceedit_app.ui.commands.workspace import Workspace
 
 if TYPE_CHECKING:  # loaded with the first recording
@@ -72,7 +72,7 @@ class WebcamRecording:
             return
         window, preferences = self._workspace.window, self._workspace.preferences
         suggestion = suggested_film(preferences.folder("media"))
-        film = dialogs.ask_record_name(window, suggestion, dialogs.RECORDED_FILMS)
+        film = dialogs.ask_record_name(window, suggestion, file_kinds.MP4)
         if film is None:
             return
         if film.suffix.lower() != ".mp4":
