@@ -21,6 +21,7 @@ from faceedit_app.media.container import check
 from faceedit_app.tracking.face_model import FaceModel
 from faceedit_app.tracking.film_landmarks import FilmLandmarks, Progress, Report, read_landmarks
 from faceedit_app.tracking.fit import DEFAULT, Fit, FitSettings, fit_weights
+from faceedit_app.tracking.hidden import seen_share
 from faceedit_app.tracking.landmarker import FaceLandmarker
 from faceedit_app.tracking.person import Person, find_person
 
@@ -171,7 +172,8 @@ def fit_landmarks(
     count = len(film.times)
     weights, head, confidence = np.zeros((count, 52)), np.zeros((count, 3)), np.zeros(count)
     weights[found], head[found] = fit.weights, fit.poses.angles
-    confidence[found] = film.probabilities[found] * _likeness(fit)
+    plain = seen_share(model, film.colors[found], fit.poses.angles[:, 0])
+    confidence[found] = film.probabilities[found] * _likeness(fit) * plain
     return Tracked(film, weights, head, confidence, person)
 
 
