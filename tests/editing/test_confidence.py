@@ -9,10 +9,12 @@ import pytest
 from support.faces import shipped_rig
 from support.takes import make_livelink_csv
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help.confidence import confidence_of
-from faceedit_app.editing.help.problems import Kind, Problem, find_problems
+from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
 from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
 from faceedit_app.tracking.film_landmarks import FilmLandmarks
@@ -78,6 +80,20 @@ def test_gaps_keep_frames_and_confidence_together(tmp_path: Path, frames: int) -
     kept = confidence_of(session.take)
     assert kept is not None
     assert np.flatnonzero(kept < 0.8).tolist() == [83]
+
+
+def test_what_is_uncertain_beside_a_gap_belongs_to_the_gap() -> None:
+    weights = np.zeros((40, 52), np.float32)
+    times = np.arange(40) / 25.0
+    times[20:] += 0.4
+    clip = Clip(weights, ARKIT_CHANNELS, times, 25.0, gaps=(Gap(19, 10),))
+    confidence = np.ones(40)
+    confidence[[18, 19, 20, 35]] = 0.6
+    rig = shipped_rig()
+    found = problems_of(clip, weights, rig.arkit_distances.measure(weights), confidence=confidence)
+    assert [problem.kind for problem in found] == [Kind.DROPPED, Kind.UNSURE]
+    assert found[1].start == pytest.approx(times[35])
+    assert found[1].fix
 
 
 def test_a_take_of_another_rate_or_with_a_damaged_file_has_none(

@@ -162,6 +162,16 @@ def test_a_pause_of_the_camera_is_a_gap_and_no_slow_film(
     assert [gap.frame for gap in clip.gaps] == [19]
 
 
+def test_a_moment_between_lost_pictures_is_lost_too(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    hidden = list(pictures)
+    for index in (8, 9, 11, 12, 30, 34):
+        hidden[index] = np.full((SIZE, SIZE, 3), 90, np.uint8)
+    found = track_film(make_face_film(tmp_path / "gone.mp4", hidden), shipped_rig())
+    assert np.flatnonzero(~found.sure).tolist() == [8, 9, 10, 11, 12, 30, 34]
+
+
 def test_the_largest_face_is_tracked_or_the_one_that_was_chosen(
     tmp_path: Path, pictures: list[NDArray[np.uint8]]
 ) -> None:

@@ -282,6 +282,8 @@ def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> li
     if confidence is None:
         return []
     unsure: Bools = confidence < UNSURE
+    for start, end in clip.gap_times:  # beside a gap the fill of the gap covers them
+        unsure = unsure & ~((clip.times >= start - BESIDE) & (clip.times <= end + BESIDE))
     for edit in edits:
         if edit.op is Op.FILL and edit.enabled:
             unsure = unsure & ~((clip.times >= edit.start) & (clip.times <= edit.end))
@@ -290,8 +292,12 @@ def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> li
         start, end = (round(float(clip.times[frame]), 4) for frame in (first, last))
         least = first + int(confidence[first : last + 1].argmin())
         sure = float(confidence[least])
-        fits = 0 < end - start <= LONGEST_FILL
-        fill = Edit(CONTROL_IDS, Op.FILL, start, end, BESIDE, name="Fill what is hidden")
+        around = (
+            float(clip.times[max(first - 1, 0)]),
+            float(clip.times[min(last + 1, len(clip) - 1)]),
+        )
+        fits = around[1] - around[0] <= LONGEST_FILL
+        fill = Edit(CONTROL_IDS, Op.FILL, *around, BESIDE, name="Fill what is hidden")
         found.append(
             Problem(
                 Kind.UNSURE,

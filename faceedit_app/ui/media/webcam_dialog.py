@@ -243,6 +243,7 @@ class WebcamDialog(QDialog):
             return
         self._stage = _Stage.RECORDING
         self.button.setText("Stop")
+        self.buttons.button(QDialogButtonBox.StandardButton.Cancel).hide()  # nothing is lost
         self._tick.start()
         self._show_seconds()
 
