@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, Closes
 from faceedit_app.core.rig import Distances, Rig
@@ -22,7 +23,12 @@ ARE_LIPS = np.array([c.closes is Closes.LIPS for c in CONTROLS if c.closes is no
 SHUT = np.where(ARE_LIPS, 2.0, 1.5)
 CLOSE_ENOUGH = 0.5  # mm
 _PARTED_AT_REST = 1.5  # mm; a mouth that rests more open than this can be closed farther
+# A shape that closes an eye need not bring two vertices together: lids that it leaves apart by this
+# share of the open eye are as closed as their artist made them.
+_LID_SLACK = 0.05
 _FLAT = 0.05  # mm; the least difference in height that shows which of two vertices is above
+_BLINK = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
+_BLINK[0, [ARKIT_INDEX["eyeBlinkLeft"], ARKIT_INDEX["eyeBlinkRight"]]] = 1.0
 
 
 @dataclass(frozen=True)
@@ -50,7 +56,12 @@ class Gaps:
         offsets = distances.offsets.copy()
         offsets[np.abs(offsets[:, 1]) < _FLAT, 1] = -_FLAT
         distances = replace(distances, offsets=offsets, shuts=np.ones(len(rows), np.bool_))
-        touching = np.where(ARE_LIPS, np.minimum(rest, _PARTED_AT_REST), 0.0)
+        shut = distances.measure(_BLINK)[0].astype(np.float64)
+        touching = np.where(
+            ARE_LIPS,
+            np.minimum(rest, _PARTED_AT_REST),
+            np.where(shut > CLOSE_ENOUGH, np.minimum(shut, _LID_SLACK * rest), 0.0),
+        )
         return cls(distances, touching, rig.has_control[rows])
 
     def measure(self, weights: Floats) -> Doubles:

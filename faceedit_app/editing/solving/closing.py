@@ -25,10 +25,10 @@ from faceedit_app.editing.solving.reach import Goal, Reach
 
 # Height of the gap that is left, mm: lips keep clear of each other, lids just meet.
 _LEFT = np.where(ARE_LIPS, 0.1, -0.1)
-_OF_OURS = np.where(ARE_LIPS, 0.15, 0.0)  # plus this share of the gap on ours
+_OF_OURS = np.where(ARE_LIPS, 0.1, 0.0)  # plus this share of the gap on ours
 # Lips that meet may differ in depth by this much more than at rest, mm; the goal for depth has
 # this share of the precision of the goal for height.
-_IN_FRONT, _DEPTH = 0.1, 0.3
+_IN_FRONT, _DEPTH = 0.1, 0.6
 # In units of what counts as closed: if ours is this open, there is no goal for theirs.
 _LET_GO = 2.5
 _ITERATIONS = 8  # the goals of two characters take longer to meet
