@@ -49,7 +49,7 @@ class Gaps:
     def of(cls, rig: Rig) -> Gaps:
         """Make the gaps of a character."""
         rows = [CONTROL_INDEX[name] for name in CLOSING]
-        distances = rig.arkit_distances.select(rows)
+        distances = _without_sliding(rig.arkit_distances.select(rows))
         rest = np.linalg.norm(distances.offsets, axis=1).astype(np.float64)
         # Lips and lids can pass each other. If two vertices coincide at rest, the upper one counts
         # as slightly higher.
@@ -69,6 +69,14 @@ class Gaps:
         lengths = self.distances.measure(weights).astype(np.float64)
         gaps: Doubles = np.maximum(lengths - self.touching, 0.0)
         return gaps
+
+
+def _without_sliding(distances: Distances) -> Distances:
+    """The distances, of lips only in height and depth: in a crooked smile they slide sideways."""
+    offsets, gradients = distances.offsets.copy(), distances.gradients.copy()
+    offsets[ARE_LIPS, 0] = 0.0
+    gradients[:, ARE_LIPS, 0] = 0.0
+    return replace(distances, offsets=offsets, gradients=gradients)
 
 
 @dataclass(frozen=True)
