@@ -1,4 +1,4 @@
-"""Find the eyeballs of a character whose shapes do not close its eyes, such as one with visemes only.
+"""Find the eyeballs of a character whose shapes do not close its eyes, such as visemes only.
 
 Eyeballs are meshes or pieces of a mesh by themselves: the two largest of the same size that are
 round, or that are named so.
