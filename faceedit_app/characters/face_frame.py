@@ -1,8 +1,8 @@
 """Find the place, size and orientation of a character's face from its shapes.
 
 Files may be in any unit, with any axis up. The shapes that close the eyes show where the eyes are
-(the eyeballs, if there are none), and those of the mouth show the mouth: the eyes are 63 mm apart, up is from the mouth to the eyes,
-and forward is from inside the head to the mouth.
+(the eyeballs, if there are none), and those of the mouth show the mouth: the eyes are 63 mm apart,
+up is from the mouth to the eyes, and forward is from inside the head to the mouth.
 """
 
 from __future__ import annotations

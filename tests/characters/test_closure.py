@@ -51,7 +51,7 @@ def test_lids_that_a_full_blink_leaves_a_little_apart_are_shut() -> None:
     for short, left in ((0.0004, 0.0), (0.002, 1.5)):  # metres; mm
         deltas = rig.deltas.copy()
         meeting = rig.neutral[lower] - rig.neutral[upper] + deltas[blink, lower]
-        deltas[blink, upper] = meeting + (0.0, short, 0.0)
+        deltas[blink, upper] = meeting + np.array([0.0, short, 0.0])
         gap = Gaps.of(replace(rig, deltas=deltas)).measure(frames(eyeBlinkLeft=[1.0]))[0, 1]
         assert gap == pytest.approx(left, abs=0.45)
 
