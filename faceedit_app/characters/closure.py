@@ -14,6 +14,7 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, Closes
+from faceedit_app.core.levels import Levels
 from faceedit_app.core.rig import Distances, Rig
 
 # The controls that touch at 0: lips, then lids.
@@ -36,7 +37,9 @@ class Gaps:
     """How far apart lips and lids are on a character.
 
     Attributes:
-        distances: the controls of `CLOSING`, as a function of weights in ARKit's order.
+        distances: the controls of `CLOSING`, as a function of weights as the character shows
+            them, in ARKit's order.
+        levels: how strongly the character answers each channel.
         touching: (3,) mm between their vertices when they touch, which are side by side.
         has: (3,) whether the character has each of them.
     """
@@ -44,6 +47,7 @@ class Gaps:
     distances: Distances
     touching: Doubles
     has: Bools
+    levels: Levels = Levels()
 
     @classmethod
     def of(cls, rig: Rig) -> Gaps:
@@ -56,17 +60,17 @@ class Gaps:
         offsets = distances.offsets.copy()
         offsets[np.abs(offsets[:, 1]) < _FLAT, 1] = -_FLAT
         distances = replace(distances, offsets=offsets, shuts=np.ones(len(rows), np.bool_))
-        shut = distances.measure(_BLINK)[0].astype(np.float64)
+        shut = distances.measure(rig.levels.applied(_BLINK))[0].astype(np.float64)
         touching = np.where(
             ARE_LIPS,
             np.minimum(rest, _PARTED_AT_REST),
             np.where(shut > CLOSE_ENOUGH, np.minimum(shut, _LID_SLACK * rest), 0.0),
         )
-        return cls(distances, touching, rig.has_control[rows])
+        return cls(distances, touching, rig.has_control[rows], rig.levels)
 
     def measure(self, weights: Floats) -> Doubles:
         """(T, 52) weights in ARKit's order -> (T, 3) mm beyond touching, 0 or more."""
-        lengths = self.distances.measure(weights).astype(np.float64)
+        lengths = self.distances.measure(self.levels.applied(weights)).astype(np.float64)
         gaps: Doubles = np.maximum(lengths - self.touching, 0.0)
         return gaps
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +23,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
 from faceedit_app.core.arrays import Bools, Pixels
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.levels import Levels
 from faceedit_app.core.rig import Material, Rig
 
 # The kind of a surface, by a word in the name of its part or material; the first match counts.
@@ -86,7 +87,9 @@ class FittedCharacter:
     @property
     def whole_map(self) -> CharacterMap:
         """A map with every entry filled in, to be edited by hand."""
-        return CharacterMap(dict(self.match.shares), dict(self.places))
+        return CharacterMap(
+            dict(self.match.shares), dict(self.places), dict(self.mapping.levels)
+        )
 
 
 def open_character(path: Path | str) -> FittedCharacter:
@@ -128,6 +131,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     if frame.swapped:
         remarks.append("left and right of its shapes were reversed and have been swapped")
     rig, faults = _rig(character, assembly, welded, face, found)
+    rig = replace(rig, levels=Levels(mapping.levels))
     checklist = make_checklist(match, face, found, problems, [*remarks, *faults])
     points = {name: int(welded.first[number]) for name, number in found.items()}
     places = {

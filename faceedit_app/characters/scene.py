@@ -11,6 +11,7 @@ from faceedit_app.characters.names import Half, Share
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.levels import Levels
 from faceedit_app.core.rig import Rig
 
 
@@ -55,13 +56,15 @@ def _shape_name(channel: str, shares: Sequence[Share]) -> str:
     return channel
 
 
-def shape_weights(clip: Clip, shares: Mapping[str, Sequence[Share]]) -> dict[str, Floats]:
+def shape_weights(
+    clip: Clip, shares: Mapping[str, Sequence[Share]], levels: Levels
+) -> dict[str, Floats]:
     """(T,) weights of each shape of a character's file.
 
     A shape of which channels use halves, such as a blink of both eyes, plays their mean: files
     hold it as a whole.
     """
-    column = dict(zip(ARKIT_CHANNELS, clip.arkit_weights().T, strict=True))
+    column = dict(zip(ARKIT_CHANNELS, levels.applied(clip.arkit_weights()).T, strict=True))
     halves: dict[str, list[Floats]] = {}
     none = np.zeros(len(clip), np.float32)
     weights: dict[str, Floats] = {}

@@ -104,6 +104,6 @@ def scene_content(
         return form.write(make_scene(character, clip), name, compact)
     path, shares = character.character.path, character.shares
     if form.ending == ".glb" and is_glb(path) and not character.character.format.startswith("VRM"):
-        weights = shape_weights(clip, shares)
+        weights = shape_weights(clip, shares, character.rig.levels)
         return animate_glb(path, weights, character.match.alike, clip.times, name, compact)
     return form.write(make_scene(character.rig, clip, shares), name, compact)

@@ -11,7 +11,6 @@ import numpy as np
 from PIL import Image
 
 from faceedit_app import render
-from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
@@ -212,8 +211,7 @@ class _Faces:
 
     def draw(self, weights: Floats) -> Pixels:
         """(H, W, 3) uint8 of weights (52,) in ARKit order."""
-        own = self._rig.channels == ARKIT_CHANNELS
-        vertices = self._rig.vertices(weights if own else self._rig.from_arkit(weights))
+        vertices = self._rig.vertices(self._rig.from_arkit(weights))
         image = self._renderer.draw(vertices, self._camera, smooth=True)
         picture: Pixels = image[..., 2::-1].copy()
         self._renderer.prepare()

@@ -33,7 +33,7 @@ def snapshot(
         Unavailable: this computer offers no OpenGL.
     """
     weights = np.asarray(weights, np.float32)
-    if len(weights) == len(ARKIT_CHANNELS) and rig.channels != tuple(ARKIT_CHANNELS):
+    if len(weights) == len(ARKIT_CHANNELS):
         weights = rig.from_arkit(weights)
     renderer = open_renderer(rig, width, height)
     try:
