@@ -7,7 +7,7 @@ another open.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -47,7 +47,7 @@ class Gaps:
     distances: Distances
     touching: Doubles
     has: Bools
-    levels: Levels = Levels()
+    levels: Levels = field(default_factory=Levels)
 
     @classmethod
     def of(cls, rig: Rig) -> Gaps:

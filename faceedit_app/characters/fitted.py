@@ -23,7 +23,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
 from faceedit_app.core.arrays import Bools, Pixels
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.levels import Levels
+from faceedit_app.core.levels import UNCHANGED, Level, Levels
 from faceedit_app.core.rig import Material, Rig
 
 # The kind of a surface, by a word in the name of its part or material; the first match counts.
@@ -84,12 +84,20 @@ class FittedCharacter:
         found = {c: tuple(self.match.shares.get(name, ())) for c, name in named.items()}
         return {channel: shares for channel, shares in found.items() if shares}
 
+    def with_level(self, channel: str, level: Level) -> FittedCharacter:
+        """The same character with another strength of one channel."""
+        levels = {**self.mapping.levels, channel: level}
+        levels = {name: one for name, one in levels.items() if one != UNCHANGED}
+        return replace(
+            self,
+            rig=replace(self.rig, levels=Levels(levels)),
+            mapping=replace(self.mapping, levels=levels),
+        )
+
     @property
     def whole_map(self) -> CharacterMap:
         """A map with every entry filled in, to be edited by hand."""
-        return CharacterMap(
-            dict(self.match.shares), dict(self.places), dict(self.mapping.levels)
-        )
+        return CharacterMap(dict(self.match.shares), dict(self.places), dict(self.mapping.levels))
 
 
 def open_character(path: Path | str) -> FittedCharacter:

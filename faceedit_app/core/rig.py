@@ -76,7 +76,7 @@ class Rig:
     uv: Floats | None = None
     textures: tuple[NDArray[np.uint8], ...] = ()
     shading_groups: NDArray[np.int32] | None = None
-    levels: Levels = Levels()
+    levels: Levels = field(default_factory=Levels)
     shade: Floats | None = None
     channel_index: dict[str, int] = field(init=False)
 
