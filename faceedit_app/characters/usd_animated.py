@@ -12,9 +12,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from faceedit_app.characters.scene import Scene
-from faceedit_app.core.arrays import Floats
+from faceedit_app.characters.turning import Turning
+from faceedit_app.core.arrays import Doubles, Floats
 
 _STILL = 1e-7  # metres
+_IDENTITY = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))"
+_JOINTS = '"body", "body/head"'
 
 
 def scene_usda(scene: Scene, name: str) -> bytes:
@@ -67,7 +70,7 @@ def SkelRoot "Face"
         uniform token[] skel:blendShapes = [{quoted}]
         rel skel:blendShapeTargets = [{targets}]
         rel skel:skeleton = </Face/Skeleton>
-
+{_skin(scene.turning)}
 {shapes}
     }}
 
@@ -75,7 +78,7 @@ def SkelRoot "Face"
         prepend apiSchemas = ["SkelBindingAPI"]
     )
     {{
-        uniform token[] joints = []
+{_joints(scene.turning)}
         rel skel:animationSource = </Face/Skeleton/Animation>
 
         def SkelAnimation "Animation"
@@ -84,11 +87,59 @@ def SkelRoot "Face"
             float[] blendShapeWeights.timeSamples = {{
 {samples}
             }}
+{_turns(scene.turning, codes)}
         }}
     }}
 }}
 """
     return text.encode()
+
+
+def _skin(turning: Turning | None) -> str:
+    """How far each vertex follows the joints, the body's and the head's."""
+    if turning is None:
+        return ""
+    share = turning.share.astype(np.float64)
+    weights = _numbers(np.stack((1.0 - share, share), axis=1).astype(np.float32).ravel())
+    return f"""        matrix4d primvars:skel:geomBindTransform = {_IDENTITY}
+        int[] primvars:skel:jointIndices = [{", ".join(["0, 1"] * len(share))}] (
+            elementSize = 2
+            interpolation = "vertex"
+        )
+        float[] primvars:skel:jointWeights = [{weights}] (
+            elementSize = 2
+            interpolation = "vertex"
+        )
+"""
+
+
+def _joints(turning: Turning | None) -> str:
+    if turning is None:
+        return "        uniform token[] joints = []"
+    x, y, z = (f"{value:.7g}" for value in turning.pivot.tolist())
+    head = f"((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), ({x}, {y}, {z}, 1))"
+    return f"""        uniform token[] joints = [{_JOINTS}]
+        uniform matrix4d[] bindTransforms = [{_IDENTITY}, {head}]
+        uniform matrix4d[] restTransforms = [{_IDENTITY}, {head}]"""
+
+
+def _turns(turning: Turning | None, codes: Doubles) -> str:
+    """The rotation of the head's joint at each time code."""
+    if turning is None:
+        return ""
+    x, y, z = (f"{value:.7g}" for value in turning.pivot.tolist())
+    turns = (
+        f"                {code:.10g}: [(1, 0, 0, 0), ({w:.9g}, {i:.9g}, {j:.9g}, {k:.9g})],"
+        for code, (i, j, k, w) in zip(codes.tolist(), turning.quaternions.tolist(), strict=True)
+    )
+    rows = "\n".join(turns)
+    return f"""            uniform token[] joints = [{_JOINTS}]
+            float3[] translations = [(0, 0, 0), ({x}, {y}, {z})]
+            half3[] scales = [(1, 1, 1), (1, 1, 1)]
+            quatf[] rotations.timeSamples = {{
+{rows}
+            }}
+"""
 
 
 def _blend_shape(token: str, moves: Floats) -> str:
