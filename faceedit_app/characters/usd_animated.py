@@ -1,7 +1,8 @@
 """USD text (`.usda`) with a character, its blendshapes, and the animation of a take.
 
 A SkelRoot with one mesh, a BlendShape for each shape, and a SkelAnimation with the weights
-(UsdSkel). Metres, Y up; vertex colours are the display colour; textures are left out.
+(UsdSkel). Metres, Y up; materials have their base colour. A package (`.usdz`) also has the
+textures; text has their colours at the vertices, as the display colour.
 """
 
 from __future__ import annotations
@@ -11,22 +12,36 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from faceedit_app.characters.base_colors import png_of, vertex_colors
 from faceedit_app.characters.scene import Scene
-from faceedit_app.characters.turning import Turning
-from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.characters.usd_materials import materials, package, picture_path, subsets
+from faceedit_app.characters.usd_turning import joints, numbers, skin, turns
+from faceedit_app.core.arrays import Floats
+from faceedit_app.core.rig import Rig
 
 _STILL = 1e-7  # metres
-_IDENTITY = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))"
-_JOINTS = '"body", "body/head"'
 
 
-def scene_usda(scene: Scene, name: str) -> bytes:
-    """A scene as USD text.
+def scene_usdz(scene: Scene, name: str) -> bytes:
+    """A scene as a USD package, with its textures.
 
     Args:
         name: of the animation, for the file's comment.
     """
+    pictures = scene.rig.textures
+    files = [(picture_path(k), png_of(picture)) for k, picture in enumerate(pictures)]
+    return package([("face.usda", scene_usda(scene, name, packed=True)), *files])
+
+
+def scene_usda(scene: Scene, name: str, packed: bool = False) -> bytes:
+    """A scene as USD text.
+
+    Args:
+        name: of the animation, for the file's comment.
+        packed: whether the textures are beside it in a package.
+    """
     rig = scene.rig
+    surfaces = _identifiers(material.name for material in rig.materials)
     tokens = _identifiers(scene.shapes)
     codes = scene.times * scene.rate
     whole = np.round(codes)
@@ -35,7 +50,7 @@ def scene_usda(scene: Scene, name: str) -> bytes:
         _blend_shape(token, moves) for token, moves in zip(tokens, rig.deltas, strict=True)
     )
     samples = "\n".join(
-        f"                    {code:.10g}: [{_numbers(row)}],"
+        f"                    {code:.10g}: [{numbers(row)}],"
         for code, row in zip(codes.tolist(), scene.weights, strict=True)
     )
     quoted = ", ".join(f'"{token}"' for token in tokens)
@@ -64,21 +79,24 @@ def SkelRoot "Face"
         int[] faceVertexIndices = [{", ".join(map(str, rig.faces.ravel().tolist()))}]
         point3f[] points = {_points(rig.neutral)}
         float3[] extent = {_points(np.stack([rig.neutral.min(0), rig.neutral.max(0)]))}
-        color3f[] primvars:displayColor = {_points(rig.colors[:, :3])} (
+        color3f[] primvars:displayColor = {_points(vertex_colors(rig))} (
             interpolation = "vertex"
         )
+{_texture_coordinates(rig)}        uniform token subsetFamily:materialBind:familyType = "partition"
         uniform token[] skel:blendShapes = [{quoted}]
         rel skel:blendShapeTargets = [{targets}]
         rel skel:skeleton = </Face/Skeleton>
-{_skin(scene.turning)}
+{skin(scene.turning)}
 {shapes}
+{subsets(rig, surfaces)}
     }}
 
+{materials(rig, surfaces, packed)}
     def Skeleton "Skeleton" (
         prepend apiSchemas = ["SkelBindingAPI"]
     )
     {{
-{_joints(scene.turning)}
+{joints(scene.turning)}
         rel skel:animationSource = </Face/Skeleton/Animation>
 
         def SkelAnimation "Animation"
@@ -87,7 +105,7 @@ def SkelRoot "Face"
             float[] blendShapeWeights.timeSamples = {{
 {samples}
             }}
-{_turns(scene.turning, codes)}
+{turns(scene.turning, codes)}
         }}
     }}
 }}
@@ -95,50 +113,14 @@ def SkelRoot "Face"
     return text.encode()
 
 
-def _skin(turning: Turning | None) -> str:
-    """How far each vertex follows the joints, the body's and the head's."""
-    if turning is None:
+def _texture_coordinates(rig: Rig) -> str:
+    if rig.uv is None:
         return ""
-    share = turning.share.astype(np.float64)
-    weights = _numbers(np.stack((1.0 - share, share), axis=1).astype(np.float32).ravel())
-    return f"""        matrix4d primvars:skel:geomBindTransform = {_IDENTITY}
-        int[] primvars:skel:jointIndices = [{", ".join(["0, 1"] * len(share))}] (
-            elementSize = 2
+    flipped = rig.uv.astype(np.float64) * [1, -1] + [0, 1]  # USD counts from the lower left corner
+    pairs = ", ".join(f"({u:.7g}, {v:.7g})" for u, v in flipped.tolist())
+    return f"""        texCoord2f[] primvars:st = [{pairs}] (
             interpolation = "vertex"
         )
-        float[] primvars:skel:jointWeights = [{weights}] (
-            elementSize = 2
-            interpolation = "vertex"
-        )
-"""
-
-
-def _joints(turning: Turning | None) -> str:
-    if turning is None:
-        return "        uniform token[] joints = []"
-    x, y, z = (f"{value:.7g}" for value in turning.pivot.tolist())
-    head = f"((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), ({x}, {y}, {z}, 1))"
-    return f"""        uniform token[] joints = [{_JOINTS}]
-        uniform matrix4d[] bindTransforms = [{_IDENTITY}, {head}]
-        uniform matrix4d[] restTransforms = [{_IDENTITY}, {head}]"""
-
-
-def _turns(turning: Turning | None, codes: Doubles) -> str:
-    """The rotation of the head's joint at each time code."""
-    if turning is None:
-        return ""
-    x, y, z = (f"{value:.7g}" for value in turning.pivot.tolist())
-    turns = (
-        f"                {code:.10g}: [(1, 0, 0, 0), ({w:.9g}, {i:.9g}, {j:.9g}, {k:.9g})],"
-        for code, (i, j, k, w) in zip(codes.tolist(), turning.quaternions.tolist(), strict=True)
-    )
-    rows = "\n".join(turns)
-    return f"""            uniform token[] joints = [{_JOINTS}]
-            float3[] translations = [(0, 0, 0), ({x}, {y}, {z})]
-            half3[] scales = [(1, 1, 1), (1, 1, 1)]
-            quatf[] rotations.timeSamples = {{
-{rows}
-            }}
 """
 
 
@@ -168,11 +150,6 @@ def _identifiers(names: Iterable[str]) -> list[str]:
 def _quoted(text: str) -> str:
     plain = "".join(c if c.isprintable() else "?" for c in text)
     return '"' + plain.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
-def _numbers(values: Floats) -> str:
-    """Numbers that read back as the same float32."""
-    return ", ".join(f"{value:.9g}" for value in values.tolist())
 
 
 def _points(points: Floats) -> str:
