@@ -131,6 +131,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     welded = weld(assembly)
     face = Face.of(assembly, welded)
     found, problems = find_points(face)
+    problems = [*_absent_shapes(character, mapping), *problems]
     known = {name: p for name, p in character.points.items() if name not in mapping.points}
     found |= _placed(character, known, assembly, welded, strict=False)
     found |= _placed(character, mapping.points, assembly, welded)
@@ -165,7 +166,8 @@ def _need_shapes(character: Character) -> None:
         raise FileError(
             character.path,
             "has no blendshapes",
-            "export it with its morph targets (shape keys)",
+            "export it with its morph targets (shape keys), or make some: File > Character > Make "
+            "from a scan, or faceedit character make",
         )
 
 
@@ -179,6 +181,17 @@ def _need_match(character: Character, match: Match) -> None:
         f"none of its {len(names)} shapes has a name that FaceEdit knows ({shown})",
         f"rename them as in ARKit, or map them in {map_path(character.path).name}",
     )
+
+
+def _absent_shapes(character: Character, mapping: CharacterMap) -> list[str]:
+    """Sentences about shapes that the map names and the file lacks."""
+    has = set(character.targets)
+    return [
+        f"the map makes {channel} of {share.name[:60]}, which the file does not have"
+        for channel, shares in mapping.channels.items()
+        for share in shares
+        if share.name not in has
+    ]
 
 
 def _placed(

@@ -138,3 +138,10 @@ def test_a_strength_that_is_wrong_is_named(tmp_path: Path, strength: Any, says: 
     said(path, strength=strength)
     with pytest.raises(FileError, match=says):
         open_character(path)
+
+
+def test_a_shape_that_the_file_lacks_is_named(tmp_path: Path) -> None:
+    path = write_glb(tmp_path / "a.glb")
+    said(path, channels={"cheekPuff": "Backen"})
+    doubts = open_character(path).checklist.doubts
+    assert "the map makes cheekPuff of Backen, which the file does not have" in doubts
