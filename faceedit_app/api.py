@@ -336,6 +336,7 @@ class Take:
         fps: float | None = None,
         compact: bool = False,
         overwrite: bool = False,
+        follow_head: bool = False,
     ) -> exporting.Exported:
         """Export the edited take: as it came, in another format, or as a character that plays it.
 
@@ -345,13 +346,14 @@ class Take:
             fps: frames per second; None = the take's own.
             compact: store weights in 16 bits, for GLB.
             overwrite: allow a recording to be replaced; a copy of it is kept.
+            follow_head: turn a character's head as it was recorded.
 
         Raises:
             FaceEditError: it cannot be written.
         """
         path = Path(path)
         form = exporting.choose(path, format, self.session.take if fps is None else None)
-        options = exporting.Options(fps, self._character, compact, overwrite)
+        options = exporting.Options(fps, self._character, compact, overwrite, follow_head)
         return exporting.export_session(self.session, path, form, options)
 
     def film(
@@ -360,6 +362,7 @@ class Take:
         view: str = "face",
         size: tuple[int, int] = (1080, 1080),
         fps: float | None = None,
+        follow_head: bool = False,
     ) -> filming.Filmed:
         """Film the edited take, with the sound found beside it.
 
@@ -369,6 +372,7 @@ class Take:
                 `film-above` or `film-below`.
             size: width and height, pixels.
             fps: pictures per second; None = the take's frame rate.
+            follow_head: turn the head as it was recorded.
 
         Raises:
             FaceEditError: it cannot be written, or this computer offers no OpenGL.
@@ -377,7 +381,7 @@ class Take:
             raise FaceEditError(f"{view}: must be {', '.join(filming.View)}")
         self.session.live.work()
         take = self.session.take
-        shot = filming.Shot(filming.View(view), size, fps)
+        shot = filming.Shot(filming.View(view), size, fps, follows_head=follow_head)
         filmed = filming.film_take(
             take,
             self.session.weights,
@@ -385,6 +389,7 @@ class Take:
             filming.media_of(take),
             Path(path),
             shot,
+            rotations=self.session.rotations,
         )
         assert filmed is not None  # nothing stops it
         return filmed

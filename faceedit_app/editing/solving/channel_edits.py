@@ -16,6 +16,7 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_INDEX, ROTATIONS
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.levels import softly_limited
 from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, Rows
@@ -23,8 +24,6 @@ from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.request import active, smoothing, smoothing_frames
 
 WEIGHTS = len(ARKIT_INDEX)
-# A soft limit leaves weights below this share of its ceiling as they are.
-KNEE = 0.7
 _FARTHEST_TURN = 180.0  # degrees
 _JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
 
@@ -243,19 +242,6 @@ class ChannelEdits:
 
 # Operations that go to a goal: more than all the way would go beyond it.
 _TO_A_GOAL = (Op.SMOOTH, Op.NEUTRAL, Op.LIMIT)
-
-
-def softly_limited(values: Doubles, ceiling: Doubles) -> Doubles:
-    """Values (N, K) that approach `ceiling` (K,) smoothly; those below `KNEE` of it are unchanged.
-
-    Value and slope are continuous, the order of values is kept, and the ceiling is never passed.
-    Rotations are limited in both directions.
-    """
-    size, knee = np.abs(values), KNEE * ceiling
-    room = ceiling - knee
-    above = knee + room * -np.expm1(-np.maximum(size - knee, 0.0) / room)
-    limited: Doubles = np.where(size > knee, np.copysign(above, values), values)
-    return limited
 
 
 def without_rest(values: Doubles, rest: Doubles, peak: Doubles) -> Doubles:

@@ -124,9 +124,11 @@ def ask_record(parent: QWidget) -> tuple[Protocol, str, int] | None:
     return dialog.chosen if dialog.exec() else None
 
 
-def ask_record_name(parent: QWidget, suggestion: Path) -> Path | None:
-    """Where to write a recording."""
-    return _save_name(parent, "Record to", suggestion, file_kinds.RECORDINGS)
+def ask_record_name(
+    parent: QWidget, suggestion: Path, kinds: str = file_kinds.RECORDINGS
+) -> Path | None:
+    """Where to write a recording, a take or a film."""
+    return _save_name(parent, "Record to", suggestion, kinds)
 
 
 def ask_stop_film(parent: QWidget) -> bool:

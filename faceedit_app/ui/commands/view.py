@@ -232,6 +232,10 @@ class ViewCommands:
         page = self._workspace.page
         return page.film_place if page is not None else self._workspace.preferences.film_place()
 
+    def is_film_at(self, place: str) -> bool:
+        """Whether the take's film lies at a place."""
+        return self.film_place == place
+
     def place_film(self, place: str) -> None:
         """Show the film beside, above or below the face."""
         self._workspace.preferences.set_film_place(place)
@@ -324,7 +328,7 @@ MENU: Menu[ViewCommands] = Menu("&View", (
     *(
         Command(f"film_{place}", f"{label} the face", partial(ViewCommands.place_film, place=place),
                 tip=f"Show the take's film {place} the face", enabled=lambda do: do.has_film,
-                checked=lambda do, place=place: do.film_place == place, submenu=FILM)
+                checked=partial(ViewCommands.is_film_at, place=place), submenu=FILM)
         for place, label in (("beside", "&Beside"), ("above", "&Above"), ("below", "B&elow"))
     ),
     *(
