@@ -97,7 +97,7 @@ class Transcript:
             at: gives the new times (N,) for old ones, in the same order.
         """
         old = np.array(self.edges, np.float64)
-        to = dict(zip(self.edges, at(old).round(4).tolist(), strict=True))
+        to: dict[float, float] = dict(zip(self.edges, at(old).round(4).tolist(), strict=True))
 
         def moved(time: float) -> float:
             nearest = bisect_left(self.edges, time - _SAME)
