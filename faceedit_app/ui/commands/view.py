@@ -279,6 +279,10 @@ def _shows_edited(do: ViewCommands) -> bool:
     return do.face is None or not (do.face.shows_tracked or do.face.shows_both)
 
 
+def _shows_film(place: str, do: ViewCommands) -> bool:
+    return do.film_place == place
+
+
 # fmt: off
 MENU: Menu[ViewCommands] = Menu("&View", (
     Command("reset_camera", "&Reset camera", ViewCommands.reset_camera, ("0",),
@@ -328,7 +332,7 @@ MENU: Menu[ViewCommands] = Menu("&View", (
     *(
         Command(f"film_{place}", f"{label} the face", partial(ViewCommands.place_film, place=place),
                 tip=f"Show the take's film {place} the face", enabled=lambda do: do.has_film,
-                checked=partial(ViewCommands.is_film_at, place=place), submenu=FILM)
+                checked=partial(_shows_film, place), submenu=FILM)
         for place, label in (("beside", "&Beside"), ("above", "&Above"), ("below", "B&elow"))
     ),
     *(
