@@ -232,10 +232,6 @@ class ViewCommands:
         page = self._workspace.page
         return page.film_place if page is not None else self._workspace.preferences.film_place()
 
-    def is_film_at(self, place: str) -> bool:
-        """Whether the take's film lies at a place."""
-        return self.film_place == place
-
     def place_film(self, place: str) -> None:
         """Show the film beside, above or below the face."""
         self._workspace.preferences.set_film_place(place)
