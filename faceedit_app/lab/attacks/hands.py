@@ -19,8 +19,8 @@ from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QMenu, QWidget
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow
 
-# They open another take, or end the window.
-LEFT_OUT = frozenset(("open", "open_demo", "quit"))
+# They open another take, end the window, or turn on a camera, if there is one.
+LEFT_OUT = frozenset(("open", "open_demo", "record_webcam", "quit"))
 HELD = (
     *(Qt.KeyboardModifier.NoModifier,) * 4,
     *(Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier),
