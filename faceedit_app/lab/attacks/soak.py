@@ -21,7 +21,7 @@ from faceedit_app.lab.attacks.checks import wrong_after, wrong_when_undone
 from faceedit_app.lab.attacks.hands import dialogs_cancelled, exceptions_noted
 from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
-from faceedit_app.ui.start.application import application
+from faceedit_app.ui.start.application import Collector, application
 from faceedit_app.ui.start.window import MainWindow
 
 BURST = 40  # gestures between two checks
@@ -92,7 +92,8 @@ def soak(
     ):
         folder = Path(name)
         journal.journal_folder = lambda: folder / "journals"
-        window = open_window(take, folder, character)
+        window, collector = open_window(take, folder, character), Collector()
+        collector.begin()
         try:
             chance, began = random.Random(seed), time.monotonic()
             monkey = Monkey(window, chance)
@@ -115,6 +116,7 @@ def soak(
                 shutil.copytree(folder, keep, dirs_exist_ok=True)
             _undo_everything(window, folder, soaked)
         finally:
+            collector.end()
             window.leave()
             journal.journal_folder = folder_of_journals
     if soaked.growth > MOST_GROWTH:

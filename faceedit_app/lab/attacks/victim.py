@@ -26,7 +26,7 @@ from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover
-from faceedit_app.ui.start.application import application
+from faceedit_app.ui.start.application import Collector, application
 
 PROJECT, EXPORTED = "work.faceedit", "exported.csv"
 
@@ -51,6 +51,8 @@ def main(folder: Path, seed: int) -> None:
         recovers = bool(pending_journals(folder / "journals"))
         _say(starts=True)
         window = open_window(folder / "take.csv", folder)
+        collector = Collector()
+        collector.begin()
         session, chance = session_of(window), random.Random(seed)
         monkey = Monkey(window, chance)
         _say(did="recover" if recovers else "open", state=state_of(session.state))
