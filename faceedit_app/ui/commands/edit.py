@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # the window is there before the solver, and before the page
     from faceedit_app.ui.edits.panel import EditsPanel
 
 MOST_STEPS = 25  # of the history, before and after the present
+RETIME = "Retime"  # the submenu
 AROUND = 0.5  # seconds before and after the playhead that are selected
 
 
@@ -271,15 +272,18 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
             "Paste what was copied at the playhead, with left and right swapped"),
     Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
             "Swap left and right in the selection"),
-    Command("stretch_time", "S&tretch in time…", lambda do: do.retime.stretch(), ("Shift+W",),
+    Command("stretch_time", "&Stretch…", lambda do: do.retime.stretch(), ("Shift+W",),
             "Make the selection longer or shorter; what follows makes up for it and keeps its time",
-            starts_group=True),
-    Command("move_time", "Mo&ve in time…", lambda do: do.retime.move(),
-            tip="Show the selection earlier or later; what is beside it makes up for it"),
-    Command("cut_time", "Cut out of ti&me", lambda do: do.retime.cut(),
-            tip="Leave out the selection; what follows plays slower until it has caught up"),
-    Command("insert_pause", "Insert a pa&use…", lambda do: do.retime.pause(),
-            tip="Hold the face at the playhead; what follows plays faster until it has caught up"),
+            submenu=RETIME),
+    Command("move_time", "&Move in time…", lambda do: do.retime.move(),
+            tip="Show the selection earlier or later; what is beside it makes up for it",
+            submenu=RETIME),
+    Command("cut_time", "&Cut out of time", lambda do: do.retime.cut(),
+            tip="Leave out the selection; what follows plays slower until it has caught up",
+            submenu=RETIME),
+    Command("insert_pause", "&Insert a pause…", lambda do: do.retime.pause(),
+            tip="Hold the face at the playhead; what follows plays faster until it has caught up",
+            submenu=RETIME),
     Command("toggle_edit", "Switch edit &on / off",
             lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),
             "Switch the selected edit on or off",
