@@ -214,6 +214,44 @@ def test_lips_stay_in_front_of_the_jaw() -> None:
     assert (close <= jaw + 1e-5).all()
 
 
+@settings(deadline=None, derandomize=True, max_examples=40)
+@given(
+    data=st.data(),
+    rate=st.sampled_from([5.0, 24.0, 60.0]),
+    lost=st.sets(st.integers(0, 60), max_size=30),
+    strength=st.floats(0.05, 1.5),
+)
+def test_any_pins_on_any_take_show_what_the_take_can_do(
+    data: st.DataObject, rate: float, lost: set[int], strength: float
+) -> None:
+    whole = clip_of(rate, 3.0)
+    kept = [frame for frame in range(len(whole)) if frame not in lost] or [0]
+    channels = data.draw(st.sets(st.sampled_from(whole.channels), min_size=1))
+    columns = [i for i, name in enumerate(whole.channels) if name in channels]
+    clip = Clip(
+        whole.weights[kept][:, columns],
+        tuple(whole.channels[i] for i in columns),
+        whole.times[kept] - whole.times[kept[0]],
+        rate,
+    )
+    start, end = sorted((data.draw(st.floats(0, 4)), data.draw(st.floats(0, 4))))
+    edit = Edit(
+        *(CONTROL_IDS, Op.RETIME, start, end, 0.0),
+        pins=data.draw(pins(start, end)),
+        strength=strength,
+    )
+    session = session_by_rig(clip)
+    session.add(edit)
+    before = clip.weights
+    kept_rows = outside(session, edit)
+    found = session.clip_weights()
+    assert np.array_equal(found[kept_rows], before[kept_rows])
+    assert (found >= before.min(axis=0) - 1e-5).all()
+    assert (found <= before.max(axis=0) + 1e-5).all()
+    session.undo()
+    assert np.array_equal(session.clip_weights(), before)
+
+
 # --- with other edits -------------------------------------------------------------------------
 
 
@@ -441,7 +479,7 @@ def test_names_say_what_was_done() -> None:
     assert describe(retime.moved(clip, (3.0, 4.0), -0.12)) == "Move in time −0.12 s"
     assert describe(retime.moved(clip, (3.0, 3.0), 0.12)) == "Move in time +0.12 s"
     assert describe(retime.cut(clip, (3.0, 3.5))) == "Cut 0.50 s"
-    assert describe(retime.pause(clip, 3.0, 0.4)) == "Insert 0.40 s"
+    assert describe(retime.pause(clip, 3.0, 0.4)) == "Pause 0.40 s"
     assert describe(replace(STRETCH, pins=((3.0, 2.5), (4.0, 4.5), (5.0, 5.2)))) == "Retime"
     assert describe(replace(STRETCH, name="Slower")) == "Slower"
 
@@ -473,7 +511,7 @@ def test_a_face_that_soon_stands_still_makes_up_for_it_there() -> None:
     cut = retime.cut(clip, (3.2, 3.5))
     assert cut.end == pytest.approx(4.6, abs=0.04)
     assert Clock(cut).shown(between) == pytest.approx(between - 0.3, abs=0.05)
-    assert describe(pause) == "Insert 0.30 s"
+    assert describe(pause) == "Pause 0.30 s"
     assert describe(cut) == "Cut 0.30 s"
     far = retime.pause(clip, 0.5, 0.1)
     assert far.end < 1.5

@@ -131,7 +131,7 @@ def _describe_retime(edit: Edit) -> str:
     if abs(then_now - now) < _SAME:
         return f"Cut {then_was - was:.2f} s"
     if abs(then_was - was) < _SAME:
-        return f"Insert {then_now - now:.2f} s"
+        return f"Pause {then_now - now:.2f} s"
     if len(edit.pins) > 2:
         return "Retime"
     return f"Stretch to {100 * (then_now - now) / (then_was - was):.0f} %"

@@ -61,7 +61,7 @@ class Fills:
     def __init__(self, clip: Clip, tracked: Floats, opening: Floats, measure: Measure) -> None:
         self._clip, self._tracked = clip, tracked
         self._filling = Filling(clip, tracked, opening)
-        self._retiming = Retiming(clip, measure)
+        self._retiming = Retiming(clip, tracked, measure)
         self._starts, self._turns = Recent[Floats](REMEMBERED), Recent[Floats](REMEMBERED)
         self._known = Recent[Doubles](REMEMBERED)
         self._present = np.array([ARKIT_INDEX[c] for c in clip.channels], np.intp)
