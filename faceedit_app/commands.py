@@ -26,6 +26,7 @@ from faceedit_app.core.texts import say
 from faceedit_app.options import (
     CharacterOption,
     EditsOption,
+    FollowHeadOption,
     FpsOption,
     JsonOption,
     ModelsOption,
@@ -113,6 +114,7 @@ def apply(
     character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
+    follow_head: FollowHeadOption = False,
     overwrite: OverwriteOption = False,
 ) -> None:
     """Apply edits to a take and export it as it came, or in the format of the output's ending.
@@ -141,7 +143,9 @@ def apply(
     if form is None:
         session.export(output, overwrite)
     else:
-        options = exporting.Options(character=character, overwrite=overwrite)
+        options = exporting.Options(
+            character=character, overwrite=overwrite, follows_head=follow_head
+        )
         exporting.export_session(session, output, form, options)
     say(
         f"{output}: {counted(len(session.edits), 'edit')}, "
@@ -184,6 +188,7 @@ def render(
     silent: Annotated[bool, typer.Option("--silent", help="A film without sound.")] = False,
     edits: EditsOption = None,
     character: CharacterOption = None,
+    follow_head: FollowHeadOption = False,
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
@@ -203,11 +208,14 @@ def render(
     if form is not None or output.suffix.lower() != ".png":
         if film_fps is not None:
             film_fps = checked_rate(output, film_fps)
-        shot = (view, (width, height), film_fps, form, not silent)
+        shot = (view, (width, height), film_fps, form, not silent, follow_head)
         export_commands.film(session, output, shot, sound, film)
         return
     frame = session.take.clip.frame_at(time)
-    write_png(output, snapshot(session.shown_rig, session.weights[frame], width, height))
+    turns = session.rotations if follow_head else None
+    rotation = None if turns is None else turns[frame]
+    weights, shown = session.weights[frame], session.shown_rig
+    write_png(output, snapshot(shown, weights, width, height, rotation=rotation))
     say(f"{output}: frame {frame} of {take}")
 
 

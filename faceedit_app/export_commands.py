@@ -15,6 +15,7 @@ from faceedit_app.core.texts import say
 from faceedit_app.options import (
     CharacterOption,
     EditsOption,
+    FollowHeadOption,
     FpsOption,
     ModelsOption,
     OverwriteOption,
@@ -48,6 +49,7 @@ def convert(
     compact: Annotated[
         bool, typer.Option("--compact", help="For glb: weights in 16 bits, without zeros.")
     ] = False,
+    follow_head: FollowHeadOption = False,
     overwrite: OverwriteOption = False,
 ) -> None:
     """Write a take in another format, or at another frame rate.
@@ -64,7 +66,7 @@ def convert(
     opened = _opened(take, take_fps, fps)
     keeps_layout = fps is None and character is None
     chosen = exporting.choose(output, form, opened if keeps_layout else None)
-    options = exporting.Options(fps, character, compact, overwrite)
+    options = exporting.Options(fps, character, compact, overwrite, follow_head)
     written = exporting.export_take(opened, opened.clip, output, chosen, options)
     clip = written.clip
     say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
@@ -181,30 +183,31 @@ def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
 def film(
     session: EditSession,
     output: Path,
-    shot: tuple[str, tuple[int, int], float | None, str | None, bool],
+    shot: tuple[str, tuple[int, int], float | None, str | None, bool, bool],
     sound: Path | None,
     pictures: Path | None,
 ) -> None:
     """Film a take, and say how far it is.
 
     Args:
-        shot: view, size, rate, format, and whether to add the sound.
+        shot: view, size, rate, format, whether to add the sound, and whether to turn the head.
         sound, pictures: the take's sound and film; None = those found beside it.
     """
     from faceedit_app.editing.filming import Shot, View, film_take, media_of
     from faceedit_app.formats.timing import format_rate
 
-    view, size, rate, form, has_sound = shot
+    view, size, rate, form, has_sound, follows_head = shot
     if view not in list(View):
         raise FaceEditError(f"--view {view}: must be {', '.join(View)}")
     media = media_of(session.take, sound, pictures)
     session.live.work()
-    chosen = Shot(View(view), size, rate, form, has_sound=has_sound)
+    chosen = Shot(View(view), size, rate, form, has_sound=has_sound, follows_head=follows_head)
     with _progress() as bar:
         task = bar.add_task(output.name, total=None)
         filmed = film_take(
             session.take, session.weights, session.shown_rig, media, output, chosen,
             lambda done, of: bar.update(task, completed=done, total=of),
+            rotations=session.rotations,
         )  # fmt: skip
     assert filmed is not None  # nothing stops it
     rate = filmed.rate
@@ -223,6 +226,7 @@ def live(
     ] = "livelink",
     edits: EditsOption = None,
     loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end.")] = False,
+    follow_head: FollowHeadOption = False,
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
@@ -237,7 +241,7 @@ def live(
     try:
         say(f"Sending {take.name} as {chosen.name} to {host}:{sender.address[1]}")
         say(f"  {chosen.hints[0]}.")
-        play(session, sender, loop)
+        play(session, sender, loop, follows_head=follow_head)
     finally:
         sender.close()
 

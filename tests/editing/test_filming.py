@@ -19,6 +19,7 @@ from support.takes import make_livelink_csv
 from faceedit_app import render
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.head import Head
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.filming import Filmed, Shot, View, film_take, media_of
 from faceedit_app.formats.opening import open_take
@@ -165,6 +166,31 @@ def test_both_faces_are_side_by_side(tmp_path: Path) -> None:
         left, right = picture[:, :56, 1].mean(), picture[:, 72:, 1].mean()
         assert left == pytest.approx(openings(WEIGHTS[number : number + 1])[0], abs=5)
         assert right == pytest.approx(grey_of(0.002), abs=5)
+
+
+@pytest.mark.parametrize("rate", [50.0, 25.0])
+def test_the_head_turns_if_it_is_followed(rate: float, tmp_path: Path) -> None:
+    turns = np.zeros((len(WEIGHTS), 9), np.float32)
+    turns[:, 2] = np.linspace(0, 1.2, len(turns))  # rolled, the mouth opens aside
+    take = replace(TAKE, clip=replace(TAKE.clip, rotations=turns))
+    edited = (turns / 2).astype(np.float32)
+    head = Head(RIG)
+
+    def greys_of(rotations: NDArray[np.float32]) -> list[int]:
+        rows = range(0, 100, round(50 / rate))
+        turned = [head.turned(RIG.vertices(WEIGHTS[k]), rotations[k]) for k in rows]
+        return [grey_of(float(v[1, 1] - v[0, 1])) for v in turned]
+
+    for follows in (False, True):
+        path = tmp_path / f"both_{follows}.mp4"
+        shot = Shot(View.BOTH, size=(128, 64), rate=rate, follows_head=follows)
+        assert film_take(take, WEIGHTS, RIG, Placement(), path, shot, rotations=edited) is not None
+        pictures = pictures_of(path)
+        left = [picture[:, :56, 1].mean() for picture in pictures]
+        right = [picture[:, 72:, 1].mean() for picture in pictures]
+        still = np.zeros_like(turns)
+        assert left == pytest.approx(greys_of(turns if follows else still), abs=6)
+        assert right == pytest.approx(greys_of(edited if follows else still), abs=6)
 
 
 def test_the_film_plays_beside_the_face(tmp_path: Path) -> None:

@@ -72,15 +72,16 @@ class FilmExport(QObject):
         if page is not None:
             width, height = shot.view.room(shot.size)
             camera = page.face.viewport.camera_for(width / height)
-            shot = replace(shot, camera=camera)
+            shot = replace(shot, camera=camera, follows_head=page.face.follows_head)
         self._workspace.document.work_off()
         stop = self._stop = threading.Event()
         take, rig, weights = session.take, session.shown_rig, session.weights.copy()
+        turns = None if session.rotations is None else session.rotations.copy()
         placement = self._workspace.media.placement
         self._open_dialog(path, stop)
         self._workspace.background.run(
             lambda: film_take(
-                take, weights, rig, placement, path, shot, self._advanced.emit, stop.is_set
+                take, weights, rig, placement, path, shot, self._advanced.emit, stop.is_set, turns
             ),
             self._done,
             self._report,
