@@ -31,6 +31,7 @@ class RegionRequest:
         settings: how edits are answered.
         layer: the take's own last layer; None without networks, or to resynthesize.
         answer: (N, K) what the networks add to (preserve) or replace (resynthesize).
+        exchange: (N, K) by which the pose's residual changes, see `residual.py`.
         unlike: (N,) in 0..1, how unlike the take this request is.
         influence: (N, K) in 0..1, where each channel may answer.
         slow: (N, H) mm, the slow part of the change of the curves that the networks listen to.
@@ -44,6 +45,7 @@ class RegionRequest:
     settings: Settings
     layer: LastLayer | None
     answer: Doubles
+    exchange: Doubles
     unlike: Doubles
     influence: Doubles
     slow: Doubles
@@ -123,6 +125,7 @@ class Combining:
             answer = part.whole(answer, unlike)
             if asked.layer is not None:
                 answer += asked.layer.change(asked.before, asked.before + asked.slow)
+            answer += asked.exchange
             if part.reach is not None:
                 answer += asked.settings.reach * (asked.quick @ part.quick)
             answer[:, part.idle] *= unlike

@@ -289,14 +289,9 @@ class Part:
         Args:
             answers: (N, M) the networks' answer to each stretch of the sample.
         """
-        curves = np.concatenate(sample.curves)
-        lacking = np.concatenate(sample.weights)[:, self.columns]
-        lacking = lacking - self.whole(np.concatenate(answers))
-        # What a face does on one side it may do on the other.
-        heard, columns = curves[:, self.layer_columns], self.layer_columns
-        mirrored = curves[:, [CONTROL_INDEX[MIRRORED_CONTROL[CONTROL_IDS[i]]] for i in columns]]
-        return LastLayer.fit(
-            np.concatenate([heard, mirrored]),
-            np.concatenate([lacking, lacking[:, self.mirror]]),
-            weight=0.5,
-        )
+        curves = np.concatenate(sample.curves)[:, self.layer_columns]
+        weights = np.concatenate(sample.weights)[:, self.columns]
+        lacking = weights - self.whole(np.concatenate(answers))
+        places = {CONTROL_IDS[column]: i for i, column in enumerate(self.layer_columns)}
+        mirror = [places.get(MIRRORED_CONTROL[name], i) for name, i in places.items()]
+        return LastLayer.fit(curves, lacking, self.mirror, np.array(mirror, np.intp))

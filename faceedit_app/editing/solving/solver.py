@@ -39,6 +39,7 @@ from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.request import Request, active, request
+from faceedit_app.editing.solving.residual import Residuals
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
 
@@ -133,6 +134,7 @@ class Solver:
         }
         self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
         self._layers: dict[tuple[str, float], LastLayer] = {}
+        self._residuals = Residuals()
         for name in self._parts if engine else ():
             self._last_layer(name, Settings())  # now, so that the first drag need not wait for it
         self.limits = self._limits()
@@ -297,7 +299,7 @@ class Solver:
         if influences:
             change = self._wanted_change(asked, tracked)
             slow = smoothed(change, QUICK * rate)
-            answers = self._answer(task, tuple(influences), tracked, slow)
+            answers, exchanges = self._answer(task, tuple(influences), filled, tracked, slow)
             change, slow = change[inner], slow[inner]
             for name, influence in influences.items():
                 part = self._parts[name]
@@ -306,6 +308,7 @@ class Solver:
                     settings=settings,
                     layer=self._last_layer(name, settings),
                     answer=answers[name],
+                    exchange=exchanges[name],
                     unlike=part.unlike(change[:, own]),
                     influence=influence,
                     slow=slow[:, heard],
@@ -364,19 +367,29 @@ class Solver:
         return change
 
     def _answer(
-        self, task: ChunkTask, regions: tuple[str, ...], tracked: Doubles, change: Doubles
-    ) -> dict[str, Doubles]:
+        self,
+        task: ChunkTask,
+        regions: tuple[str, ...],
+        filled: Floats,
+        tracked: Doubles,
+        change: Doubles,
+    ) -> tuple[dict[str, Doubles], dict[str, Doubles]]:
         """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
 
         Args:
-            tracked: (N', C) mm, the controls near the task, with fills.
+            filled, tracked: (N', 52) and (N', C) mm, the weights and controls near the task,
+                with fills.
             change: (N', C) mm by which those that are asked for differ from them.
+
+        Returns:
+            The answers, and by how much the poses' residuals change, see `residual.py`.
         """
         rows, settings = self.chunks.slice(task.chunk), task.settings
         resynthesize = settings.mode is Mode.RESYNTHESIZE
         answers = {name: self._unanswered(name, rows, resynthesize) for name in regions}
+        still = {n: np.zeros((len(answers[n]), len(self._parts[n].columns))) for n in regions}
         if self._answers is None or not regions:
-            return answers
+            return answers, still
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
         times = self.clip.times[slice(*task.near)]
         fills = any(edit.op is Op.FILL for edit in task.edits)
@@ -384,6 +397,7 @@ class Solver:
         edited = start + to_grid(times, change, first, last)
         grid_range = first, last
         found = self._answers.to(regions, grid_range, edited, settings.naturalness)
+        exchanges: dict[str, Doubles] = {}
         if not resynthesize:
             unedited = (
                 self._answers.to(regions, grid_range, start, settings.naturalness)
@@ -391,6 +405,18 @@ class Solver:
                 else self._answers.to_tracked(regions, grid_range, settings.naturalness)
             )
             found = {name: answer - unedited[name] for name, answer in found.items()}
+            for name in regions:
+                part, layer = self._parts[name], self._last_layer(name, settings)
+                if layer is None or not len(part.own):
+                    continue
+                heard, key = part.layer_columns, (task.chunk, name, settings.naturalness)
+                exchanges[name] = self._residuals.exchange(
+                    None if fills else key,
+                    layer,
+                    lambda part=part, answer=unedited[name]: to_grid(times, filled[:, part.columns], first, last) - part.whole(answer),
+                    start[:, heard],
+                    (edited - start)[:, heard],
+                )
         stacked = np.concatenate([found[name] for name in regions], axis=1)
         ends = np.cumsum([found[name].shape[1] for name in regions])[:-1]
         parts = np.split(from_grid(stacked, first, self.clip.times[rows]), ends, axis=1)
@@ -399,7 +425,8 @@ class Solver:
                 answers[name][:, : answer.shape[1]] = answer
             else:
                 answers[name] = answer
-        return answers
+        still |= {name: from_grid(e, first, self.clip.times[rows]) for name, e in exchanges.items()}
+        return answers, still
 
     def _unanswered(self, name: str, rows: slice, resynthesize: bool) -> Doubles:
         """(N, K) what stands in for the networks' answer if there is none."""
