@@ -14,6 +14,7 @@ from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
+from faceedit_app.editing.solving.take_statistics import WAKES
 
 # How much a calmed curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 1.0
@@ -91,10 +92,10 @@ class Combining:
         part = self._part
         result, columns = weights.copy(), part.columns[part.have]
         most = self._most(weights[:, columns], asked)
-        self._combine(result, asked, most)
+        room = self._combine(result, asked, most)
         where = np.flatnonzero(asked.hold.any(axis=1))
         if part.reach is not None and asked.settings.reach > 0 and len(where):
-            self._go_on(part.reach, result, asked, most, where)
+            self._go_on(part.reach, result, asked, most, room, where)
         return result[:, columns]
 
     def _most(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
@@ -115,11 +116,16 @@ class Combining:
             )
         return most
 
-    def _combine(self, weights: Doubles, asked: RegionRequest, most: Doubles) -> None:
-        """Combine the networks' answer with the weights (N, 52), in place."""
+    def _combine(self, weights: Doubles, asked: RegionRequest, most: Doubles) -> Doubles:
+        """Combine the networks' answer with the weights (N, 52), in place.
+
+        Returns:
+            (N, K) how much further channels may rise without leaving their rest.
+        """
         part = self._part
         columns, influence = part.columns[part.have], asked.influence[:, part.have]
         old, answer = weights[:, columns], asked.answer
+        room = np.full_like(old, np.inf)
         if asked.settings.mode is Mode.PRESERVE:
             unlike = asked.unlike[:, None]
             answer = part.whole(answer, unlike)
@@ -129,16 +135,27 @@ class Combining:
             if part.reach is not None:
                 answer += asked.settings.reach * (asked.quick @ part.quick)
             answer[:, part.idle] *= unlike
-            answer = old + influence * answer[:, part.have]
+            rise = answer[:, part.have]
+            rest = part.at_rest(weights[:, part.columns])[:, part.have]
+            awake = np.maximum(rise - WAKES * rest, np.minimum(rise, 0.0))
+            room = np.where(rest > 0, np.maximum(awake, 0.0) + (1.0 - rest), np.inf)
+            answer = old + influence * awake
         else:
             answer = answer[:, part.have]
         new = np.clip(answer, np.minimum(old, 0.0), most)
         weights[:, columns] = np.where(influence > 0, new, old)
         if "mouthClose" in part.region.channels:
             _couple(weights, old, columns, influence.max(axis=1) > 0)
+        return room
 
     def _go_on(
-        self, reach: Reach, weights: Doubles, asked: RegionRequest, most: Doubles, where: Indices
+        self,
+        reach: Reach,
+        weights: Doubles,
+        asked: RegionRequest,
+        most: Doubles,
+        room: Doubles,
+        where: Indices,
     ) -> None:
         """Bring the region's own controls the rest of the way to what was asked for, in place."""
         part, naturalness = self._part, asked.settings.naturalness
@@ -159,7 +176,8 @@ class Combining:
         )
         beyond = np.maximum(part.beyond(wanted, hold), aim.share)
         found = aim.here.copy()
-        found[:, columns] = aim.solve(reach, columns, part.bounds(beyond), naturalness)
+        quiet = np.minimum(most[where], aim.here[:, columns] + room[where])
+        found[:, columns] = replace(aim, most=quiet).solve(reach, columns, part.bounds(beyond), naturalness)
         missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
         missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
         rest = np.flatnonzero(missing > np.minimum(aim.share, beyond))

@@ -258,6 +258,10 @@ class Part:
         )
         return lengths
 
+    def at_rest(self, weights: Doubles) -> Doubles:
+        """(N, K) see `TakeStatistics.at_rest`, of weights (N, K) of all its channels."""
+        return self._statistics.at_rest(weights)
+
     @property
     def idle(self) -> Indices:
         """Positions of channels that stay still, because the take never uses them."""
