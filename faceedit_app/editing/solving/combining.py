@@ -139,7 +139,9 @@ class Combining:
             rest = part.at_rest(weights[:, part.columns])[:, part.have]
             awake = np.maximum(rise - WAKES * rest, np.minimum(rise, 0.0))
             room = np.where(rest > 0, np.maximum(awake, 0.0) + (1.0 - rest), np.inf)
-            answer = old + influence * awake
+            lower, upper = part.bounds(np.maximum(part.beyond(asked.wanted, asked.hold), asked.unlike))
+            within = np.clip(old + awake, np.minimum(old, lower), np.maximum(old, upper))
+            answer = old + influence * (within - old)
         else:
             answer = answer[:, part.have]
         new = np.clip(answer, np.minimum(old, 0.0), most)
