@@ -139,7 +139,9 @@ class Combining:
             rest = part.at_rest(weights[:, part.columns])[:, part.have]
             awake = np.maximum(rise - WAKES * rest, np.minimum(rise, 0.0))
             room = np.where(rest > 0, np.maximum(awake, 0.0) + (1.0 - rest), np.inf)
-            lower, upper = part.bounds(np.maximum(part.beyond(asked.wanted, asked.hold), asked.unlike))
+            lower, upper = part.bounds(
+                np.maximum(part.beyond(asked.wanted, asked.hold), asked.unlike)
+            )
             within = np.clip(old + awake, np.minimum(old, lower), np.maximum(old, upper))
             answer = old + influence * (within - old)
         else:
@@ -179,7 +181,9 @@ class Combining:
         beyond = np.maximum(part.beyond(wanted, hold), aim.share)
         found = aim.here.copy()
         quiet = np.minimum(most[where], aim.here[:, columns] + room[where])
-        found[:, columns] = replace(aim, most=quiet).solve(reach, columns, part.bounds(beyond), naturalness)
+        found[:, columns] = replace(aim, most=quiet).solve(
+            reach, columns, part.bounds(beyond), naturalness
+        )
         missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
         missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
         rest = np.flatnonzero(missing > np.minimum(aim.share, beyond))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,7 @@ from faceedit_app.editing.solving.accompanying import (
     with_accompanying,
 )
 from faceedit_app.editing.solving.answerable import ENOUGH, region_covariance
+from faceedit_app.editing.solving.calming import Calmed
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.reach import Reach
@@ -257,6 +259,10 @@ class Part:
             self._distances.lengths(self._distances.vectors(weights)), 0.0
         )
         return lengths
+
+    def calmed(self, mute: Collection[str]) -> Calmed:
+        """Its answer to smooths; `mute`: controls that edits cannot ask for."""
+        return Calmed(tuple(c for c in self.own if c not in mute), self.columns[self.have])
 
     def at_rest(self, weights: Doubles) -> Doubles:
         """(N, K) see `TakeStatistics.at_rest`, of weights (N, K) of all its channels."""

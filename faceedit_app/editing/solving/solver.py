@@ -75,6 +75,18 @@ class Patch:
     rotations: Floats | None = None
 
 
+@dataclass(frozen=True)
+class _Start:
+    """What edits start from, on N frames: `weights` (N, 52), `curves` (N, C) mm.
+
+    `as_tracked`: it is the take itself.
+    """
+
+    weights: Floats
+    curves: Doubles
+    as_tracked: bool = False
+
+
 class Solver:
     """Computes the chunks of one take on one rig.
 
@@ -250,9 +262,7 @@ class Solver:
         weights, rotations = self._channels.apply(
             task, rows, lambda chunk, base: self._base(chunk, base).weights, DECIMALS
         )
-        controls = self.distances.measure(weights)
-        same = (weights == mine.weights).all(axis=1)
-        controls[same] = mine.controls[same]
+        controls = self._measured(weights, mine.weights, mine.controls)
         # Curves that nobody asked for go where the channels take them.
         asked = np.where(mine.asked == self.controls[rows], controls, mine.asked)
         return Patch(asked, weights, controls, rotations)
@@ -274,11 +284,11 @@ class Solver:
         """Answer the curves of one chunk."""
         rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
         times, rate = self.clip.times[near], self.clip.rate
-        filled, tracked = self._start(task)
+        start = self._start(task)
         asked = request(
             times,
             rate,
-            tracked,
+            start.curves,
             self.medians,
             [edit for edit in task.edits if edit.op is not Op.FILL],
             self._companions,
@@ -287,7 +297,9 @@ class Solver:
         )
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = asked.at(inner)
-        before = filled[inner].astype(np.float64)
+        start = self._calmed(task, start)
+        tracked = start.curves
+        before = start.weights[inner].astype(np.float64)
         weights = before.copy()
         influences = {}
         for name, part in self._in_order:
@@ -299,7 +311,7 @@ class Solver:
         if influences:
             change = self._wanted_change(asked, tracked)
             slow = smoothed(change, QUICK * rate)
-            answers, exchanges = self._answer(task, tuple(influences), filled, tracked, slow)
+            answers, exchanges = self._answer(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
             for name, influence in influences.items():
                 part = self._parts[name]
@@ -328,26 +340,37 @@ class Solver:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}
             result = self._closing(result, share)
         result = _rounded(result, self.tracked[rows])
-        controls = self.distances.measure(result)
-        # The last bits of a matrix product depend on the number of frames.
-        same = (result == self.tracked[rows]).all(axis=1)
-        controls[same] = self.controls[rows][same]
+        controls = self._measured(result, self.tracked[rows], self.controls[rows])
         return Patch(mine.curves.astype(np.float32), result, controls)
 
-    def _start(self, task: ChunkTask) -> tuple[Floats, Doubles]:
-        """What edits of a chunk start from: the take with fills, on the frames near it.
-
-        Returns:
-            Weights (N', 52), and curves (N', C) mm.
-        """
+    def _start(self, task: ChunkTask) -> _Start:
+        """The take with fills, on the frames near a chunk."""
         near = slice(*task.near)
+        tracked, curves = self.tracked[near], self.controls[near]
         if not any(edit.op is Op.FILL for edit in task.edits):
-            return self.tracked[near], self.controls[near].astype(np.float64)
+            return _Start(tracked, curves.astype(np.float64), as_tracked=True)
         weights = self._fills.applied(task.edits, near)
-        controls = self.distances.measure(weights)
-        same = (weights == self.tracked[near]).all(axis=1)
-        controls[same] = self.controls[near][same]
-        return weights, controls.astype(np.float64)
+        return _Start(weights, self._measured(weights, tracked, curves).astype(np.float64))
+
+    def _calmed(self, task: ChunkTask, start: _Start) -> _Start:
+        """The same with smooths of all curves of a region, see `calming.py`."""
+        weights, times = start.weights, self.clip.times[slice(*task.near)]
+        for part in self._parts.values() if task.settings.mode is Mode.PRESERVE else ():
+            weights = part.calmed(self._mute)(task.edits, times, self.clip.rate, weights)
+        if weights is start.weights:
+            return start
+        controls = self._measured(weights, start.weights, start.curves.astype(np.float32))
+        return _Start(weights, controls.astype(np.float64))
+
+    def _measured(self, weights: Floats, known: Floats, controls: Floats) -> Floats:
+        """(N, C) mm: the controls of weights (N, 52); those of known ones, where they are the same.
+
+        The last bits of a matrix product depend on the number of frames.
+        """
+        measured = self.distances.measure(weights)
+        same = (weights == known).all(axis=1)
+        measured[same] = controls[same]
+        return measured
 
     def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
@@ -370,16 +393,14 @@ class Solver:
         self,
         task: ChunkTask,
         regions: tuple[str, ...],
-        filled: Floats,
-        tracked: Doubles,
+        begin: _Start,
         change: Doubles,
     ) -> tuple[dict[str, Doubles], dict[str, Doubles]]:
         """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
 
         Args:
-            filled, tracked: (N', 52) and (N', C) mm, the weights and controls near the task,
-                with fills.
-            change: (N', C) mm by which those that are asked for differ from them.
+            begin: what the edits start from, on the N' frames near the task.
+            change: (N', C) mm by which the controls that are asked for differ from it.
 
         Returns:
             The answers, and by how much the poses' residuals change, see `residual.py`.
@@ -392,17 +413,17 @@ class Solver:
             return answers, still
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
         times = self.clip.times[slice(*task.near)]
-        fills = any(edit.op is Op.FILL for edit in task.edits)
-        start = to_grid(times, tracked, first, last) if fills else self.grid[first:last]
+        same = begin.as_tracked
+        start = self.grid[first:last] if same else to_grid(times, begin.curves, first, last)
         edited = start + to_grid(times, change, first, last)
         grid_range = first, last
         found = self._answers.to(regions, grid_range, edited, settings.naturalness)
         exchanges: dict[str, Doubles] = {}
         if not resynthesize:
             unedited = (
-                self._answers.to(regions, grid_range, start, settings.naturalness)
-                if fills
-                else self._answers.to_tracked(regions, grid_range, settings.naturalness)
+                self._answers.to_tracked(regions, grid_range, settings.naturalness)
+                if same
+                else self._answers.to(regions, grid_range, start, settings.naturalness)
             )
             found = {name: answer - unedited[name] for name, answer in found.items()}
             for name in regions:
@@ -410,12 +431,14 @@ class Solver:
                 if layer is None or not len(part.own):
                     continue
                 heard, key = part.layer_columns, (task.chunk, name, settings.naturalness)
+
+                def lacking(part: Part = part, answer: Doubles = unedited[name]) -> Doubles:
+                    weights = to_grid(times, begin.weights[:, part.columns], first, last)
+                    return weights - part.whole(answer)
+
+                now, change_by = start[:, heard], (edited - start)[:, heard]
                 exchanges[name] = self._residuals.exchange(
-                    None if fills else key,
-                    layer,
-                    lambda part=part, answer=unedited[name]: to_grid(times, filled[:, part.columns], first, last) - part.whole(answer),
-                    start[:, heard],
-                    (edited - start)[:, heard],
+                    key if same else None, layer, lacking, now, change_by
                 )
         stacked = np.concatenate([found[name] for name in regions], axis=1)
         ends = np.cumsum([found[name].shape[1] for name in regions])[:-1]
