@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Floats, Indices, Times
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.request import smoothing, smoothing_frames
@@ -32,16 +33,27 @@ class Calmed:
     controls: tuple[str, ...]
     columns: Indices
 
-    def __call__(self, edits: Sequence[Edit], times: Times, rate: float, weights: Floats) -> Floats:
-        """The take's weights (N, 52) on the frames near a chunk, with the smooths among `edits`.
+    def __call__(
+        self, edits: Sequence[Edit], times: Times, rate: float, weights: Floats, curves: Doubles
+    ) -> tuple[Floats, Doubles]:
+        """Smooth the region by those of the edits that smooth all of it.
 
-        A reset takes smooths back where all controls are reset. Without any smooth, the same array
-        comes back.
+        A reset takes smooths back where all controls are reset.
+
+        Args:
+            edits: in the user's order.
+            times: (N,) seconds.
+            rate: frames per second.
+            weights, curves: (N, 52), and (N, C) mm, before these edits.
+
+        Returns:
+            The same, smoothed; without any smooth, the same arrays.
         """
         whole = [edit for edit in edits if edit.op is Op.SMOOTH and self._covered(edit)]
         if not whole or not self.controls:
-            return weights
-        recorded = weights[:, self.columns].astype(np.float64)
+            return weights, curves
+        own = [CONTROL_INDEX[control] for control in self.controls]
+        recorded = np.concatenate([weights[:, self.columns], curves[:, own]], axis=1)
         calm, back = recorded.copy(), np.zeros((len(times), len(self.controls)))
         for edit in edits:
             if edit.op is Op.RESET:
@@ -52,33 +64,33 @@ class Calmed:
                 calm = _back(calm, recorded, back)
                 back[:] = 0.0
                 _smooth(calm, edit, times, rate)
-        changed = weights.copy()
         calm = _back(calm, recorded, back)
-        changed[:, self.columns] = np.where(
-            calm == recorded, weights[:, self.columns], calm.astype(np.float32)
-        )
-        return changed
+        new_weights, new_curves = weights.copy(), curves.copy()
+        count = len(self.columns)
+        new_weights[:, self.columns] = calm[:, :count].astype(weights.dtype)
+        new_curves[:, own] = calm[:, count:]
+        return new_weights, new_curves
 
     def _covered(self, edit: Edit) -> bool:
         return set(self.controls).issubset(edit.controls)
 
 
-def _smooth(weights: Doubles, edit: Edit, times: Times, rate: float) -> None:
-    """Smooth weights (N, K) by an edit, in place."""
+def _smooth(values: Doubles, edit: Edit, times: Times, rate: float) -> None:
+    """Smooth values (N, V) by an edit, in place."""
     around = smoothing_frames(edit, rate)
     first, last = edit.span
     rows = slice(*map(int, np.searchsorted(times, (first - 1e-9, last + 1e-9))))
     if not around or rows.start == rows.stop:
         return
     begin, end = max(rows.start - around, 0), min(rows.stop + around, len(times))
-    smooth = smoothed(weights[begin:end], smoothing(edit) * rate)
+    smooth = smoothed(values[begin:end], smoothing(edit) * rate)
     share = edit.mask(times[rows])[:, None] * min(edit.strength, 1.0)
-    now = weights[rows]
-    weights[rows] = now + share * (smooth[rows.start - begin : rows.stop - begin] - now)
+    now = values[rows]
+    values[rows] = now + share * (smooth[rows.start - begin : rows.stop - begin] - now)
 
 
-def _back(weights: Doubles, recorded: Doubles, back: Doubles) -> Doubles:
-    """Weights (N, K) where all controls (N, C) in 0..1 are back, as recorded."""
+def _back(values: Doubles, recorded: Doubles, back: Doubles) -> Doubles:
+    """Values (N, V), as recorded as far as all controls are back, (N, C) in 0..1."""
     share = back.min(axis=1, keepdims=True)
-    mixed: Doubles = np.where(share >= 1.0, recorded, weights + share * (recorded - weights))
+    mixed: Doubles = np.where(share >= 1.0, recorded, values + share * (recorded - values))
     return mixed

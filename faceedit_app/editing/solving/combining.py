@@ -186,6 +186,7 @@ class Combining:
         )
         missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
         missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
+        missing *= 1.0 - asked.calm[where].max(axis=1, initial=0.0)
         rest = np.flatnonzero(missing > np.minimum(aim.share, beyond))
         if len(rest):
             # What the take does not show, others do.

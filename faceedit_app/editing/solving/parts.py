@@ -262,7 +262,8 @@ class Part:
 
     def calmed(self, mute: Collection[str]) -> Calmed:
         """Its answer to smooths; `mute`: controls that edits cannot ask for."""
-        return Calmed(tuple(c for c in self.own if c not in mute), self.columns[self.have])
+        own = tuple(c for c in self.own if c not in mute)
+        return Calmed(own, self.columns[self.have])
 
     def at_rest(self, weights: Doubles) -> Doubles:
         """(N, K) see `TakeStatistics.at_rest`, of weights (N, K) of all its channels."""

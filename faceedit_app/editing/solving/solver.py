@@ -57,6 +57,8 @@ REMEMBERED = 12
 REMEMBERED_CHUNKS = 6
 # Seconds of standard deviation of the Gaussian that divides a request into slow and quick.
 QUICK = 0.04
+# Seconds: what calm channels lack of calm curves is brought only as far as it lasts longer.
+CALM = 0.16
 # The take's closed lips: this percentile of its opening, if that is less than so many mm; else the
 # opening of closed lips in other performances.
 _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
@@ -77,13 +79,17 @@ class Patch:
 
 @dataclass(frozen=True)
 class _Start:
-    """What edits start from, on N frames: `weights` (N, 52), `curves` (N, C) mm.
+    """What edits start from, on N frames.
 
-    `as_tracked`: it is the take itself.
+    Attributes:
+        weights, curves: (N, 52), and (N, C) mm.
+        calm: (N, C) mm, the curves after smooths of all curves of a region; None without any.
+        as_tracked: it is the take itself.
     """
 
     weights: Floats
     curves: Doubles
+    calm: Doubles | None = None
     as_tracked: bool = False
 
 
@@ -310,6 +316,10 @@ class Solver:
                 influences[name] = influence
         if influences:
             change = self._wanted_change(asked, tracked)
+            if start.calm is not None:
+                # What calm channels lack of calm curves comes and goes with blinks and closures.
+                lacking = asked.calm * (start.calm - tracked)
+                change -= lacking - smoothed(lacking, CALM * rate)
             slow = smoothed(change, QUICK * rate)
             answers, exchanges = self._answer(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
@@ -355,12 +365,15 @@ class Solver:
     def _calmed(self, task: ChunkTask, start: _Start) -> _Start:
         """The same with smooths of all curves of a region, see `calming.py`."""
         weights, times = start.weights, self.clip.times[slice(*task.near)]
+        calm = start.curves
         for part in self._parts.values() if task.settings.mode is Mode.PRESERVE else ():
-            weights = part.calmed(self._mute)(task.edits, times, self.clip.rate, weights)
+            weights, calm = part.calmed(self._mute)(
+                task.edits, times, self.clip.rate, weights, calm
+            )
         if weights is start.weights:
             return start
         controls = self._measured(weights, start.weights, start.curves.astype(np.float32))
-        return _Start(weights, controls.astype(np.float64))
+        return _Start(weights, controls.astype(np.float64), calm)
 
     def _measured(self, weights: Floats, known: Floats, controls: Floats) -> Floats:
         """(N, C) mm: the controls of weights (N, 52); those of known ones, where they are the same.
