@@ -18,6 +18,8 @@ from faceedit_app.editing.solving.take_statistics import WAKES
 
 # How much a calmed curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 1.0
+# mm that all curves of a region may miss where all of them are asked to be calm.
+CALM_MM = 0.25
 # The take's own range is left, little by little, for a curve that misses its target by this much.
 MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.
@@ -166,7 +168,8 @@ class Combining:
         columns = part.columns[part.have]
         lengths = part.lengths(weights)
         passing = self._passing(asked, lengths)[where]
-        tolerance = TWITCH * np.abs(passing)
+        calm = asked.calm[where].min(axis=1, keepdims=True)
+        tolerance = np.maximum(TWITCH * np.abs(passing), CALM_MM * calm)
         hold, wanted = asked.hold[where], asked.wanted[where] - passing
         mask = hold > 0
         strength = asked.settings.reach * np.where(mask, hold, hold.max(axis=1, keepdims=True))
