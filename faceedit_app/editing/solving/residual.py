@@ -24,7 +24,7 @@ from faceedit_app.editing.solving.last_layer import LastLayer
 
 # The distance over which a residual is kept, for each curve that could move, in standard deviations
 # of the take's curves. Distances of independent curves add as squares do.
-LENGTH = 0.6
+LENGTH = 0.5
 # Seconds over which residuals resemble each other, and beyond which they are not looked at: the
 # networks' context reaches farther on either side of a chunk.
 RESEMBLE, FARTHEST = 0.6, 1.2

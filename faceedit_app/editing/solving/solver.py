@@ -40,6 +40,7 @@ from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.request import Request, active, request
 from faceedit_app.editing.solving.residual import Residuals
+from faceedit_app.editing.solving.start import Start, Starts
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
 
@@ -57,8 +58,6 @@ REMEMBERED = 12
 REMEMBERED_CHUNKS = 6
 # Seconds of standard deviation of the Gaussian that divides a request into slow and quick.
 QUICK = 0.04
-# Seconds: what calm channels lack of calm curves is brought only as far as it lasts longer.
-CALM = 0.16
 # The take's closed lips: this percentile of its opening, if that is less than so many mm; else the
 # opening of closed lips in other performances.
 _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
@@ -75,22 +74,6 @@ class Patch:
     weights: Floats
     controls: Floats
     rotations: Floats | None = None
-
-
-@dataclass(frozen=True)
-class _Start:
-    """What edits start from, on N frames.
-
-    Attributes:
-        weights, curves: (N, 52), and (N, C) mm.
-        calm: (N, C) mm, the curves after smooths of all curves of a region; None without any.
-        as_tracked: it is the take itself.
-    """
-
-    weights: Floats
-    curves: Doubles
-    calm: Doubles | None = None
-    as_tracked: bool = False
 
 
 class Solver:
@@ -115,6 +98,7 @@ class Solver:
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
         opening = self.controls[:, CONTROL_INDEX[LIP_OPENING]]
         self._fills = Fills(clip, self.tracked, opening)
+        self._starts = Starts(clip, self.tracked, self.controls, self.distances, self._fills)
         shut = float(np.percentile(opening, _SHUT_PERCENTILE))
         self.shut = shut if shut < _SHUT_MOST else _SHUT  # mm between closed lips
         self.use_engine(engine)
@@ -268,7 +252,7 @@ class Solver:
         weights, rotations = self._channels.apply(
             task, rows, lambda chunk, base: self._base(chunk, base).weights, DECIMALS
         )
-        controls = self._measured(weights, mine.weights, mine.controls)
+        controls = self._starts.measured(weights, mine.weights, mine.controls)
         # Curves that nobody asked for go where the channels take them.
         asked = np.where(mine.asked == self.controls[rows], controls, mine.asked)
         return Patch(asked, weights, controls, rotations)
@@ -290,7 +274,7 @@ class Solver:
         """Answer the curves of one chunk."""
         rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
         times, rate = self.clip.times[near], self.clip.rate
-        start = self._start(task)
+        start = self._starts.filled(task)
         asked = request(
             times,
             rate,
@@ -303,7 +287,8 @@ class Solver:
         )
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = asked.at(inner)
-        start = self._calmed(task, start)
+        regions = (part.calmed(self._mute) for part in self._parts.values())
+        start = self._starts.calmed(start, task, regions)
         tracked = start.curves
         before = start.weights[inner].astype(np.float64)
         weights = before.copy()
@@ -316,10 +301,7 @@ class Solver:
                 influences[name] = influence
         if influences:
             change = self._wanted_change(asked, tracked)
-            if start.calm is not None:
-                # What calm channels lack of calm curves comes and goes with blinks and closures.
-                lacking = asked.calm * (start.calm - tracked)
-                change -= lacking - smoothed(lacking, CALM * rate)
+            change = start.without_twitches(change, asked.calm, rate)
             slow = smoothed(change, QUICK * rate)
             answers, exchanges = self._answer(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
@@ -350,40 +332,8 @@ class Solver:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}
             result = self._closing(result, share)
         result = _rounded(result, self.tracked[rows])
-        controls = self._measured(result, self.tracked[rows], self.controls[rows])
+        controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
         return Patch(mine.curves.astype(np.float32), result, controls)
-
-    def _start(self, task: ChunkTask) -> _Start:
-        """The take with fills, on the frames near a chunk."""
-        near = slice(*task.near)
-        tracked, curves = self.tracked[near], self.controls[near]
-        if not any(edit.op is Op.FILL for edit in task.edits):
-            return _Start(tracked, curves.astype(np.float64), as_tracked=True)
-        weights = self._fills.applied(task.edits, near)
-        return _Start(weights, self._measured(weights, tracked, curves).astype(np.float64))
-
-    def _calmed(self, task: ChunkTask, start: _Start) -> _Start:
-        """The same with smooths of all curves of a region, see `calming.py`."""
-        weights, times = start.weights, self.clip.times[slice(*task.near)]
-        calm = start.curves
-        for part in self._parts.values() if task.settings.mode is Mode.PRESERVE else ():
-            weights, calm = part.calmed(self._mute)(
-                task.edits, times, self.clip.rate, weights, calm
-            )
-        if weights is start.weights:
-            return start
-        controls = self._measured(weights, start.weights, start.curves.astype(np.float32))
-        return _Start(weights, controls.astype(np.float64), calm)
-
-    def _measured(self, weights: Floats, known: Floats, controls: Floats) -> Floats:
-        """(N, C) mm: the controls of weights (N, 52); those of known ones, where they are the same.
-
-        The last bits of a matrix product depend on the number of frames.
-        """
-        measured = self.distances.measure(weights)
-        same = (weights == known).all(axis=1)
-        measured[same] = controls[same]
-        return measured
 
     def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
@@ -406,7 +356,7 @@ class Solver:
         self,
         task: ChunkTask,
         regions: tuple[str, ...],
-        begin: _Start,
+        begin: Start,
         change: Doubles,
     ) -> tuple[dict[str, Doubles], dict[str, Doubles]]:
         """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
