@@ -1,7 +1,7 @@
 """FBX 7.4 with a character, its blendshapes, and the animation of a take.
 
-One mesh in centimetres with vertex colours, materials and texture coordinates; a blendshape
-channel for each shape, and a curve in percent for each channel. Textures are left out.
+One mesh in centimetres with vertex colours, materials and their textures, which are embedded; a
+blendshape channel for each shape, and a curve in percent for each channel.
 """
 
 from __future__ import annotations
@@ -11,10 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from faceedit_app.characters.base_colors import material_color, png_of, srgb
 from faceedit_app.characters.fbx_records import FILE_ID, fbx_content
+from faceedit_app.characters.fbx_textures import texture_children, video_children
 from faceedit_app.characters.fbx_tree import Record
 from faceedit_app.characters.scene import Scene
-from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.core.rig import Rig
 
 _TICKS = 46_186_158_000  # of KTime in a second
@@ -109,9 +111,9 @@ class _Writer:
             *_layers(rig),
         )
         self._connect(geometry, model)
+        pictures = [self._picture(k, picture) for k, picture in enumerate(rig.textures)]
         for material in rig.materials:
-            shade = _srgb(rig.colors[rig.faces[material.start : material.stop], :3])
-            mean = shade.reshape(-1, 3).mean(axis=0) if shade.size else np.full(3, 0.8)
+            mean = srgb(material_color(rig, material))
             number = self._add(
                 "Material",
                 _named(material.name, "Material"),
@@ -124,7 +126,20 @@ class _Writer:
                 ),
             )
             self._connect(number, model)
+            if material.texture is not None:
+                self._connect(pictures[material.texture], number, "DiffuseColor")
         return geometry
+
+    def _picture(self, k: int, picture: Pixels) -> _Id:
+        """Add a picture; returns its texture."""
+        name = f"texture{k + 1}"
+        file = f"{name}.png"
+        texture = self._add("Texture", _named(name, "Texture"), "", *texture_children(file))
+        video = self._add(
+            "Video", _named(file, "Video"), "Clip", *video_children(file, png_of(picture))
+        )
+        self._connect(video, texture)
+        return texture
 
     def _shapes(self, geometry: _Id) -> list[_Id]:
         """Add the blendshapes; returns their channels."""
@@ -280,7 +295,7 @@ def _layers(rig: Rig) -> list[Record]:
     materials = np.zeros(len(rig.faces), np.int32)
     for number, material in enumerate(rig.materials):
         materials[material.start : material.stop] = number
-    colors = np.concatenate([_srgb(rig.colors[:, :3]), rig.colors[:, 3:]], axis=1)
+    colors = np.concatenate([srgb(rig.colors[:, :3]), rig.colors[:, 3:]], axis=1)
     layers = {
         "Smoothing": ("ByPolygon", "Direct", [("Smoothing", np.ones(len(rig.faces), np.int32))]),
         "Color": (
@@ -323,11 +338,3 @@ def _flat(points: Floats) -> Doubles:
     """Points (N, 3) in metres as FBX lists them."""
     flat: Doubles = points.astype("<f8").ravel() * _CENTIMETRES
     return flat
-
-
-def _srgb(linear: Floats) -> Doubles:
-    """Linear colours as programs expect them in FBX."""
-    linear = linear.clip(0, 1).astype(np.float64)
-    low, high = 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
-    result: Doubles = np.where(linear <= 0.0031308, low, high)
-    return result

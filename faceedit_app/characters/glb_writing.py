@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 import pygltflib as gltf
 from numpy.typing import NDArray
 
+from faceedit_app.characters.base_colors import png_of
 from faceedit_app.characters.glb import SHADE
 from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.atomic import write_atomically
@@ -78,11 +78,7 @@ class _Writer:
 
     def add_texture(self, picture: Pixels) -> int:
         """Add a picture (H, W, 4) as a texture; returns its index."""
-        from PIL import Image  # only characters of other makers have textures
-
-        buffer = io.BytesIO()
-        Image.fromarray(picture).save(buffer, "PNG")
-        view = self._view(buffer.getvalue(), None)
+        view = self._view(png_of(picture), None)
         self.document.images.append(gltf.Image(bufferView=view, mimeType="image/png"))
         self.document.textures.append(gltf.Texture(source=len(self.document.images) - 1))
         return len(self.document.textures) - 1

@@ -9,7 +9,7 @@ from faceedit_app.characters.fbx_animated import scene_fbx
 from faceedit_app.characters.fitted import FittedCharacter
 from faceedit_app.characters.glb_animated import animate_glb, is_glb, scene_glb
 from faceedit_app.characters.scene import Scene, make_scene, shape_weights
-from faceedit_app.characters.usd_animated import scene_usda
+from faceedit_app.characters.usd_animated import scene_usda, scene_usdz
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.rig import Rig
 
@@ -73,6 +73,16 @@ SCENES: tuple[SceneFormat, ...] = (
             ("Houdini", "load the file with a USD Character Import or a Reference"),
         ),
         lambda scene, name, _compact: scene_usda(scene, name),
+    ),
+    SceneFormat(
+        "usdz", "USD package with character", ".usdz", "Maya, Blender, Unreal, macOS",
+        (
+            ("Maya", "File > Import > USD, with Animation Data switched on"),
+            ("Unreal", "switch on the plug-in USD Importer; then File > Import Into Level"),
+            ("Blender", "set Output > Frame Rate to {rate} first; then File > Import > Universal "
+             "Scene Description"),
+        ),
+        lambda scene, name, _compact: scene_usdz(scene, name),
     ),
 )
 # fmt: on

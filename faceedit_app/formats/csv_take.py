@@ -15,7 +15,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
-from faceedit_app.formats.files import shown
+from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
@@ -107,7 +107,7 @@ def csv_take(
         timing=times.timing,
         lost=rows.lost,
         timecodes=_timecodes(clocks, rows, times),
-        carried=tuple(table.names[k] or "(unnamed)" for k in carried),
+        carried=tuple(shown(table.names[k], LONGEST_NAME) or "(unnamed)" for k in carried),
         notes=(
             *_empty_notes(found, columns),
             *_count_notes(table, rows, said),

@@ -30,6 +30,7 @@ _HEAD = 1 << 16
 _TEXT = re.compile(rb'"((?:[^"\\]|\\.){1,80})"')
 _NOT_TAKES = (b'"edits"', b'"bufferViews"', b'"openfacefx.track"')
 _DEEPEST = 5
+_MOST_NAMES = 10_000  # of a frame, or of the lists of a document
 _TRIED = 50  # entries of a list that are looked at for weights, since the first may have no face
 _NAMES = ("name", "categoryName", "category_name", "displayName", "shape", "blendshape", "key")
 _NUMBERS = ("score", "value", "weight", "val")
@@ -111,7 +112,7 @@ def _lists(entry: Any, depth: int) -> Iterator[Sequence[Any]]:
     elif isinstance(entry, dict):
         if len(entry) > 1 and all(name.strip().isdigit() for name in entry):
             yield list(entry.values())
-        for inner in entry.values():
+        for inner in islice(entry.values(), _MOST_NAMES):
             yield from _lists(inner, depth + 1)
 
 
@@ -125,7 +126,7 @@ def _have_weights(entries: Sequence[Any], naming: Naming) -> bool:
 
 def _weights(entry: Any, naming: Naming, depth: int = 0) -> Weights:
     """The weights of a frame, wherever they are in it; empty if there are none."""
-    if depth > _DEEPEST:
+    if depth > _DEEPEST or (isinstance(entry, dict | list) and len(entry) > _MOST_NAMES):
         return {}
     if isinstance(entry, dict):
         numbers = {n: v for n, v in entry.items() if v is None or isinstance(v, Place)}
@@ -180,7 +181,7 @@ def _columns(document: Any, naming: Naming, rate: float | None) -> JsonFrames | 
         return None
     channels = {name: series for name, series in found.items() if naming(name)}
     length = max(map(len, channels.values()))
-    clocks = _series(as_object(document)) | found
+    clocks = {**_series(as_object(document)), **found}
     names = list(clocks)
     ranked = [names[k] for k in time_columns([name or "-" for name in names])]
     clock = next((name for name in ranked if len(clocks[name]) == length), None)
@@ -196,17 +197,19 @@ def _objects(entry: Any, depth: int) -> Iterator[Mapping[str, list[Any]]]:
     if depth > _DEEPEST:
         return
     yield _series(entry)
-    inner = entry.values() if isinstance(entry, dict) else islice(as_list(entry), _TRIED)
-    for one in inner:
-        yield from _objects(one, depth + 1)
+    inner = entry.values() if isinstance(entry, dict) else as_list(entry)
+    for one in islice(inner, _MOST_NAMES if isinstance(entry, dict) else _TRIED):
+        if isinstance(one, dict | list):
+            yield from _objects(one, depth + 1)
 
 
 def _series(entry: Any) -> dict[str, list[Any]]:
     """The lists of an object, or of `[{"name": "jawOpen", "values": [...]}, ...]`, by name."""
     if isinstance(entry, dict):
-        return {name: value for name, value in entry.items() if isinstance(value, list)}
+        items = islice(entry.items(), _MOST_NAMES)
+        return {name: value for name, value in items if isinstance(value, list)}
     found = {}
-    for one in map(as_object, as_list(entry)):
+    for one in map(as_object, as_list(entry)[:_MOST_NAMES]):
         name = next((one[key] for key in _NAMES if isinstance(one.get(key), str)), None)
         series = next((one[key] for key in _SERIES if isinstance(one.get(key), list)), None)
         if name is not None and series is not None:

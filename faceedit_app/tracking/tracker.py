@@ -118,7 +118,7 @@ def track_film(
     Args:
         path: the film.
         rig: the shipped character.
-        report: is told how far it is; called in this thread.
+        report: called in this thread with how far it is.
         stopped: True gives up.
         face: as in `read_landmarks`.
         settings: of the fit.
@@ -157,7 +157,7 @@ def fit_landmarks(
     if len(found) < _FEWEST:
         raise FileError(
             film.path,
-            f"shows a face in {len(found)} pictures only",
+            f"shows a face in only {len(found)} pictures",
             "use a film in which a face looks at the camera",
         )
     seen = film.points[found][:, model.numbers] * (1.0, -1.0, -1.0)

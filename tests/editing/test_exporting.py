@@ -16,7 +16,10 @@ from support.gltf import NO_VALIDATOR, accessor_errors, has_validator, parts, va
 from support.places import ROOT, SHARED
 from support.takes import NoFile, make_livelink_csv
 
+from faceedit_app.characters.base_colors import linear, material_color
+from faceedit_app.characters.character import Texture
 from faceedit_app.characters.fitted import open_character
+from faceedit_app.characters.pictures import decode
 from faceedit_app.characters.registry import read_character
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
@@ -34,7 +37,7 @@ from faceedit_app.editing.opening import open_session
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 
-ENDINGS = (".glb", ".fbx", ".usda")
+ENDINGS = (".glb", ".fbx", ".usda", ".usdz")
 CLIP = talking_clip(frames=40, rate=30.0)
 
 
@@ -213,10 +216,81 @@ def test_an_fbx_is_read_as_the_character_it_was_written_from(tmp_path: Path) -> 
     np.testing.assert_allclose(jaw, own, atol=1e-6)
 
 
-def test_the_same_take_gives_the_same_fbx(tmp_path: Path) -> None:
-    for name in ("a.fbx", "b.fbx"):
-        export(tmp_path / name)
-    assert (tmp_path / "a.fbx").read_bytes() == (tmp_path / "b.fbx").read_bytes()
+@pytest.mark.parametrize("ending", [".fbx", ".usdz"])
+def test_the_same_take_gives_the_same_file(ending: str, tmp_path: Path) -> None:
+    for name in "ab":
+        export(tmp_path / f"{name}{ending}")
+    assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
+
+
+def textured_head(folder: Path) -> Path:
+    return write_glb(folder / "head.glb", picture=picture_of((200, 30, 30)))
+
+
+def test_textures_go_into_an_fbx(tmp_path: Path) -> None:
+    path = tmp_path / "talk.fbx"
+    export(path, character=textured_head(tmp_path))
+    texture = read_character(path).parts[0].surface.texture
+    assert texture is not None
+    assert decode(texture)[3, 3].tolist() == [200, 30, 30, 255]
+
+
+def test_blender_shows_the_textures(tmp_path: Path) -> None:
+    head = textured_head(tmp_path)
+    for ending in (".fbx", ".usdz"):
+        path = tmp_path / f"talk{ending}"
+        export(path, character=head)
+        facts = opened_in_blender(path, 30, 2)
+        assert facts["pictures"] == [[16, 16]]
+        assert facts["textured"] == [True]
+
+
+@pytest.mark.parametrize("ending", [".usda", ".usdz"])
+def test_usd_core_finds_the_base_colour_of_each_material(ending: str, tmp_path: Path) -> None:
+    usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
+    shade, geometry = pytest.importorskip("pxr.UsdShade"), pytest.importorskip("pxr.UsdGeom")
+    path = tmp_path / f"talk{ending}"
+    export(path)
+    stage = usd.Stage.Open(str(path))
+    mesh = stage.GetPrimAtPath("/Face/Head")
+    valid, problem = geometry.Subset.ValidateFamily(
+        geometry.Imageable(mesh), geometry.Tokens.face, "materialBind"
+    )
+    assert valid, problem
+    rig = shipped_rig()
+    subsets = shade.MaterialBindingAPI(mesh).GetMaterialBindSubsets()
+    assert len(subsets) == len(rig.materials)
+    for subset, material in zip(subsets, rig.materials, strict=True):
+        bound, _ = shade.MaterialBindingAPI(subset.GetPrim()).ComputeBoundMaterial()
+        surface = bound.ComputeSurfaceSource()[0]
+        color = surface.GetInput("diffuseColor").Get()
+        np.testing.assert_allclose(color, material_color(rig, material), atol=1e-5)
+
+
+def test_usd_core_finds_the_texture_in_the_package(tmp_path: Path) -> None:
+    usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
+    shade, resolver = pytest.importorskip("pxr.UsdShade"), pytest.importorskip("pxr.Ar")
+    path = tmp_path / "talk.usdz"
+    export(path, character=textured_head(tmp_path))
+    stage = usd.Stage.Open(str(path))
+    found = [prim for prim in stage.Traverse() if prim.GetName() == "Picture"]
+    asset = shade.Shader(found[0]).GetInput("file").Get()
+    content = resolver.GetResolver().OpenAsset(resolver.ResolvedPath(asset.resolvedPath))
+    picture = decode(Texture("", bytes(content.GetBuffer())))
+    assert picture[3, 3].tolist() == [200, 30, 30, 255]
+    places = stage.GetPrimAtPath("/Face/Head").GetAttribute("primvars:st").Get()
+    assert len(places) == len(stage.GetPrimAtPath("/Face/Head").GetAttribute("points").Get())
+
+
+def test_usd_text_has_the_colours_of_the_textures(tmp_path: Path) -> None:
+    usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
+    path = tmp_path / "talk.usda"
+    export(path, character=textured_head(tmp_path))
+    stage = usd.Stage.Open(str(path))
+    mesh = stage.GetPrimAtPath("/Face/Head")
+    colors = np.array(mesh.GetAttribute("primvars:displayColor").Get())
+    red = linear(np.array([200, 30, 30]) / 255)
+    np.testing.assert_allclose(colors, np.broadcast_to(red, colors.shape), atol=1e-4)
 
 
 def test_usd_core_reads_the_weights_and_the_shapes(tmp_path: Path) -> None:
@@ -258,8 +332,7 @@ def test_blender_plays_the_take(ending: str, tmp_path: Path) -> None:
     assert facts["fps"] == 30
     assert tuple(facts["shapes"]) == ARKIT_CHANNELS
     np.testing.assert_allclose(np.array(facts["weights"]), CLIP.weights, atol=1e-6)
-    if ending != ".usda":
-        assert facts["materials"] == [m.name for m in shipped_rig().materials]
+    assert facts["materials"] == [m.name for m in shipped_rig().materials]
 
 
 @pytest.mark.parametrize("take", [take_of, quiet_take])

@@ -124,6 +124,21 @@ def test_other_files_with_the_names_of_channels_are_no_takes(text: str) -> None:
     assert find_format(text.encode()) is None
 
 
+HUGE = {
+    "names": json.dumps([{"jawOpen": 0.1, **{f"k{n}": 1 for n in range(20_000)}}] * 3),
+    "lists": json.dumps({"jawOpen": "x", "l": [{"a": [], "b": {"c": []}}] * 20_000}),
+    "depth": "[" * 100_000,
+}
+
+
+@pytest.mark.parametrize("text", HUGE.values(), ids=HUGE)
+def test_a_document_with_too_much_of_anything_is_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "take.json"
+    path.write_text(text)
+    with pytest.raises(FileError):
+        open_take(path)
+
+
 @pytest.mark.parametrize(
     "text",
     [

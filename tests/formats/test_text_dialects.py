@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -89,9 +90,13 @@ def with_lost_rows(change: Callable[[list[str]], list[str]]) -> list[list[str]]:
     return [change(row) if n in LOST else row for n, row in enumerate(rows())]
 
 
+def in_place_of(word: str, row: list[str]) -> list[str]:
+    return [row[0], *[word] * (len(row) - 1)]
+
+
 LOST_FACES: dict[str, str] = {
     **{
-        f"{word} in place of numbers": text(with_lost_rows(lambda row, w=word: [row[0], w, w, w]))
+        f"{word} in place of numbers": text(with_lost_rows(partial(in_place_of, word)))
         for word in ("-", "--", "undefined", "inf", "#VALUE!", "-1")
     },
     "a confidence of 0": text(
@@ -151,6 +156,13 @@ def test_an_infinite_number_among_others_is_named(tmp_path: Path) -> None:
     body[7][2] = "inf"
     path.write_text(text(body))
     with pytest.raises(FileError, match=r'line 9: column "eyeBlink_L" holds "inf"'):
+        open_take(path)
+
+
+def test_a_line_without_end_is_refused_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_bytes(b"time_s,jawOpen\n0," + b'"' * 3_000_000 + b"\n")
+    with pytest.raises(FileError, match="line 2: has a line of over 2 MB"):
         open_take(path)
 
 

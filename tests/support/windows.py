@@ -34,7 +34,8 @@ from support.takes import make_livelink_csv
 class FakeRenderer:
     """Paints the jaw's height as grey: enough to see that another face was drawn."""
 
-    def __init__(self, _rig: object, width: int, height: int) -> None:
+    def __init__(self, rig: object, width: int, height: int) -> None:
+        self.rig = rig
         self.size = (width, height)
         self.calls: list[tuple[tuple[int, int], render.Camera, bool]] = []
         self.tints: list[Any] = []  # one a call, None where nothing is tinted
@@ -101,6 +102,7 @@ class Bench:
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
         monkeypatch.setattr(loading, "load_character", shipped_rig)
         monkeypatch.setattr(loading, "prepare_renderer", lambda: None)
+        monkeypatch.setattr(loading, "open_renderer", lambda _rig: None)
         monkeypatch.setattr(loading, "load_engine", self._no_engine)
         monkeypatch.setattr(render, "open_renderer", self._renderer)
 

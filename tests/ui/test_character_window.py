@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from support.character_files import write_glb, write_objs
 from support.waiting import wait_for_background
-from support.windows import Bench, add_edit, drop, session_of, trigger
+from support.windows import Bench, add_edit, drop, editor_of, session_of, trigger
 
 from faceedit_app.characters.map_file import map_path
 from faceedit_app.core.arkit import ARKIT_CHANNELS
@@ -65,6 +65,23 @@ def test_a_character_is_shown_with_its_checklist_and_ours_comes_back(
     assert session.shown_rig is session.rig
     assert not checklist.isVisible()
     assert not window.actions_["own_character"].isEnabled()
+
+
+def test_the_checklist_waits_until_the_first_steps_are_read(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    hints = editor_of(window).hints
+    trigger(window, "first_steps")
+    open_character(bench, window, head, monkeypatch)
+    assert window.findChild(CharacterChecklist) is None
+    assert hints.isVisible()
+    hints.skip_button.click()
+    assert checklist_of(window).isVisible()
+    trigger(window, "first_steps")
+    assert not checklist_of(window).isVisible()
+    hints.skip_button.click()
+    assert checklist_of(window).isVisible()
 
 
 def test_a_character_that_cannot_be_read_leaves_the_old_one(

@@ -77,7 +77,7 @@ def test_a_wrong_address_is_told(bench: Bench) -> None:
     window = bench.editing()
     bench.answers["live"] = (LIVELINK, "no such host", 1)
     trigger(window, "live")
-    assert "is no address" in bench.errors[0]
+    assert "is not an address" in bench.errors[0]
     assert not window.actions_["live"].isChecked()
 
 

@@ -24,6 +24,8 @@ CALM_MM = 0.25
 MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.
 _CLOSING_MM = 0.5
+# How far the jaw may go, as a weight, for curves that a take's channels answer only in part.
+_JAW_PAYS = 0.15
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,9 @@ class Combining:
     def __init__(self, part: Part, shut: float, quick: float) -> None:
         self._part, self._shut, self._quick = part, shut, quick
         self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
+        opening = [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]
+        jaw = np.flatnonzero(np.isin(part.columns[part.have], opening))
+        self._jaw = None if part.is_complete or self._lips is None else jaw
 
     def __call__(self, weights: Doubles, asked: RegionRequest) -> Doubles:
         """(N, K) weights of the channels that the take has.
@@ -93,12 +98,31 @@ class Combining:
         """
         part = self._part
         result, columns = weights.copy(), part.columns[part.have]
-        most = self._most(weights[:, columns], asked)
-        room = self._combine(result, asked, most)
+        least, most = (
+            self._least(weights[:, columns], asked),
+            self._most(weights[:, columns], asked),
+        )
+        room = self._combine(result, asked, least, most)
         where = np.flatnonzero(asked.hold.any(axis=1))
         if part.reach is not None and asked.settings.reach > 0 and len(where):
-            self._go_on(part.reach, result, asked, most, room, where)
+            self._go_on(part.reach, result, asked, (least, most, room), where)
         return result[:, columns]
+
+    def _least(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
+        """(N, K) the smallest weights that any answer may give; see `_jaw_pays`."""
+        least = np.full(tracked.shape, -np.inf)
+        if self._jaw is not None:
+            least[:, self._jaw] = tracked[:, self._jaw] - self._jaw_pays(asked)
+        return least
+
+    def _jaw_pays(self, asked: RegionRequest) -> Doubles:
+        """(N, 1) how far the jaw may go where the opening of the mouth is not asked for.
+
+        Where the channels are missing that answer a curve, such as those that purse the lips, the
+        rest of it must not come from an opening mouth.
+        """
+        free = asked.hold[:, self._lips] if self._lips is not None else np.zeros(len(asked.hold))
+        return np.maximum(_JAW_PAYS, free)[:, None]
 
     def _most(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
         """(N, K) the largest weights that any answer may give.
@@ -108,6 +132,9 @@ class Combining:
         """
         part = self._part
         most: Doubles = 1.0 + np.maximum(tracked - 1.0, 0.0) * (1.0 - asked.influence[:, part.have])
+        if self._jaw is not None:
+            pays = self._jaw_pays(asked)
+            most[:, self._jaw] = np.minimum(most[:, self._jaw], tracked[:, self._jaw] + pays)
         if self._lips is not None and len(part.frowns) and asked.settings.mode is Mode.PRESERVE:
             closing = (asked.tracked - asked.wanted)[:, self._lips] / _CLOSING_MM
             alone = ~(np.delete(asked.hold, self._lips, axis=1) > 0).any(axis=1)
@@ -118,7 +145,9 @@ class Combining:
             )
         return most
 
-    def _combine(self, weights: Doubles, asked: RegionRequest, most: Doubles) -> Doubles:
+    def _combine(
+        self, weights: Doubles, asked: RegionRequest, least: Doubles, most: Doubles
+    ) -> Doubles:
         """Combine the networks' answer with the weights (N, 52), in place.
 
         Returns:
@@ -137,33 +166,49 @@ class Combining:
             if part.reach is not None:
                 answer += asked.settings.reach * (asked.quick @ part.quick)
             answer[:, part.idle] *= unlike
-            rise = answer[:, part.have]
-            rest = part.at_rest(weights[:, part.columns])[:, part.have]
-            awake = np.maximum(rise - WAKES * rest, np.minimum(rise, 0.0))
-            room = np.where(rest > 0, np.maximum(awake, 0.0) + (1.0 - rest), np.inf)
-            lower, upper = part.bounds(
-                np.maximum(part.beyond(asked.wanted, asked.hold), asked.unlike)
-            )
+            awake, room = self._awake(answer[:, part.have], weights)
+            beyond = np.maximum(part.beyond(asked.wanted, asked.hold), asked.unlike)
+            lower, upper = part.bounds(beyond)
             within = np.clip(old + awake, np.minimum(old, lower), np.maximum(old, upper))
             answer = old + influence * (within - old)
         else:
             answer = answer[:, part.have]
-        new = np.clip(answer, np.minimum(old, 0.0), most)
+        new = np.clip(answer, np.maximum(np.minimum(old, 0.0), least), most)
         weights[:, columns] = np.where(influence > 0, new, old)
         if "mouthClose" in part.region.channels:
             _couple(weights, old, columns, influence.max(axis=1) > 0)
         return room
+
+    def _awake(self, change: Doubles, weights: Doubles) -> tuple[Doubles, Doubles]:
+        """What a change (N, K) of weights (N, 52) leaves at rest.
+
+        Trackers leave a channel at exactly its smallest weight until it really moves. An answer
+        that stirs all of them a little would not look like the take.
+
+        Returns:
+            The change of channels that leave their rest; and how much further each may rise.
+        """
+        part = self._part
+        rest = part.at_rest(weights[:, part.columns])[:, part.have]
+        awake = np.maximum(change - WAKES * rest, np.minimum(change, 0.0))
+        return awake, np.where(rest > 0, np.maximum(awake, 0.0) + (1.0 - rest), np.inf)
 
     def _go_on(
         self,
         reach: Reach,
         weights: Doubles,
         asked: RegionRequest,
-        most: Doubles,
-        room: Doubles,
+        limits: tuple[Doubles, Doubles, Doubles],
         where: Indices,
     ) -> None:
-        """Bring the region's own controls the rest of the way to what was asked for, in place."""
+        """Bring the region's own controls the rest of the way to what was asked for, in place.
+
+        Args:
+            limits: (N, K) each: the smallest and the largest weights that any answer may give, and
+                how much channels may rise without leaving their rest.
+            where: the frames.
+        """
+        least, most, room = limits
         part, naturalness = self._part, asked.settings.naturalness
         columns = part.columns[part.have]
         lengths = part.lengths(weights)
@@ -177,6 +222,7 @@ class Combining:
             here=weights[where],
             goal=Goal(wanted, strength, mask, tolerance),
             still=asked.influence[where][:, part.have] == 0,
+            least=least[where],
             most=most[where],
             closed=self._are_closures(wanted, mask),
             share=asked.unlike[where],
@@ -226,7 +272,7 @@ class _Aim:
         here: (N, 52) weights.
         goal: see `Goal`.
         still: (N, K) channels that no edit influences.
-        most: (N, K) the largest weights that any answer may give.
+        least, most: (N, K) the smallest and largest weights that any answer may give.
         closed: (N,) frames on which the lips are asked to shut.
         share: (N,) in 0..1, how far the take is left for what other faces do.
     """
@@ -234,14 +280,17 @@ class _Aim:
     here: Doubles
     goal: Goal
     still: Bools
+    least: Doubles
     most: Doubles
     closed: Bools
     share: Doubles
 
     def at(self, rows: Indices) -> _Aim:
         """The aim on some of the frames."""
-        arrays = (self.still[rows], self.most[rows], self.closed[rows], self.share[rows])
-        return _Aim(self.here[rows], self.goal.at(rows), *arrays)
+        limits = self.still[rows], self.least[rows], self.most[rows]
+        return _Aim(
+            self.here[rows], self.goal.at(rows), *limits, self.closed[rows], self.share[rows]
+        )
 
     def solve(
         self,
@@ -252,7 +301,7 @@ class _Aim:
     ) -> Doubles:
         """(N, K) the weights of `columns` that reach finds within bounds, (N, K) each."""
         start = self.here[:, columns]
-        lower = np.where(self.still, start, bounds[0])
+        lower = np.where(self.still, start, np.maximum(bounds[0], self.least))
         upper = np.where(self.still, start, np.minimum(bounds[1], self.most))
         return reach(self.here, self.goal, upper, naturalness, lower, self.closed, self.share)
 

@@ -30,6 +30,7 @@ class CharacterCommands:
         self._points: PointsOverlay | None = None
         self._saved: CharacterMap | None = None  # the map as it is in its file
         self._is_refit = False  # the next character is the same one with another map
+        self._awaits_hints = False  # the checklist, while the first steps are shown
         self._document.character_changed.connect(self._follow)
 
     @property
@@ -51,7 +52,7 @@ class CharacterCommands:
         def opened() -> None:
             preferences.set_folder("character", path.resolve().parent)
             preferences.add_recent_character(path)
-            self.show_checklist()
+            self._offer_checklist()
 
         def failed(problem: str) -> None:
             dialogs.show_error(self._workspace.window, problem)
@@ -134,6 +135,24 @@ class CharacterCommands:
         self._workspace.add_edits((close_between(start, end),), NAME)
 
     # --- the checklist ---------------------------------------------------------------------------
+
+    def _offer_checklist(self) -> None:
+        """Show the checklist now, or once the first steps are read."""
+        page = self._workspace.page
+        self._awaits_hints = page is not None and page.hints.isVisible()
+        if not self._awaits_hints:
+            self.show_checklist()
+
+    def make_room_for_hints(self) -> None:
+        """Hide the checklist while the first steps are shown: it would cover them."""
+        if self._checklist is not None and self._checklist.isVisible():
+            self._checklist.hide()
+            self._awaits_hints = True
+
+    def hints_closed(self) -> None:
+        """Show the checklist that waited for the end of the first steps."""
+        if self._awaits_hints:
+            self._offer_checklist()
 
     def show_checklist(self) -> None:
         """Show what was found in the character, and its points on the face."""

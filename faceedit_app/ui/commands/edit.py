@@ -157,7 +157,7 @@ class EditCommands:
     def paste_mirrored(self) -> None:
         """Paste what was copied at the playhead, with left and right swapped."""
         if (copied := self._copied()) is not None:
-            self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste mirrored")
+            self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste m&irrored")
 
     def mirror(self) -> None:
         """Swap left and right in the selection."""
@@ -251,21 +251,21 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
             "Redo the step that was undone last", "redo", detail=lambda do: do.redo_name,
             enabled=lambda do: do.can_redo),
     Command("history", "&History", fills=EditCommands.fill_history),
-    Command("reset_range", "Reset r&ange", EditCommands.reset_range, ("Ctrl+R",),
+    Command("reset_range", "Reset ran&ge", EditCommands.reset_range, ("Ctrl+R",),
             "Go back to the take as tracked, in the selection or around the playhead", "reset",
             enabled=lambda do: do.has_edits, starts_group=True),
-    Command("reset_curve", "Reset range of this &curve", EditCommands.reset_curve,
+    Command("reset_curve", "Reset range of this cur&ve", EditCommands.reset_curve,
             ("Ctrl+Shift+R",),
             "Go back to the take as tracked for the focused curve only",
             enabled=lambda do: do.has_edits),
     Command("copy", "&Copy range", EditCommands.copy, ("Ctrl+C",),
             "Copy what the face does in the selection", starts_group=True),
-    Command("copy_changes", "Copy changes only", EditCommands.copy_changes,
+    Command("copy_changes", "Copy changes on&ly", EditCommands.copy_changes,
             ("Ctrl+Shift+C",),
             "Copy only what your edits changed in the selection, to add it elsewhere"),
     Command("paste", "&Paste at playhead", EditCommands.paste, ("Ctrl+V",),
             "Paste what was copied at the playhead"),
-    Command("paste_mirrored", "Paste mirrored", EditCommands.paste_mirrored, ("Ctrl+Shift+V",),
+    Command("paste_mirrored", "Paste m&irrored", EditCommands.paste_mirrored, ("Ctrl+Shift+V",),
             "Paste what was copied at the playhead, with left and right swapped"),
     Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
             "Swap left and right in the selection"),
@@ -289,11 +289,11 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
             enabled=lambda do: do.has_selected_edit),
     Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),
             "Select the whole take", starts_group=True),
-    Command("select_around", "Select aro&und the playhead", EditCommands.select_around,
+    Command("select_around", "Select around the pla&yhead", EditCommands.select_around,
             tip="Select a second around the playhead; its edges can be dragged"),
-    Command("deselect", "&Deselect", EditCommands.deselect, ("Esc",),
+    Command("deselect", "D&eselect", EditCommands.deselect, ("Esc",),
             "Cancel the drag in progress, or leave the chosen edit and clear the selection"),
-    Command("preserve", "&Preserve the take", lambda do: do.set_mode(Mode.PRESERVE),
+    Command("preserve", "Preserve the &take", lambda do: do.set_mode(Mode.PRESERVE),
             tip="Change only the frames and curves that your edits affect",
             checked=lambda do: do.mode is Mode.PRESERVE, starts_group=True),
     Command("resynthesize", "Re&synthesize", lambda do: do.set_mode(Mode.RESYNTHESIZE),

@@ -146,7 +146,7 @@ class PhoneRecording(QObject):
             box.setText(f"Waiting on port {recorder.address[1]}…")
             ignored = recorder.ignored
             box.setInformativeText(
-                f"{ignored} packets came that are none of this protocol" if ignored else ""
+                f"{ignored} packets of another protocol were ignored" if ignored else ""
             )
 
     def finish(self) -> None:

@@ -82,11 +82,11 @@ MENU: Menu[ToolCommands] = Menu("T&ools", (
     Command("raise", "&Raise the curve", lambda do: do.nudge(STEP), ("Ctrl+Up",),
             "Raise the focused curve by 0.5 mm, at the playhead or in the selection",
             starts_group=True),
-    Command("lower", "L&ower the curve", lambda do: do.nudge(-STEP), ("Ctrl+Down",),
+    Command("lower", "Lo&wer the curve", lambda do: do.nudge(-STEP), ("Ctrl+Down",),
             "Lower the focused curve by 0.5 mm"),
-    Command("raise_fine", "Raise a little", lambda do: do.nudge(FINE_STEP), ("Ctrl+Shift+Up",),
+    Command("raise_fine", "Raise a l&ittle", lambda do: do.nudge(FINE_STEP), ("Ctrl+Shift+Up",),
             "Raise the focused curve by 0.05 mm"),
-    Command("lower_fine", "Lower a little", lambda do: do.nudge(-FINE_STEP),
+    Command("lower_fine", "Lower a li&ttle", lambda do: do.nudge(-FINE_STEP),
             ("Ctrl+Shift+Down",), "Lower the focused curve by 0.05 mm"),
 ))
 # fmt: on

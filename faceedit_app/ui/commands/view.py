@@ -282,7 +282,7 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             submenu="Show &time as"),
     Command("show_edited", "Show &edited face", ViewCommands.show_edited,
             tip="Show the face with your edits", checked=_shows_edited, starts_group=True),
-    Command("show_tracked", "Show &tracked face", ViewCommands.show_tracked, ("T",),
+    Command("show_tracked", "Sho&w tracked face", ViewCommands.show_tracked, ("T",),
             "Show the tracked face instead of the edited one; hold B to show it briefly",
             checked=lambda do: do.face is not None and do.face.shows_tracked),
     Command("show_both", "Show &both faces", ViewCommands.show_both, ("Shift+T",),

@@ -31,6 +31,7 @@ if TYPE_CHECKING:  # these import a lot; the window appears first
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
+    from faceedit_app.render import FaceRenderer
     from faceedit_app.ui.page.editor import Editor
 
 _FIRST_SIZE = (1440, 900)
@@ -55,7 +56,9 @@ class MainWindow(WindowBase):
         self.media, self.sound_player = workspace.media, workspace.sound_player
         self._preferences, self._background = preferences, workspace.background
         self._can_draw = False  # once the renderer is prepared
+        self._ready: FaceRenderer | None = None  # opened in the background, not used yet
         self._draws = False  # once a face has been opened
+        self._awaited = 2  # until start-up is over: the face and the model
         self._slow_reading = QTimer(self, singleShot=True, interval=_SLOW_MS)
         self._slow_reading.timeout.connect(self._clear)
         self._journal_note = ""  # as last shown
@@ -144,6 +147,7 @@ class MainWindow(WindowBase):
         self, take: Path | None = None, demo: bool = False, character: Path | None = None
     ) -> None:
         """Start loading; call it once the window is on the screen."""
+        self._background.run(loading.prepare_renderer, lambda _: None, self._show_error)
         self.document.keeps_journal = self.document.awaits_engine = True
         if not offer_recovery(self.workspace):
             if take is not None:
@@ -191,6 +195,8 @@ class MainWindow(WindowBase):
         self._preferences.restore_panes(page.panes, page.side)
         page.problems.picked.connect(self.commands.fix.go_to)
         page.hints.closed.connect(page.curves.setFocus)
+        page.hints.began.connect(self.commands.file.character.make_room_for_hints)
+        page.hints.closed.connect(self.commands.file.character.hints_closed)
         page.solving.advanced.connect(self.status.show_work)
         page.solving.finished.connect(self.status.show_work)
         self.status.cancelled.connect(page.solving.cancel)
@@ -200,25 +206,33 @@ class MainWindow(WindowBase):
         return page
 
     def _prepare_face(self, rig: Rig) -> None:
-        """The character is loaded: prepare to draw it, then load the model."""
+        """The character is loaded: open a renderer for it, and meanwhile load the model."""
         if rig.missing_note:
             self.banner.show_message(rig.missing_note)
 
-        def prepared(_: None) -> None:
-            self._can_draw = True
+        def prepared(ready: FaceRenderer | None) -> None:
+            self._can_draw, self._ready = True, ready
             self._open_face()
-            self._background.run(
-                lambda: loading.load_engine(rig), self._use_engine, self._continue_without_engine
-            )
+            self._settle()
 
-        self._background.run(loading.prepare_renderer, prepared, self._show_error)
+        self._background.run(lambda: loading.open_renderer(rig), prepared, self._show_error)
+        self._background.run(
+            lambda: loading.load_engine(rig), self._use_engine, self._continue_without_engine
+        )
+
+    def _settle(self) -> None:
+        """One of what start-up waits for is there, or has failed."""
+        self._awaited -= 1
+        if not self._awaited:
+            self.settled.emit()
 
     def _open_face(self) -> None:
         """Start drawing the face as soon as a take is open."""
         session = self.document.session
         if self._can_draw and session is not None:
             self._can_draw, self._draws = False, True
-            self.build_editor().face.viewport.open(session.shown_rig)
+            ready, self._ready = self._ready, None
+            self.build_editor().face.viewport.open(session.shown_rig, ready)
 
     def _show_character(self) -> None:
         """Draw another character, if one is drawn."""
@@ -234,7 +248,7 @@ class MainWindow(WindowBase):
     def _use_engine(self, engine: Engine) -> None:
         self.document.use_engine(engine)
         self.status.set_networks("ready")
-        self.settled.emit()
+        self._settle()
 
     def _continue_without_engine(self, error: Exception) -> None:
         self.document.settle_engine()
@@ -243,7 +257,7 @@ class MainWindow(WindowBase):
             f"The face model could not be loaded, so edits look less natural. {error}",
             str(error),
         )
-        self.settled.emit()
+        self._settle()
 
     # --- following the document --------------------------------------------------------------
 
@@ -388,3 +402,5 @@ class MainWindow(WindowBase):
         """Stop everything and free the graphics memory."""
         self.commands.file.stop()
         self.workspace.close()
+        if self._ready is not None:
+            self._ready.close()

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
+    from faceedit_app.render import FaceRenderer
 
 
 def load_character() -> Rig:
@@ -63,6 +64,16 @@ def prepare_renderer() -> None:
         contexts.platform_class(backend)
     except Exception:  # drivers and PyOpenGL raise all kinds
         return  # opening the renderer raises it again, where it can be shown
+
+
+def open_renderer(rig: Rig) -> FaceRenderer | None:
+    """Open a renderer for the window; None if the window has to do it, or to say why it cannot."""
+    from faceedit_app import render
+
+    try:
+        return render.open_ahead(rig)
+    except Exception:  # opening it again raises it where it can be shown
+        return None
 
 
 def load_engine(rig: Rig) -> Engine:
