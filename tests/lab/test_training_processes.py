@@ -14,10 +14,11 @@ from faceedit_app.cli import main
 from faceedit_app.lab.training.processes import Processes, processes
 
 
+@pytest.mark.timeout(600)  # three interpreters import torch
 def test_two_processes_give_the_same_networks_and_figures_as_one(tmp_path: Path) -> None:
     takes = folder_of_takes(tmp_path / "someone", seconds=14.0)
     alone, shared = (tmp_path / name / "models" for name in ("alone", "shared"))
-    train = ["train", "--data", str(takes), "--epochs", "1", "-o"]
+    train = ["train", "--data", str(takes), "--epochs", "1", "--no-baseline", "-o"]
     assert main([*train, str(alone)]) == 0
     torchrun = [sys.executable, "-m", "torch.distributed.run", "--standalone"]
     command = [*torchrun, "--nproc-per-node", "2", "-m", "faceedit_app", *train, str(shared)]
@@ -28,7 +29,7 @@ def test_two_processes_give_the_same_networks_and_figures_as_one(tmp_path: Path)
     )
     assert done.returncode == 0, done.stderr
     written = sorted(file.relative_to(alone) for file in alone.rglob("*") if file.is_file())
-    assert len(written) == 8
+    assert len(written) == 5
     for file in written:
         assert (shared / file).read_bytes() == (alone / file).read_bytes(), file
     assert not (shared / "checkpoint").exists()
