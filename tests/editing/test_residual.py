@@ -23,7 +23,8 @@ def curves(frames: int = 300, seed: int = 0) -> Doubles:
 def bump(of: Doubles) -> Doubles:
     """(T, 3) weights that no quadratic function of the curves gives."""
     away = (of[:, :1] - 24.0) / 4.0
-    return np.exp(-(away**2)) * np.array([0.4, 0.2, 0.2])
+    weights: Doubles = np.exp(-(away**2)) * np.array([0.4, 0.2, 0.2])
+    return weights
 
 
 def test_the_last_layer_learns_single_gestures_of_the_take() -> None:
