@@ -15,6 +15,7 @@ import numpy as np
 from faceedit_app.characters.base_colors import png_of, vertex_colors
 from faceedit_app.characters.scene import Scene
 from faceedit_app.characters.usd_materials import materials, package, picture_path, subsets
+from faceedit_app.characters.usd_turning import joints, numbers, skin, turns
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.rig import Rig
 
@@ -49,7 +50,7 @@ def scene_usda(scene: Scene, name: str, packed: bool = False) -> bytes:
         _blend_shape(token, moves) for token, moves in zip(tokens, rig.deltas, strict=True)
     )
     samples = "\n".join(
-        f"                    {code:.10g}: [{_numbers(row)}],"
+        f"                    {code:.10g}: [{numbers(row)}],"
         for code, row in zip(codes.tolist(), scene.weights, strict=True)
     )
     quoted = ", ".join(f'"{token}"' for token in tokens)
@@ -85,7 +86,7 @@ def SkelRoot "Face"
         uniform token[] skel:blendShapes = [{quoted}]
         rel skel:blendShapeTargets = [{targets}]
         rel skel:skeleton = </Face/Skeleton>
-
+{skin(scene.turning)}
 {shapes}
 {subsets(rig, surfaces)}
     }}
@@ -95,7 +96,7 @@ def SkelRoot "Face"
         prepend apiSchemas = ["SkelBindingAPI"]
     )
     {{
-        uniform token[] joints = []
+{joints(scene.turning)}
         rel skel:animationSource = </Face/Skeleton/Animation>
 
         def SkelAnimation "Animation"
@@ -104,6 +105,7 @@ def SkelRoot "Face"
             float[] blendShapeWeights.timeSamples = {{
 {samples}
             }}
+{turns(scene.turning, codes)}
         }}
     }}
 }}
@@ -148,11 +150,6 @@ def _identifiers(names: Iterable[str]) -> list[str]:
 def _quoted(text: str) -> str:
     plain = "".join(c if c.isprintable() else "?" for c in text)
     return '"' + plain.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
-def _numbers(values: Floats) -> str:
-    """Numbers that read back as the same float32."""
-    return ", ".join(f"{value:.9g}" for value in values.tolist())
 
 
 def _points(points: Floats) -> str:

@@ -20,6 +20,8 @@ from faceedit_app.formats.csv_take import ROTATIONS
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
 
+_HEAD = tuple(name for name in ROTATIONS if name.startswith("head"))
+
 
 @dataclass(frozen=True)
 class OutFormat:
@@ -76,12 +78,14 @@ class Options:
         character: the user's character or its file, for formats with one; None = FaceEdit's own.
         compact: store weights in 16 bits, for formats that can.
         overwrite: allow a recording to be replaced; a copy of it is kept.
+        follows_head: turn the head of a character as it was recorded.
     """
 
     rate: float | None = None
     character: FittedCharacter | Path | None = None
     compact: bool = False
     overwrite: bool = False
+    follows_head: bool = False
 
 
 @dataclass(frozen=True)
@@ -114,7 +118,7 @@ def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutF
     Args:
         path: the file; its ending decides if `key` is None.
         key: `OutFormat.key`.
-        take: if its own format has this ending, that is chosen.
+        take: if its file or its own format has this ending, its own format is chosen.
 
     Raises:
         FaceEditError: there is no such format, or the file ends like one of another format.
@@ -130,6 +134,8 @@ def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutF
                 return form
         raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
     own = own_format(take) if take is not None else None
+    if own is not None and take is not None and ending == take.path.suffix.lower():
+        return own
     for form in (*([own] if own is not None else []), *formats):
         if ending in _all_endings(form):
             return form
@@ -197,11 +203,17 @@ def export_take(
     else:
         clip = resampled(edited, options.rate)
         content = scene_content(
-            kind, clip, _opened(options.character), take.path.stem, options.compact
+            kind,
+            clip,
+            _opened(options.character),
+            take.path.stem,
+            options.compact,
+            options.follows_head,
         )
         backup = make_way(path, take.path, options.overwrite)
         write_atomically(path, content)
-        lost = take.carried
+        turns = options.follows_head and clip.rotations is not None
+        lost = tuple(name for name in take.carried if not (turns and name.lower() in _HEAD))
     remarks = (f"left out because they are not channels: {', '.join(lost)}",) if lost else ()
     return Exported(path, form, clip, remarks, backup)
 

@@ -24,7 +24,7 @@ from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
@@ -32,7 +32,7 @@ from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.channel_edits import ChannelEdits, ChannelTask, Task
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
-from faceedit_app.editing.solving.combining import Combining, RegionRequest
+from faceedit_app.editing.solving.combining import DECIMALS, Combining, RegionRequest, rounded
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
@@ -47,9 +47,6 @@ from faceedit_app.formats.take import LostRows
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
-# Changed weights are multiples of this. The last bits of a matrix product depend on the processor;
-# rounded, nearly all weights are the same on every one. It moves a jaw by less than a micrometre.
-DECIMALS = 5
 # Chunks that the statistics of a take are measured on: 12 are 100 s.
 SAMPLED = 12
 # Results of regions that are kept.
@@ -67,13 +64,15 @@ _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
 class Patch:
     """A chunk's result: `asked` (N, C) mm, `weights` (N, 52), `controls` (N, C) mm.
 
-    `rotations` are (N, 9) radians; None = as tracked.
+    `rotations` are (N, 9) radians; None = the take has none. `started` (N, C) mm is what edits of
+    curves started from.
     """
 
     asked: Floats
     weights: Floats
     controls: Floats
-    rotations: Floats | None = None
+    rotations: Floats | None
+    started: Floats
 
 
 class Solver:
@@ -97,7 +96,7 @@ class Solver:
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
         opening = self.controls[:, CONTROL_INDEX[LIP_OPENING]]
-        self._fills = Fills(clip, self.tracked, opening)
+        self._fills = Fills(clip, self.tracked, opening, self.distances.measure)
         self._starts = Starts(clip, self.tracked, self.controls, self.distances, self._fills)
         shut = float(np.percentile(opening, _SHUT_PERCENTILE))
         self.shut = shut if shut < _SHUT_MOST else _SHUT  # mm between closed lips
@@ -111,7 +110,7 @@ class Solver:
         self._mute = self._missing | self.lacks.keys()
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
         self.chunks = Chunks(
-            clip.times, clip.rate, len(self.grid), scale, context, self._fills.around
+            clip.times, clip.rate, len(self.grid), scale, context, self._fills.reads
         )
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._sample = self._measure()
@@ -228,7 +227,7 @@ class Solver:
         """The edits without controls that the character lacks or the take cannot answer."""
         if not self._mute:
             return edits
-        whole = Op.FILL, Op.RESET  # they count by region
+        whole = *OF_THE_TAKE, Op.RESET  # they count by region
         parts = (edit if edit.op in whole else without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
 
@@ -249,19 +248,19 @@ class Solver:
         """Edit the channels of a chunk after its curves have been answered."""
         rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
         mine = self._base(task.chunk, curves)
-        weights, rotations = self._channels.apply(
-            task, rows, lambda chunk, base: self._base(chunk, base).weights, DECIMALS
-        )
+        weights, rotations = self._channels.apply(task, rows, self._base, DECIMALS)
         controls = self._starts.measured(weights, mine.weights, mine.controls)
         # Curves that nobody asked for go where the channels take them.
-        asked = np.where(mine.asked == self.controls[rows], controls, mine.asked)
-        return Patch(asked, weights, controls, rotations)
+        asked = np.where(mine.asked == mine.started, controls, mine.asked)
+        return Patch(asked, weights, controls, rotations, mine.started)
 
     def _base(self, chunk: int, task: ChunkTask | None) -> Patch:
         """The answer to the curves of a chunk; the last ones are kept for further edits."""
         if task is None:
             rows = self.chunks.slice(chunk)
-            return Patch(self.controls[rows], self.tracked[rows], self.controls[rows])
+            tracked, turns = self.controls[rows], self.clip.rotations
+            rotations = None if turns is None else turns[rows]
+            return Patch(tracked, self.tracked[rows], tracked, rotations, tracked)
         known = self._bases.pop(chunk, None)
         if known is None or known[0] != task:
             known = task, self._answered(task)
@@ -280,7 +279,7 @@ class Solver:
             rate,
             start.curves,
             self.medians,
-            [edit for edit in task.edits if edit.op is not Op.FILL],
+            task.edits,
             self._companions,
             self._limit_arrays,
             self.controls[near].astype(np.float64),
@@ -288,6 +287,7 @@ class Solver:
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = asked.at(inner)
         regions = (part.calmed(self._mute) for part in self._parts.values())
+        started = start.curves[inner].astype(np.float32)
         start = self._starts.calmed(start, task, regions)
         tracked = start.curves
         before = start.weights[inner].astype(np.float64)
@@ -331,9 +331,11 @@ class Solver:
         if self._closing is not None and settings.closes:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}
             result = self._closing(result, share)
-        result = _rounded(result, self.tracked[rows])
+        result = rounded(result, self.tracked[rows])
         controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
-        return Patch(mine.curves.astype(np.float32), result, controls)
+        turned = self._fills.turned(task.edits, near)
+        rotations = None if turned is None else turned[inner]
+        return Patch(mine.curves.astype(np.float32), result, controls, rotations, started)
 
     def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
@@ -370,7 +372,9 @@ class Solver:
         """
         rows, settings = self.chunks.slice(task.chunk), task.settings
         resynthesize = settings.mode is Mode.RESYNTHESIZE
-        answers = {name: self._unanswered(name, rows, resynthesize) for name in regions}
+        first, last = task.near
+        before = begin.weights[rows.start - first : rows.stop - first].astype(np.float64)
+        answers = {name: self._unanswered(name, before, resynthesize) for name in regions}
         still = {n: np.zeros((len(answers[n]), len(self._parts[n].columns))) for n in regions}
         if self._answers is None or not regions:
             return answers, still
@@ -414,12 +418,12 @@ class Solver:
         still |= {name: from_grid(e, first, self.clip.times[rows]) for name, e in exchanges.items()}
         return answers, still
 
-    def _unanswered(self, name: str, rows: slice, resynthesize: bool) -> Doubles:
+    def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:
         """(N, K) what stands in for the networks' answer if there is none."""
         part = self._parts[name]
         if resynthesize:
-            return self.tracked[rows][:, part.columns].astype(np.float64)
-        return np.zeros((rows.stop - rows.start, len(part.region.channels)))
+            return before[:, part.columns]
+        return np.zeros((len(before), len(part.region.channels)))
 
     def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
         """Put a region's weights into those of a chunk (N, 52).
@@ -435,14 +439,3 @@ class Solver:
         while len(self._solved) > REMEMBERED:
             del self._solved[next(iter(self._solved))]  # the least recently used
         weights[:, part.columns[part.have]] = known[2]
-
-
-def _rounded(weights: Floats, tracked: Floats) -> Floats:
-    """(N, 52) float32: changed weights rounded, the others with the bits of the take."""
-    rounded = np.round(weights.astype(np.float64), DECIMALS).astype(np.float32)
-    result: Floats = np.where(weights == tracked, tracked, rounded)
-    jaw, lips = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
-    # Lips that are no more closed than the jaw is open stay so.
-    over = (result[:, lips] > result[:, jaw]) & (weights[:, lips] <= weights[:, jaw])
-    result[over, lips] = result[over, jaw]
-    return result

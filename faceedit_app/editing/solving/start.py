@@ -1,4 +1,7 @@
-"""What the edits of a chunk start from: the take, with fills, and calm where it is smoothed."""
+"""What the edits of a chunk start from.
+
+That is the take, with fills and retimes, and calm where a whole region is smoothed.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import numpy as np
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.rig import Distances
-from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.editing.solving.calming import Calmed
 from faceedit_app.editing.solving.chunks import ChunkTask
@@ -60,7 +63,7 @@ class Starts:
         clip: the take.
         tracked, controls: (T, 52), and (T, C) mm, as tracked.
         distances: the controls as a function of the weights.
-        fills: its fills.
+        fills: its fills and retimes.
     """
 
     def __init__(
@@ -70,10 +73,10 @@ class Starts:
         self._tracked, self._controls, self._distances = tracked, controls, distances
 
     def filled(self, task: ChunkTask) -> Start:
-        """The take with fills, on the frames near a chunk."""
+        """The take with fills and retimes, on the frames near a chunk."""
         near = slice(*task.near)
         tracked, controls = self._tracked[near], self._controls[near]
-        if not any(edit.op is Op.FILL for edit in task.edits):
+        if not any(edit.op in OF_THE_TAKE for edit in task.edits):
             return Start(tracked, controls.astype(np.float64), as_tracked=True)
         weights = self._fills.applied(task.edits, near)
         return Start(weights, self.measured(weights, tracked, controls).astype(np.float64))

@@ -15,6 +15,7 @@ from faceedit_app.ui.commands.workspace import Workspace
 if TYPE_CHECKING:  # they import the loaders of characters
     from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.characters.map_file import CharacterMap
+    from faceedit_app.core.levels import Level
     from faceedit_app.core.rig import Rig
     from faceedit_app.scans.steps import Attempt
     from faceedit_app.ui.character.checklist import CharacterChecklist
@@ -163,6 +164,7 @@ class CharacterCommands:
 
             self._checklist = CharacterChecklist(self._workspace.window)
             self._checklist.shape_chosen.connect(self._choose_shape)
+            self._checklist.levelled.connect(self._set_level)
             self._checklist.save_asked.connect(self.save_map)
             self._checklist.closed.connect(self._hide_points)
         self._checklist.show()
@@ -226,6 +228,13 @@ class CharacterCommands:
             channels = dict(character.mapping.channels)
             channels[channel] = (Share(shape),) if shape else ()
             self._fit_again(character, replace(character.mapping, channels=channels))
+
+    def _set_level(self, channel: str, level: Level) -> None:
+        """Set how strongly the character answers a channel."""
+        character = self._document.character
+        if character is not None:
+            self._is_refit = True
+            self._document.use_character(character.with_level(channel, level))
 
     def _move_point(self, name: str, vertex: int) -> None:
         """Put a control point on another vertex."""
