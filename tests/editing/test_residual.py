@@ -61,7 +61,7 @@ def test_curves_that_do_not_change_have_no_change() -> None:
 
 
 def test_a_residual_is_kept_the_less_the_farther_the_curves_move() -> None:
-    share = kept(np.array([0.0, 0.3, 1.0, 2.0, 8.0]), 6)
+    share = kept(np.array([0.0, 0.3, 1.0, 2.0, 8.0]))
     assert share[0] == 1.0
     assert (np.diff(share) < 0).all()
     assert share[1] > 0.95

@@ -22,9 +22,8 @@ from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.editing.solving.last_layer import LastLayer
 
-# The distance over which a residual is kept, for each curve that could move, in standard deviations
-# of the take's curves. Distances of independent curves add as squares do.
-LENGTH = 0.5
+# The distance over which a residual is kept, in standard deviations of the take's curves.
+LENGTH = 1.0
 # Seconds over which residuals resemble each other, and beyond which they are not looked at: the
 # networks' context reaches farther on either side of a chunk.
 RESEMBLE, FARTHEST = 0.6, 1.2
@@ -57,7 +56,7 @@ class Residuals:
             curves: (M, C) mm, as tracked.
             change: (M, C) mm, what is asked for.
         """
-        share = kept(layer.distance(change), curves.shape[1])
+        share = kept(layer.distance(change))
         if (share == 1.0).all():
             return np.zeros((len(curves), len(layer.constant)))
         residual = None if key is None else self._recent.pop(key, None)
@@ -70,14 +69,9 @@ class Residuals:
         return exchange(residual, share)
 
 
-def kept(distance: Doubles, curves: int) -> Doubles:
-    """(N,) in 0..1: how far a residual stays as it is.
-
-    Args:
-        distance: (N,) of each change, see `LastLayer.distance`.
-        curves: the number of curves.
-    """
-    share: Doubles = np.exp(distance**2 / (-2.0 * LENGTH**2 * curves))
+def kept(distance: Doubles) -> Doubles:
+    """(N,) in 0..1: how far a residual stays as it is at a distance, see `LastLayer.distance`."""
+    share: Doubles = np.exp(distance**2 / (-2.0 * LENGTH**2))
     return share
 
 
