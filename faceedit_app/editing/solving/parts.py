@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,7 @@ from faceedit_app.editing.solving.accompanying import (
     with_accompanying,
 )
 from faceedit_app.editing.solving.answerable import ENOUGH, region_covariance
+from faceedit_app.editing.solving.calming import Calmed
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.reach import Reach
@@ -260,6 +262,15 @@ class Part:
         )
         return lengths
 
+    def calmed(self, mute: Collection[str]) -> Calmed:
+        """Its answer to smooths; `mute`: controls that edits cannot ask for."""
+        own = tuple(c for c in self.own if c not in mute)
+        return Calmed(own, self.columns[self.have])
+
+    def at_rest(self, weights: Doubles) -> Doubles:
+        """(N, K) see `TakeStatistics.at_rest`, of weights (N, K) of all its channels."""
+        return self._statistics.at_rest(weights)
+
     @property
     def idle(self) -> Indices:
         """Positions of channels that stay still, because the take never uses them."""
@@ -291,14 +302,9 @@ class Part:
         Args:
             answers: (N, M) the networks' answer to each stretch of the sample.
         """
-        curves = np.concatenate(sample.curves)
-        lacking = np.concatenate(sample.weights)[:, self.columns]
-        lacking = lacking - self.whole(np.concatenate(answers))
-        # What a face does on one side it may do on the other.
-        heard, columns = curves[:, self.layer_columns], self.layer_columns
-        mirrored = curves[:, [CONTROL_INDEX[MIRRORED_CONTROL[CONTROL_IDS[i]]] for i in columns]]
-        return LastLayer.fit(
-            np.concatenate([heard, mirrored]),
-            np.concatenate([lacking, lacking[:, self.mirror]]),
-            weight=0.5,
-        )
+        curves = np.concatenate(sample.curves)[:, self.layer_columns]
+        weights = np.concatenate(sample.weights)[:, self.columns]
+        lacking = weights - self.whole(np.concatenate(answers))
+        places = {CONTROL_IDS[column]: i for i, column in enumerate(self.layer_columns)}
+        mirror = [places.get(MIRRORED_CONTROL[name], i) for name, i in places.items()]
+        return LastLayer.fit(curves, lacking, self.mirror, np.array(mirror, np.intp))
