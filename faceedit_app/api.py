@@ -32,6 +32,7 @@ from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Alone, find_preset
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems
+from faceedit_app.editing.help.retime import by_pins
 from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.channel_edits import missing_channels
@@ -206,6 +207,28 @@ class Take:
         self.session.add(edit)
         return self
 
+    def retime(
+        self,
+        pins: Iterable[tuple[float, float]],
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Take:
+        """Show moments of the take at other times; sound, film and all that follows keep theirs.
+
+        Args:
+            pins: (was, is) seconds, in order of time, such as `[(1.2, 1.2), (1.85, 2.05)]`.
+            start, end: seconds between which the take makes up for it; None = as far beyond the
+                pins as it takes.
+
+        Returns:
+            The take, so that calls can follow each other.
+
+        Raises:
+            FaceEditError: the pins cross, or lie outside the range or the take.
+        """
+        self.session.add(by_pins(self.session.take.clip, tuple(pins), start, end))
+        return self
+
     def make_neutral(self, at: float) -> Take:
         """Take the pose at a time away from the whole take; blinks and words keep their height.
 
@@ -345,7 +368,8 @@ class Take:
 
         Args:
             path: a file that ends in `.mp4` or `.webm`.
-            view: `face`, `both` (tracked and edited) or `film` (the take's film and the face).
+            view: `face`, `both` (tracked and edited), `film` (the take's film beside the face),
+                `film-above` or `film-below`.
             size: width and height, pixels.
             fps: pictures per second; None = the take's frame rate.
             follow_head: turn the head as it was recorded.

@@ -164,7 +164,10 @@ def render(
     size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
     view: Annotated[
         str,
-        typer.Option(help="For a film: face, both (tracked, edited), or film (beside the face)."),
+        typer.Option(
+            help="For a film: face, both (tracked, edited), film (beside the face), film-above or "
+            "film-below."
+        ),
     ] = "face",
     film_fps: Annotated[
         Optional[float],  # noqa: UP045
@@ -190,7 +193,6 @@ def render(
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take, or film the whole take."""
-    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.formats.opening import checked_rate
     from faceedit_app.render.snapshot import snapshot, write_png
 
@@ -199,17 +201,10 @@ def render(
         raise FaceEditError(
             f"{output}: must end in .png for a picture, or in .mp4 or .webm for a film"
         )
-    rig = shipped_rig()
-    engine = load_engine(rig, models) if edits else None
-    session = open_session(take, rig, engine, fps)
+    session = export_commands.edited_session(take, fps, edits, models, character)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
-    if character:
-        session.use_character(character_commands.rig_of(character))
-    if edits:
-        session.load_edits(edits)
-    shown = session.shown_rig
     if form is not None or output.suffix.lower() != ".png":
         if film_fps is not None:
             film_fps = checked_rate(output, film_fps)
@@ -219,7 +214,7 @@ def render(
     frame = session.take.clip.frame_at(time)
     turns = session.rotations if follow_head else None
     rotation = None if turns is None else turns[frame]
-    weights = session.weights[frame]
+    weights, shown = session.weights[frame], session.shown_rig
     write_png(output, snapshot(shown, weights, width, height, rotation=rotation))
     say(f"{output}: frame {frame} of {take}")
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
+from faceedit_app import character_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 from faceedit_app.options import (
@@ -23,6 +24,8 @@ from faceedit_app.options import (
 )
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
 
@@ -103,9 +106,6 @@ def batch(
     Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
     With --character, lips and lids also close on that character.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from faceedit_app import batch as batches
     from faceedit_app import batch_report
 
@@ -120,10 +120,9 @@ def batch(
         models=None if models is None else str(models.absolute()),
     )
     tasks = batches.plan(source, output, recipe)
-    console = Console(stderr=True)
     log = batches.Log(output)
     try:
-        with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        with _progress() as bar:
             shown = bar.add_task(source.name, total=len(tasks))
 
             def report(outcome: batches.Outcome, done: int, of: int) -> None:
@@ -138,6 +137,34 @@ def batch(
     say(f"{batch_report.summary(outcomes)}; see {page}")
     if any(outcome.error for outcome in outcomes):
         raise typer.Exit(1)
+
+
+def _progress() -> Progress:
+    """A bar on standard error that goes when it is done; none if that is no terminal."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    return Progress(console=console, transient=True, disable=not console.is_terminal)
+
+
+def edited_session(
+    take: Path,
+    fps: float | None,
+    edits: Path | None,
+    models: Path | None,
+    character: Path | None = None,
+) -> EditSession:
+    """Open a take with the edits of a file; the networks are loaded only if there are any."""
+    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+
+    rig = shipped_rig()
+    session = open_session(take, rig, load_engine(rig, models) if edits else None, fps)
+    if character is not None:
+        session.use_character(character_commands.rig_of(character))
+    if edits is not None:
+        session.load_edits(edits)
+    return session
 
 
 def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
@@ -166,9 +193,6 @@ def film(
         shot: view, size, rate, format, whether to add the sound, and whether to turn the head.
         sound, pictures: the take's sound and film; None = those found beside it.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from faceedit_app.editing.filming import Shot, View, film_take, media_of
     from faceedit_app.formats.timing import format_rate
 
@@ -178,8 +202,7 @@ def film(
     media = media_of(session.take, sound, pictures)
     session.live.work()
     chosen = Shot(View(view), size, rate, form, has_sound=has_sound, follows_head=follows_head)
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+    with _progress() as bar:
         task = bar.add_task(output.name, total=None)
         filmed = film_take(
             session.take, session.weights, session.shown_rig, media, output, chosen,
@@ -208,15 +231,11 @@ def live(
     models: ModelsOption = None,
 ) -> None:
     """Play a take into another program, in real time; Ctrl+C stops it."""
-    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.editing.streaming import play
     from faceedit_app.live.protocols import Sender, find_protocol
 
     chosen = find_protocol(protocol, sends=True)
-    rig = shipped_rig()
-    session = open_session(take, rig, load_engine(rig, models) if edits else None, fps)
-    if edits:
-        session.load_edits(edits)
+    session = edited_session(take, fps, edits, models)
     session.live.work()
     sender = Sender(chosen, host, chosen.port if port is None else port)
     try:

@@ -1,4 +1,4 @@
-"""Film a take: the face, both faces, or the face beside the take's film, with the take's sound."""
+"""Film a take: the face, both faces, or the face with the take's film, with the take's sound."""
 
 from __future__ import annotations
 
@@ -35,7 +35,21 @@ class View(StrEnum):
 
     FACE = "face"  # the edited face
     BOTH = "both"  # the tracked face, and the edited one
-    FILM = "film"  # the take's film, and the edited face
+    FILM = "film"  # the take's film, and beside it the edited face
+    FILM_ABOVE = "film-above"  # the take's film above the edited face
+    FILM_BELOW = "film-below"  # the take's film below the edited face
+
+    @property
+    def has_film(self) -> bool:
+        """Whether the take's film is shown."""
+        return self in (View.FILM, View.FILM_ABOVE, View.FILM_BELOW)
+
+    def room(self, size: tuple[int, int]) -> tuple[int, int]:
+        """Width and height of the edited face in a picture of this size."""
+        width, height = size
+        if self is View.FACE:
+            return width, height
+        return (width // 2, height) if self in (View.BOTH, View.FILM) else (width, height // 2)
 
 
 @dataclass(frozen=True)
@@ -143,36 +157,36 @@ def film_take(
     Raises:
         FileError: a file cannot be read or written, or is a recording.
         Unavailable: this computer offers no OpenGL, or no encoder.
-        FaceEditError: there is no film to show beside the face.
+        FaceEditError: there is no film to show with the face.
     """
     shot = shot or Shot()
     form = film_format(path, shot.form)
-    if shot.view is View.FILM and media.film is None:
+    if shot.view.has_film and media.film is None:
         raise FaceEditError(
-            f"{take.path}: has no film to show beside the face; add one, or film the face alone"
+            f"{take.path}: has no film to show with the face; add one, or film the face alone"
         )
     rate = take.clip.rate if shot.rate is None else shot.rate
     edited, tracked = _poses(take.clip, weights, rotations, rate, shot.follows_head)
     width, height = (side - side % 2 for side in shot.size)
-    panels = 1 if shot.view is View.FACE else 2
+    room = shot.view.room((width, height))
     make_way(path, take.path, shot.overwrite)
-    film = Film(media.film.path) if shot.view is View.FILM and media.film else None
+    film = Film(media.film.path) if shot.view.has_film and media.film else None
     try:
         track = _track(media.sound) if shot.has_sound and media.sound is not None else None
-        faces = _Faces(rig, width // panels, height, shot.camera)
+        faces = _Faces(rig, *room, shot.camera)
         try:
             with writing(path, form, (width, height), rate, track) as out:
                 for number, pose in enumerate(edited):
                     if stopped():
                         raise Abandoned
-                    pictures = [faces.draw(*pose)]
+                    picture = faces.draw(*pose)
                     if shot.view is View.BOTH:
-                        pictures.insert(0, faces.draw(*tracked[number]))
+                        both = [faces.draw(*tracked[number]), picture]
+                        picture = np.concatenate(both, axis=1)
                     elif film is not None and media.film is not None:
                         second = number / rate - media.film.offset
-                        room = (width - width // panels, height)
-                        pictures.insert(0, _shown(film, second, room, shot.mirrored))
-                    out.add(np.ascontiguousarray(np.concatenate(pictures, axis=1)))
+                        picture = _joined(film, second, picture, shot, (width, height))
+                    out.add(np.ascontiguousarray(picture))
                     progress(number + 1, len(edited))
         finally:
             faces.close()
@@ -242,6 +256,16 @@ class _Faces:
     def close(self) -> None:
         """Free the graphics memory."""
         self._renderer.close()
+
+
+def _joined(film: Film, second: float, face: Pixels, shot: Shot, size: tuple[int, int]) -> Pixels:
+    """(H, W, 3) uint8: the film's picture at a second of it, and the face."""
+    (width, height), (high, wide) = size, face.shape[:2]
+    if shot.view is View.FILM:
+        pictures = [_shown(film, second, (width - wide, height), shot.mirrored), face]
+        return np.concatenate(pictures, axis=1)
+    pictures = [_shown(film, second, (width, height - high), shot.mirrored), face]
+    return np.concatenate(pictures if shot.view is View.FILM_ABOVE else pictures[::-1])
 
 
 def _shown(film: Film, second: float, room: tuple[int, int], mirrored: bool) -> Pixels:

@@ -296,10 +296,8 @@ def _separators(line: bytes) -> int:
 
 def _decimal(lines: Sequence[bytes], header: int, delimiter: bytes) -> bytes:
     """What stands before the decimals of the numbers in the first rows."""
-    if delimiter == b",":
-        return b"."
-    rows = [line for line in lines[header + 1 : header + 1 + _PREAMBLE] if line.strip()]
-    cells = [cell for row in rows for cell in row.rstrip(b"\r\n").split(delimiter)]
+    rows = [line.rstrip(b"\r\n") for line in lines[header + 1 : header + 1 + _PREAMBLE]]
+    cells = [cell for row in rows for cell in split_line(row, delimiter) or ()]
     return b"," if any(map(_DECIMAL_COMMA.fullmatch, cells)) else b"."
 
 

@@ -16,7 +16,7 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list, as_object
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.time_columns import date_times, number_times
+from faceedit_app.formats.time_columns import number_times, text_times
 from faceedit_app.formats.timecode import BadTimecode
 from faceedit_app.formats.timing import (
     DEFAULT_RATE,
@@ -153,7 +153,7 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
         if times and None not in numbers:
             return number_times(np.array(numbers, np.float64), frames.time_name)[1]
         if times and len(dates) == len(times):
-            return date_times(dates)
+            return text_times(dates)
     except NoTimes as none:
         if frames.rate is None:
             return none

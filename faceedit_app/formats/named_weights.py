@@ -2,7 +2,8 @@
 
 The frames are the first list of objects whose entries have ARKit names somewhere inside, as
 `{"jawOpen": 0.1, ...}` or as `[{"name": "jawOpen", "score": 0.1}, ...]`; or each channel has a list
-of its own, `{"time": [...], "jawOpen": [...]}`. Times and the frame rate are looked for by name.
+of its own, `{"time": [...], "jawOpen": [...]}`; or there is a list of names, and the frames are
+lists of numbers in its order. Times and the frame rate are looked for by name.
 """
 
 from __future__ import annotations
@@ -75,7 +76,10 @@ def read_named(
     """
     text = read_json(path, content)
     rate = frame_rate(text, text.document)
-    frames = _frames(text.document, naming, rate) or _columns(text.document, naming, rate)
+    layouts = (_frames, _columns, _matrix)
+    frames = next(
+        (found for layout in layouts if (found := layout(text.document, naming, rate))), None
+    )
     if frames is None:
         raise text.error("has no frames with the weights of ARKit channels", "export it again")
     return json_take(text, form, frames, fps)
@@ -188,8 +192,31 @@ def _columns(document: Any, naming: Naming, rate: float | None) -> JsonFrames | 
     rows = [list(row) for row in zip(*channels.values(), strict=False)]
     if any(len(series) != length for series in channels.values()):
         rows.append([None])  # reported as a row of the wrong length
-    times = clocks[clock] if clock else ()
+    times = clocks[clock] if clock else _found_times(document, length)
     return JsonFrames(list(channels), rows, times, clock or "time", rate, naming)
+
+
+def _found_times(document: Any, length: int) -> Sequence[Any]:
+    """The first list of times of this length, such as those of a track's keys."""
+    for entry in _dicts(document, 0):
+        names = list(entry)
+        for k in time_columns([name or "-" for name in names]):
+            times = as_list(entry[names[k]])
+            if len(times) == length:
+                return times
+    return ()
+
+
+def _dicts(entry: Any, depth: int) -> Iterator[Mapping[str, Any]]:
+    """The objects of a document, the outermost first."""
+    if depth > _DEEPEST:
+        return
+    if isinstance(entry, dict):
+        yield entry
+    inner = entry.values() if isinstance(entry, dict) else as_list(entry)
+    for one in islice(inner, _TRIED):
+        if isinstance(one, dict | list):
+            yield from _dicts(one, depth + 1)
 
 
 def _objects(entry: Any, depth: int) -> Iterator[Mapping[str, list[Any]]]:
@@ -215,3 +242,44 @@ def _series(entry: Any) -> dict[str, list[Any]]:
         if name is not None and series is not None:
             found[name] = series
     return found
+
+
+# --- names, and lists of numbers -----------------------------------------------------------------
+
+
+def _matrix(document: Any, naming: Naming, rate: float | None) -> JsonFrames | None:
+    names = next((one for one in _all_lists(document, 0) if _are_names(one, naming)), None)
+    if names is None:
+        return None
+    for entries in _all_lists(document, 0):
+        rows = [_row(entry, len(names)) for entry in entries[:_TRIED]]
+        if any(rows):
+            weights = [_row(entry, len(names)) for entry in entries]
+            clock = next((found for entry in entries if (found := _clock(entry))), ())
+            times = [_at(entry, clock) for entry in entries] if clock else []
+            if None in times or not times:
+                times = list(_found_times(document, len(entries)))
+            return JsonFrames(names, weights, times, clock[-1] if clock else "time", rate, naming)
+    return None
+
+
+def _all_lists(entry: Any, depth: int) -> Iterator[list[Any]]:
+    for one in _dicts(entry, depth):
+        yield from (value for value in one.values() if isinstance(value, list))
+
+
+def _are_names(entries: list[Any], naming: Naming) -> bool:
+    """Whether a list holds the names of channels."""
+    if not 0 < len(entries) <= _MOST_NAMES or not all(isinstance(one, str) for one in entries):
+        return False
+    return any(map(naming, entries))
+
+
+def _row(entry: Any, length: int) -> list[Any]:
+    """The numbers of a frame: the entry, or a list in it; empty if it has no such list."""
+    lists = [entry, *entry.values()] if isinstance(entry, dict) else [entry]
+    for one in lists:
+        numbers = as_list(one)
+        if len(numbers) == length and all(n is None or isinstance(n, Place) for n in numbers):
+            return numbers
+    return []

@@ -175,8 +175,16 @@ def evaluate_tracking(
     seconds: Annotated[float, typer.Option(min=1.0, help="Of each take, the liveliest.")] = 6.0,
     exclude: ExcludeOption = None,
     output: FiguresOption = None,
+    character: Annotated[
+        Paths,
+        typer.Option(
+            "--character", help="Who plays the takes besides FaceEdit's own; several times."
+        ),
+    ] = None,
 ) -> None:
     """Render films of takes, track them, and measure what was found."""
+    from faceedit_app.characters.fitted import open_character
+    from faceedit_app.editing.opening import shipped_rig
     from faceedit_app.lab.evaluation import tracking
     from faceedit_app.lab.training.data import take_paths
 
@@ -187,6 +195,7 @@ def evaluate_tracking(
             paths,
             seconds,
             progress=lambda done, of: progress.update(bar, completed=done, total=of),
+            characters=[shipped_rig(), *(open_character(path).rig for path in character or ())],
         )
     if output is not None:
         text = json.dumps(tracking.as_json(figures), indent=2) + "\n"

@@ -204,6 +204,20 @@ def test_the_film_plays_beside_the_face(tmp_path: Path) -> None:
     assert found == [0] * 5 + list(range(30)) + [0] * 15
 
 
+@pytest.mark.parametrize("view", [View.FILM_ABOVE, View.FILM_BELOW])
+def test_the_film_plays_above_or_below_the_face(view: View, tmp_path: Path) -> None:
+    source = make_film(tmp_path / "source.mp4", frames=30, rate=25)
+    high, wide = Film(source).frame_at(0).shape[:2]
+    path = tmp_path / "stacked.mp4"
+    media = Placement(film=MediaFile(source, 0.2))
+    film(path, media, view=view, size=(wide, 2 * high), rate=25.0)
+    shown = pictures_of(path)
+    assert shown[0].shape == (2 * high, wide, 3)
+    rows = slice(0, high) if view is View.FILM_ABOVE else slice(high, None)
+    found = [number_of(picture[rows]) for picture in shown]
+    assert found == [0] * 5 + list(range(30)) + [0] * 15
+
+
 def test_pictures_are_numbered_in_a_folder(tmp_path: Path) -> None:
     wav = make_wav(tmp_path / "talk.wav", seconds=3)
     folder = tmp_path / "pictures"
@@ -236,7 +250,7 @@ def test_giving_up_leaves_what_was_there(form: str, tmp_path: Path, greys: list[
 
 
 def test_what_cannot_be_filmed_is_said_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(FaceEditError, match="no film to show beside the face"):
+    with pytest.raises(FaceEditError, match="no film to show with the face"):
         film(tmp_path / "a.mp4", view=View.FILM)
     with pytest.raises(FaceEditError, match=r"must end in \.mp4 or \.webm"):
         film(tmp_path / "a.avi")

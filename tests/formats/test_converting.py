@@ -180,3 +180,20 @@ def test_the_rotations_of_head_and_eyes_survive_another_rate(
     np.testing.assert_allclose(found[1:-1], turns[2:-2:2], atol=1e-5)
     assert main(["convert", str(take), str(tmp_path / "out.glb")]) == 0
     assert "left out because they are not channels: HeadYaw" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("numerator", [24000, 30000, 48000, 60000, 120000])
+@pytest.mark.parametrize("frames", [100, 300, 2500])
+def test_a_broadcast_rate_survives_a_live_link_face_csv(
+    tmp_path: Path, numerator: int, frames: int
+) -> None:
+    rate = numerator / 1001
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    rows = "".join(f"{n / rate:.6f},{0.01 * (n % 50):.3f}\n" for n in range(frames))
+    path.write_text(f"time_s,jawOpen\n{rows}")
+    take = open_take(path)
+    convert(out, take, FORMATS["livelink"])
+    again = open_take(out).clip
+    assert again.rate == pytest.approx(rate, abs=1e-3)
+    assert again.gaps == ()
+    assert np.allclose(again.times, take.clip.times, atol=1e-4)

@@ -308,7 +308,7 @@ def test_a_single_frame_opens(tmp_path: Path) -> None:
         ("time_s,jawOpen\n0,0\nlater,0\n", 3, 'column "time_s" holds "later"'),
         ("time_s,jawOpen\nnan,0\n1,0\n", 2, "not a finite number"),
         ("time,jawOpen\n2025-01-01T00:00:00,0\n2025-01-01T00:00:99,0\n", 3, "not a time like"),
-        ('time_s,jawOpen\n0,"0,5"\n', 2, "write decimals with a point"),
+        ("time_s;jawOpen\n0;1,234,5\n", 2, "write decimals with a point"),
         ("time_s,jawOpen\n", 1, "no frames"),
         ("time_s,jawOpen\n0,\n1,\n", None, "no row with a tracked face"),
     ],

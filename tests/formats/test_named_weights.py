@@ -63,6 +63,23 @@ LAYOUTS: dict[str, Any] = {
         "frame_rate": 30,
         "tracks": [{"name": name, "values": values} for name, values in SERIES.items()],
     },
+    "tracks of three.js": [
+        {
+            "name": "clip",
+            "tracks": [
+                {"name": f"head.morphTargetInfluences[{name}]", "times": TIMES, "values": values}
+                for name, values in SERIES.items()
+            ],
+        }
+    ],
+    "timecodes": rows(lambda n, w: {"timecode": f"01:00:{n // 30:02d}:{n % 30:02d}", "face": w}),
+    "names and lists of numbers": {
+        "fps": 30,
+        "blendshapes": NAMES,
+        "result": [
+            {"timeCode": time, "shapes": row} for time, row in zip(TIMES, ROWS, strict=True)
+        ],
+    },
     "Audio2Face with poseNames": {"exportFps": 30, "poseNames": NAMES, "weightMat": ROWS},
     "Audio2Face with a rate in text": {"exportFps": "30", "facsNames": NAMES, "weightMat": ROWS},
     "blendShapeNames": {"fps": 30, "blendShapeNames": NAMES, "blendShapeWeights": ROWS},

@@ -46,6 +46,9 @@ def with_comma(body: list[list[str]]) -> list[list[str]]:
 CONTENTS: dict[str, bytes] = {
     "decimal comma, semicolons": text(with_comma(rows()), ";").encode(),
     "decimal comma, tabs": text(with_comma(rows()), "\t").encode(),
+    "decimal comma in quotes": text(
+        [[f'"{cell.replace(".", ",")}"' for cell in row] for row in rows()]
+    ).encode(),
     "UTF-16 of a spreadsheet": ("\ufeff" + text(separator="\t")).encode("utf-16-le"),
     "UTF-16, big end first": ("\ufeff" + text()).encode("utf-16-be"),
     "UTF-16 without a mark": text().encode("utf-16-le"),
@@ -103,6 +106,10 @@ LOST_FACES: dict[str, str] = {
         [[*row, "0.0" if n in LOST else "0.93"] for n, row in enumerate(rows())],
         head=("time_s", *NAMES, "confidence"),
     ),
+    "no faces": text(
+        [[row[0], str(int(n not in LOST)), *row[1:]] for n, row in enumerate(rows())],
+        head=("time_s", "num_faces", *NAMES),
+    ),
     "not detected": text(
         [
             [row[0], str(n not in LOST), *(["0"] * 3 if n in LOST else row[1:])]
@@ -157,6 +164,16 @@ def test_an_infinite_number_among_others_is_named(tmp_path: Path) -> None:
     path.write_text(text(body))
     with pytest.raises(FileError, match=r'line 9: column "eyeBlink_L" holds "inf"'):
         open_take(path)
+
+
+def test_jitter_of_the_timecode_does_not_change_the_rate(tmp_path: Path) -> None:
+    drawn = np.random.default_rng(9).integers(0, 400, 600)
+    path = tmp_path / "take.csv"
+    lines = [f"01:00:{n // 60:02d}:{n % 60:02d}.{drawn[n]:03d},1,0.1\n" for n in range(600)]
+    path.write_text("Timecode,BlendShapeCount,JawOpen\n" + "".join(lines))
+    clip = open_take(path).clip
+    assert clip.rate == pytest.approx(60, abs=0.1)
+    assert clip.gaps == ()
 
 
 def test_a_line_without_end_is_refused_at_once(tmp_path: Path) -> None:

@@ -102,7 +102,6 @@ class Bench:
             monkeypatch.setattr(dialogs, f"ask_{name}", self._answer(name))
         monkeypatch.setattr(loading, "load_character", shipped_rig)
         monkeypatch.setattr(loading, "prepare_renderer", lambda: None)
-        monkeypatch.setattr(loading, "open_renderer", lambda _rig: None)
         monkeypatch.setattr(loading, "load_engine", self._no_engine)
         monkeypatch.setattr(render, "open_renderer", self._renderer)
 

@@ -149,7 +149,6 @@ from faceedit_app.ui.state import loading
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.core.errors import FileError
 loading.prepare_renderer = lambda: None
-loading.open_renderer = lambda rig: None
 def no_engine(_rig):
     raise FileError("x", "is missing", "train")
 loading.load_engine = no_engine

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import cast
@@ -22,7 +23,6 @@ from support.windows import Bench, FakeRenderer, drag_curve, drop, open_path, tr
 from faceedit_app import render
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
-from faceedit_app.core.rig import Rig
 from faceedit_app.ui.start.application import keep_for_good, rarely_collect
 from faceedit_app.ui.state import loading
 
@@ -132,19 +132,22 @@ def test_networks_answer_once_they_are_loaded(
 def test_the_renderer_that_was_opened_meanwhile_draws_the_face(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ahead: list[FakeRenderer] = []
-
-    def open_ahead(rig: Rig) -> FakeRenderer:
-        ahead.append(FakeRenderer(rig, 1, 1))
-        return ahead[-1]
-
-    monkeypatch.setattr(loading, "open_renderer", open_ahead)
+    rig = shipped_rig()
+    ahead = FakeRenderer(rig, 1, 1)
+    monkeypatch.setattr(loading, "load_character", lambda: rig)
+    monkeypatch.setattr(loading, "prepare_renderer", lambda: ahead)
     window = bench.editing()
     assert window.editor is not None
     viewport = window.editor.face.viewport
     bench.qtbot.waitUntil(lambda: viewport.draws > 0)
-    assert [bool(renderer.calls) for renderer in ahead] == [True]
+    assert ahead.calls
     assert not bench.renderers, "opened a second one"
+
+
+def test_threads_that_load_the_character_share_it() -> None:
+    with ThreadPoolExecutor(2) as threads:
+        first, second = threads.map(lambda _: loading.load_character(), range(2))
+    assert first is second, "the renderer that was opened meanwhile would draw another one"
 
 
 def test_a_renderer_of_another_character_is_not_used(bench: Bench) -> None:
@@ -160,7 +163,7 @@ def test_a_renderer_that_no_take_has_used_is_closed_with_the_window(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ahead = FakeRenderer(None, 1, 1)
-    monkeypatch.setattr(loading, "open_renderer", lambda _rig: ahead)
+    monkeypatch.setattr(loading, "prepare_renderer", lambda: ahead)
     window = bench.window()
     assert ahead.open
     window.close()

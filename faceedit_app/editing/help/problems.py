@@ -14,6 +14,7 @@ from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
+from faceedit_app.editing.help.confidence import confidence_of
 from faceedit_app.editing.help.events import (
     LID_COLUMNS,
     closed_lips,
@@ -35,12 +36,14 @@ SHAKE_WINDOW = 0.5  # seconds
 STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
 BESIDE = 0.15  # seconds on either side of a gap that may change so that motion runs through
+UNSURE = 0.8  # confidence below which the tracker may be wrong; below 0.5 it is a gap
 JUMP = 1.5  # mm across a gap that are noticeable
 TOGETHER = 0.3  # seconds; faults closer than this are reported as one
 # What counts as entirely wrong, for `Problem.severity`.
 WIDE_APART = 5.0  # mm between lips that should meet
 VIOLENT = 1.5  # mm of shaking
 MANY = 12  # lost frames
+HARDLY = 0.5  # confidence
 
 
 class Kind(StrEnum):
@@ -51,6 +54,7 @@ class Kind(StrEnum):
     JITTER = "jitter"  # a curve shakes from frame to frame
     CHARACTER = "character"  # lips or lids are open on the user's character only
     DROPPED = "dropped"  # the recording lost frames
+    UNSURE = "unsure"  # the tracker hardly saw the face
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,9 @@ def find_problems(session: EditSession) -> list[Problem]:
     take, rigs = session.take, (session.rig, session.shown_rig)
     lost = take.lost_rows.positions if take.lost_rows is not None else ()
     shown = session.weights, session.achieved
-    return problems_of(take.clip, *shown, rigs, closures_of(session), lost)
+    return problems_of(
+        take.clip, *shown, rigs, closures_of(session), lost, confidence_of(take), session.edits
+    )
 
 
 def problems_of(
@@ -94,6 +100,8 @@ def problems_of(
     rigs: tuple[Rig, Rig] | None = None,
     spoken: Sequence[Closure] = (),
     lost: Sequence[float] = (),
+    confidence: Doubles | None = None,
+    edits: Sequence[Edit] = (),
 ) -> list[Problem]:
     """The problems of a clip, in order of time.
 
@@ -104,6 +112,8 @@ def problems_of(
         rigs: FaceEdit's own character, and the one shown.
         spoken: each m, b and p, if the words are known.
         lost: the rows that a fill can give a face to, see `LostRows.positions`.
+        confidence: (T,) of the tracker, if it is known.
+        edits: where they fill, it does not matter how sure the tracker was.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     found = [
@@ -112,6 +122,7 @@ def problems_of(
         *_blinks(clip, measured),
         *_jitter(clip, measured),
         *_dropped(clip, measured, lost),
+        *_unsure(clip, confidence, edits),
     ]
     if rigs is not None and rigs[0] is not rigs[1]:
         found += map(_on_character, gaps_on_character(clip, weights, *rigs))
@@ -264,6 +275,42 @@ def _dropped(clip: Clip, controls: Doubles, lost: Sequence[float]) -> list[Probl
             f"; a jump in: {describe_controls(moved)}" if moved else ""
         )
         found.append(Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix))
+    return found
+
+
+def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> list[Problem]:
+    if confidence is None:
+        return []
+    unsure: Bools = confidence < UNSURE
+    for start, end in clip.gap_times:  # beside a gap the fill of the gap covers them
+        unsure = unsure & ~((clip.times >= start - BESIDE) & (clip.times <= end + BESIDE))
+    for edit in edits:
+        if edit.op is Op.FILL and edit.enabled:
+            unsure = unsure & ~((clip.times >= edit.start) & (clip.times <= edit.end))
+    found = []
+    for first, last in _runs(unsure, round(TOGETHER * clip.rate)):
+        start, end = (round(float(clip.times[frame]), 4) for frame in (first, last))
+        least = first + int(confidence[first : last + 1].argmin())
+        sure = float(confidence[least])
+        around = (
+            float(clip.times[max(first - 1, 0)]),
+            float(clip.times[min(last + 1, len(clip) - 1)]),
+        )
+        fits = around[1] - around[0] <= LONGEST_FILL
+        fill = Edit(CONTROL_IDS, Op.FILL, *around, BESIDE, name="Fill what is hidden")
+        found.append(
+            Problem(
+                Kind.UNSURE,
+                start,
+                end,
+                float(clip.times[least]),
+                CONTROL_IDS,
+                f"The face is hidden or turned away: the tracker is {100 * sure:.0f} % sure",
+                f"{100 * sure:.0f} %",
+                _share(UNSURE - sure, UNSURE - HARDLY),
+                (fill,) if fits else (),
+            )
+        )
     return found
 
 

@@ -24,7 +24,7 @@ from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, control_named
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Distances, Rig
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit
 from faceedit_app.formats.take import Take
 
 if TYPE_CHECKING:  # the window is there before the networks
@@ -98,9 +98,9 @@ def unanswerable(
 ) -> tuple[Lack, ...]:
     """The curves of an edit that the take's channels cannot answer; they stay unchanged.
 
-    A fill copies whatever channels the take has.
+    A fill or a retime takes whatever channels the take has.
     """
-    if edit.op is Op.FILL:
+    if edit.op in OF_THE_TAKE:
         return ()
     lacks = find_lacks(take.clip.channels, rig.arkit_distances, engine)
     return tuple(lacks[control] for control in edit.controls if control in lacks)

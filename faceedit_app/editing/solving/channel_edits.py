@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -48,6 +49,18 @@ class ChannelTask:
 Task = ChunkTask | ChannelTask
 
 
+class Answered(Protocol):
+    """A chunk whose curves have been answered."""
+
+    @property
+    def weights(self) -> Floats:
+        """(N, 52) in ARKit order."""
+
+    @property
+    def rotations(self) -> Floats | None:
+        """(N, 9) radians; None if the take has none."""
+
+
 def channels_of(clip: Clip) -> frozenset[str]:
     """The channels of a clip that can be edited: weights, and rotations if it has them."""
     turns = () if clip.rotations is None else ROTATIONS
@@ -71,9 +84,9 @@ class ChannelEdits:
 
     def __init__(self, clip: Clip, tracked: Floats) -> None:
         self._times, self._rate = clip.times, clip.rate
-        self._tracked, self._rotations = tracked, clip.rotations
         self._has = channels_of(clip)
-        self._medians = np.median(self._values(tracked, slice(0, len(tracked))), axis=0)
+        turns = None if clip.rotations is None else clip.rotations[: len(tracked)]
+        self._medians = np.median(self._values(tracked, turns), axis=0)
 
     def possible(self, edits: Sequence[Edit]) -> tuple[Edit, ...]:
         """The effective edits of channels, without the channels that the take lacks."""
@@ -127,18 +140,18 @@ class ChannelEdits:
         start, stop = np.searchsorted(self._times, (first - SLACK, last + SLACK))
         return int(start), int(stop)
 
-    def _values(self, weights: Floats, rows: slice) -> Doubles:
-        """(N, 61): the weights (N, 52), then the rotations as tracked, in degrees."""
+    def _values(self, weights: Floats, rotations: Floats | None) -> Doubles:
+        """(N, 61): the weights (N, 52), then the rotations (N, 9), in degrees."""
         turns = np.zeros((len(weights), len(CHANNELS) - WEIGHTS))
-        if self._rotations is not None:
-            turns = np.degrees(self._rotations[rows].astype(np.float64))
+        if rotations is not None:
+            turns = np.degrees(rotations.astype(np.float64))
         return np.concatenate([weights.astype(np.float64), turns], axis=1)
 
     def apply(
         self,
         task: ChannelTask,
         rows: slice,
-        base: Callable[[int, ChunkTask | None], Floats],
+        base: Callable[[int, ChunkTask | None], Answered],
         decimals: int,
     ) -> tuple[Floats, Floats | None]:
         """The weights (N, 52) and the rotations (N, 9) in radians of a chunk.
@@ -146,24 +159,27 @@ class ChannelEdits:
         Args:
             task: the task.
             rows: the chunk's frames.
-            base: answers the curves of a chunk: (N, 52) weights.
+            base: answers the curves of a chunk.
             decimals: to which changed numbers are rounded.
         """
         near = slice(*task.near)
         parts = [base(chunk, curves) for chunk, curves in task.bases]
         # The first part begins where its chunk does, at or before the first frame that is read.
         place = [chunk for chunk, _ in task.bases].index(task.chunk)
-        first = rows.start - sum(map(len, parts[:place]))
-        around = np.concatenate(parts)[near.start - first : near.stop - first]
-        before = self._values(around, near)
+        first = rows.start - sum(len(part.weights) for part in parts[:place])
+        read = slice(near.start - first, near.stop - first)
+        around = np.concatenate([part.weights for part in parts])[read]
+        turns = [part.rotations for part in parts if part.rotations is not None]
+        turned = np.concatenate(turns)[read] if turns else None
+        before = self._values(around, turned)
         after = self._edited(before, task.edits, near)
         inner = slice(rows.start - near.start, rows.stop - near.start)
         same = after[inner] == before[inner]
         weights = np.where(same[:, :WEIGHTS], around[inner], after[inner, :WEIGHTS].round(decimals))
-        if self._rotations is None:
+        if turned is None:
             return weights.astype(np.float32), None
-        turned = np.radians(after[inner, WEIGHTS:]).round(decimals)
-        rotations = np.where(same[:, WEIGHTS:], self._rotations[rows], turned)
+        edited = np.radians(after[inner, WEIGHTS:]).round(decimals)
+        rotations = np.where(same[:, WEIGHTS:], turned[inner], edited)
         return weights.astype(np.float32), rotations.astype(np.float32)
 
     def _edited(self, values: Doubles, edits: Sequence[Edit], near: slice) -> Doubles:

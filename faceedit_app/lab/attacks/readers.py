@@ -19,7 +19,7 @@ from faceedit_app.characters.map_file import read_map
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.scans import read_scan
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROLS, LIP_OPENING, MOUTH_CORNERS
+from faceedit_app.core.controls import CONTROL_IDS, CONTROLS, LIP_OPENING, MOUTH_CORNERS
 from faceedit_app.core.resources import DEMO_TAKE, shipped
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -43,6 +43,7 @@ _EDITS = (
     Edit((LIP_OPENING,), Op.OFFSET, 0.1, 0.3, 0.1, 4.0, name="wider"),
     Edit(MOUTH_CORNERS, Op.SCALE, 0.0, 0.2, 0.1, 1.5, strength=0.5),
     Edit((LIP_OPENING,), Op.DRAW, 0.1, 0.4, 0.1, points=((0.1, 3.0), (0.3, 9.0))),
+    Edit(CONTROL_IDS, Op.RETIME, 0.0, 0.4, 0.0, pins=((0.1, 0.2), (0.2, 0.2), (0.2, 0.3))),
 )
 
 

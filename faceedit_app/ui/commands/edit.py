@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMenu
 from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.formats.timing import counted
+from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry
 from faceedit_app.ui.state.actions import Command, Menu
@@ -30,6 +31,7 @@ class EditCommands:
         self._workspace = workspace
         self._document, self._timeline = workspace.document, workspace.timeline
         self._clipboard: Clipboard | None = None
+        self.retime = RetimeCommands(workspace)
 
     # --- undo and reset ----------------------------------------------------------------------
 
@@ -269,6 +271,15 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
             "Paste what was copied at the playhead, with left and right swapped"),
     Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
             "Swap left and right in the selection"),
+    Command("stretch_time", "S&tretch in time…", lambda do: do.retime.stretch(), ("Shift+W",),
+            "Make the selection longer or shorter; what follows makes up for it and keeps its time",
+            starts_group=True),
+    Command("move_time", "Mo&ve in time…", lambda do: do.retime.move(),
+            tip="Show the selection earlier or later; what is beside it makes up for it"),
+    Command("cut_time", "Cut out of ti&me", lambda do: do.retime.cut(),
+            tip="Leave out the selection; what follows plays slower until it has caught up"),
+    Command("insert_pause", "Insert a pa&use…", lambda do: do.retime.pause(),
+            tip="Hold the face at the playhead; what follows plays faster until it has caught up"),
     Command("toggle_edit", "Switch edit &on / off",
             lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),
             "Switch the selected edit on or off",

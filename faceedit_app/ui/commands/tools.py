@@ -72,6 +72,9 @@ MENU: Menu[ToolCommands] = Menu("T&ools", (
     Command("tool_restore", "&Back to tracked", lambda do: do.choose(Tool.RESTORE), ("R",),
             "Paint over edits to erase them; the face goes back to the tracked take",
             "tool_restore", checked=lambda do: do.tool is Tool.RESTORE),
+    Command("tool_retime", "Re&time", lambda do: do.choose(Tool.RETIME), ("W",),
+            "Drag the face or the selection sideways to show it earlier or later, an end of the "
+            "selection to stretch it", "tool_retime", checked=lambda do: do.tool is Tool.RETIME),
     Command("link", "&Left = right", ToolCommands.link, ("U",),
             "Edit both sides of the face together; hold Alt, or Ctrl and Shift, to edit one side",
             "link",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # comes with the page, after the first paint
     from faceedit_app.ui.curves import CurvesPanel
     from faceedit_app.ui.face.pane import FacePane
 
-CAMERA, CURVES = "Ca&mera", "C&urves"  # submenus
+CAMERA, CURVES, FILM = "Ca&mera", "C&urves", "&Film"  # submenus
 ZOOM = 0.7  # of the time in view, per step
 MARGIN = 0.1  # of the selection, on either side of it
 
@@ -224,6 +224,32 @@ class ViewCommands:
         if self.face is not None:
             self.face.glance(glancing)
 
+    # --- the film ----------------------------------------------------------------------------
+
+    @property
+    def film_place(self) -> str:
+        """Where the film is shown: beside, above or below the face."""
+        page = self._workspace.page
+        return page.film_place if page is not None else self._workspace.preferences.film_place()
+
+    def place_film(self, place: str) -> None:
+        """Show the film beside, above or below the face."""
+        self._workspace.preferences.set_film_place(place)
+        self.restore_film_place()
+
+    def restore_film_place(self) -> None:
+        """Show the film where it was last shown."""
+        from faceedit_app.ui.media.film_pane import FilmPlace
+
+        place, page = self._workspace.preferences.film_place(), self._workspace.page
+        if page is not None and place in list(FilmPlace):
+            page.place_film(FilmPlace(place))
+
+    @property
+    def has_film(self) -> bool:
+        """Whether the take has a film."""
+        return self._workspace.media.film is not None
+
     # --- the keyboard ------------------------------------------------------------------------
 
     def focus_curve(self, index: int) -> None:
@@ -247,6 +273,10 @@ def _png(picture: QImage) -> bytes:
 
 def _shows_edited(do: ViewCommands) -> bool:
     return do.face is None or not (do.face.shows_tracked or do.face.shows_both)
+
+
+def _shows_film(place: str, do: ViewCommands) -> bool:
+    return do.film_place == place
 
 
 # fmt: off
@@ -295,6 +325,12 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             "Turn the character's head as it was recorded, or keep it straight; for takes with "
             "head rotation", enabled=lambda do: do.has_rotations,
             checked=lambda do: do.face is not None and do.face.follows_head),
+    *(
+        Command(f"film_{place}", f"{label} the face", partial(ViewCommands.place_film, place=place),
+                tip=f"Show the take's film {place} the face", enabled=lambda do: do.has_film,
+                checked=partial(_shows_film, place), submenu=FILM)
+        for place, label in (("beside", "&Beside"), ("above", "&Above"), ("below", "B&elow"))
+    ),
     *(
         Command(f"curve_{index + 1}", f"&{index + 1} {control.label}",
                 partial(ViewCommands.focus_curve, index=index),

@@ -163,6 +163,34 @@ class Gaps(ViewItem):
             painter.fillRect(rect, self._hatch)
 
 
+class Pins(ViewItem):
+    """Lines where a retime shows the moments that it was pinned at."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._times: tuple[float, ...] = ()
+        self._pen = QPen(style.color(style.ASKED, 170), 0, Qt.PenStyle.DashDotLine)
+        self.hide()
+
+    def show_pins(self, times: tuple[float, ...]) -> None:
+        """Show pins at some seconds."""
+        if times != self._times:
+            self._times = times
+            self.setVisible(bool(times))
+            self.update()
+
+    @guarded
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Draw those that are in view."""
+        view = self.boundingRect()
+        painter.setPen(self._pen)
+        for time in self._times:
+            if view.left() <= time <= view.right():
+                painter.drawLine(QLineF(time, view.top(), time, view.bottom()))
+
+
 class Playhead(MeasuredItem, pg.InfiniteLine):
     """The line of the frame on screen, one dot wide so that it is crisp."""
 

@@ -57,7 +57,8 @@ class FacePicture:
             self._weights = self._beside = self._against = None
         self._rig, self._head = rig, None
         if ready is not None and ready.rig is not rig:
-            ready.close()
+            with contextlib.suppress(Exception):  # a lost context cannot be freed
+                ready.close()
             ready = None
         self._renderer = render.open_renderer(rig, *size) if ready is None else ready
 

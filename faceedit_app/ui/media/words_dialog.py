@@ -62,7 +62,7 @@ class WordsDialog(QDialog):
         place: where to look.
         present: the take's words, if it has any.
         choose: asks for a file with words.
-        save: asks where to write words, and writes them.
+        save: asks where to write words, and writes them; None = they cannot be written.
         make: called with the words that were found.
     """
 
@@ -73,7 +73,7 @@ class WordsDialog(QDialog):
         place: Place,
         present: Transcript | None,
         choose: Callable[[], Path | None],
-        save: Callable[[], None],
+        save: Callable[[], None] | None,
         make: Callable[[Transcript], None],
     ) -> None:
         super().__init__(parent)
@@ -91,7 +91,7 @@ class WordsDialog(QDialog):
         self.text.textChanged.connect(self._edited)
         self._show_state()
 
-    def _lay_out(self, save: Callable[[], None]) -> None:
+    def _lay_out(self, save: Callable[[], None] | None) -> None:
         self.text = QPlainTextEdit()
         self.text.setPlaceholderText("Type or paste what is said")
         self.text.setAccessibleName("What is said")
@@ -119,7 +119,9 @@ class WordsDialog(QDialog):
         self.export = buttons.addButton("&Export…", role.ActionRole)
         self.export.setToolTip("Write the take's words as TextGrid, SRT or JSON")
         self.export.setEnabled(self._present is not None)
-        self.export.clicked.connect(save)
+        self.export.setVisible(save is not None)
+        if save is not None:
+            self.export.clicked.connect(save)
         buttons.addButton(self.search, role.AcceptRole)
         self.stop = buttons.addButton(QDialogButtonBox.StandardButton.Cancel)
         self.stop.clicked.connect(self._stop)

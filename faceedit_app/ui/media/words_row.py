@@ -17,7 +17,8 @@ from faceedit_app.words.transcript import Transcript
 _MENU = (
     ("play_around", "loop"),
     ("close_on_words", "shape_on_words", "say_clearly"),
-    ("words", "remove_words"),
+    ("words", "match_sound", "remove_words"),
+    ("stretch_time", "move_time", "cut_time", "insert_pause"),
 )
 
 

@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.media import is_film, is_media
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, dropping
 from faceedit_app.ui.commands.menus import Commands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.icons import app_icon
@@ -107,7 +106,7 @@ class MainWindow(WindowBase):
         self.document.saved.connect(self._mark_modified)
         self.document.character_changed.connect(self._show_character)
         opener.reading.connect(self._show_reading)
-        opener.character_loaded.connect(self._prepare_face)
+        opener.character_loaded.connect(self._load_model)
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
         workspace.warning.connect(self.banner.show_message)
@@ -147,7 +146,7 @@ class MainWindow(WindowBase):
         self, take: Path | None = None, demo: bool = False, character: Path | None = None
     ) -> None:
         """Start loading; call it once the window is on the screen."""
-        self._background.run(loading.prepare_renderer, lambda _: None, self._show_error)
+        self._background.run(loading.prepare_renderer, self._use_renderer, self._show_error)
         self.document.keeps_journal = self.document.awaits_engine = True
         if not offer_recovery(self.workspace):
             if take is not None:
@@ -202,23 +201,22 @@ class MainWindow(WindowBase):
         self.status.cancelled.connect(page.solving.cancel)
         page.face.show_difference(self._preferences.difference())
         page.face.follow_head(self._preferences.follows_head())
+        self.commands.view.restore_film_place()
         self.actions_.refresh()
         return page
 
-    def _prepare_face(self, rig: Rig) -> None:
-        """The character is loaded: open a renderer for it, and meanwhile load the model."""
+    def _load_model(self, rig: Rig) -> None:
+        """The character is loaded: load the model that was made for it."""
         if rig.missing_note:
             self.banner.show_message(rig.missing_note)
-
-        def prepared(ready: FaceRenderer | None) -> None:
-            self._can_draw, self._ready = True, ready
-            self._open_face()
-            self._settle()
-
-        self._background.run(lambda: loading.open_renderer(rig), prepared, self._show_error)
         self._background.run(
             lambda: loading.load_engine(rig), self._use_engine, self._continue_without_engine
         )
+
+    def _use_renderer(self, ready: FaceRenderer | None) -> None:
+        self._can_draw, self._ready = True, ready
+        self._open_face()
+        self._settle()
 
     def _settle(self) -> None:
         """One of what start-up waits for is there, or has failed."""
@@ -350,37 +348,8 @@ class MainWindow(WindowBase):
         self.start_page.show_drop(active)
 
     def take_files(self, paths: list[Path]) -> None:
-        """Open a take or a character, load edits, add sound or film."""
-        media = [path for path in paths if is_media(path)]
-        path = next((path for path in paths if path not in media), None)
-        film = next((path for path in media if is_film(path)), None)
-        if path is None and film is not None and self.document.session is None:
-            self.commands.file.track(film)
-            return
-        self.commands.take.drop(media, opens_take=path is not None)
-        if path is None:
-            return
-        from faceedit_app.characters.registry import is_character
-        from faceedit_app.formats.registry import is_take  # not needed before the window is up
-
-        if is_character(path):
-            self._take_character(path, is_take(path))
-            return
-        is_open = self.document.session is not None
-        if path.suffix.lower() == ".json" and is_open and not is_take(path):
-            self.commands.file.load_edits(path)
-        else:
-            self.commands.file.open_if_saved(path)
-
-    def _take_character(self, path: Path, is_take: bool) -> None:
-        """A character was dropped, or a file that may be one."""
-        as_what = dialogs.OpenAs.CHARACTER
-        if is_take:
-            as_what = dialogs.ask_take_or_character(self, path.name)
-        if as_what is dialogs.OpenAs.TAKE:
-            self.commands.file.open_if_saved(path)
-        elif as_what is dialogs.OpenAs.CHARACTER:
-            self.commands.file.character.open(path)
+        """Open or add files that were dropped; see `commands.dropping`."""
+        dropping.take_files(self.workspace, self.commands, paths)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Take the keyboard from the start."""
