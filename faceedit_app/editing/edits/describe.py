@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS, control_named
+from faceedit_app.core.controls import (
+    CONTROL_IDS,
+    CONTROL_INDEX,
+    CONTROLS,
+    MAIN_CONTROLS,
+    control_named,
+)
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.channels import CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -16,7 +22,8 @@ def _together() -> Iterator[tuple[frozenset[str], str]]:
         yield frozenset(region.own), region.together
     for name in dict.fromkeys(control.together for control in CONTROLS if control.together):
         yield frozenset(c.id for c in CONTROLS if c.together == name), name
-    yield frozenset(CONTROL_IDS), "All curves"
+    for every in (MAIN_CONTROLS, CONTROL_IDS):
+        yield frozenset(every), "All curves"
 
 
 _TOGETHER = {controls: name for controls, name in _together() if len(controls) > 1}
@@ -45,7 +52,8 @@ def describe(edit: Edit) -> str:
         case Op.ADD:
             return f"Add to {_lower(what)}"
         case Op.FILL:
-            return f"Fill {_lower(what)}" if len(edit.controls) < len(CONTROLS) else "Fill"
+            whole = {*edit.controls}.issuperset(MAIN_CONTROLS)
+            return "Fill" if whole else f"Fill {_lower(what)}"
         case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
             raise ValueError(f"{edit.op} is for channels")
 

@@ -13,8 +13,8 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats, Indices
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_IDS
-from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.controls import MAIN_CONTROLS
+from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.filling import Filling, Stretch, fill_frames
 
@@ -133,10 +133,11 @@ class Fills:
         whole face. A reset brings back the regions all of whose curves it resets.
         """
         controls = set(edit.controls)
-        if controls.issuperset(CONTROL_IDS):
+        if controls.issuperset(MAIN_CONTROLS):
             return self._present
         enough = any if edit.op is Op.FILL else all
-        regions = [r for r in REGIONS if r.own and enough(c in controls for c in r.own)]
+        every = (*REGIONS, *OPTIONAL_REGIONS)
+        regions = [r for r in every if r.own and enough(c in controls for c in r.own)]
         names = [c for region in regions for c in (*region.channels, *region.accompanying)]
         mine: Indices = np.intersect1d([ARKIT_INDEX[c] for c in names], self._present)
         return mine.astype(np.intp)
