@@ -71,7 +71,7 @@ class Control:
 
 
 # Okabe and Ito's colours: distinguishable with any kind of colour blindness.
-_SKY, _ORANGE, _GREEN = "#56b4e9", "#e69f00", "#009e73"
+_SKY, _ORANGE, _PURPLE = "#56b4e9", "#e69f00", "#cc79a7"
 _CORNERS, _WIDTH = ("left_corner", "right_corner"), "mouth_width"
 
 CONTROLS: tuple[Control, ...] = (
@@ -183,7 +183,7 @@ CONTROLS: tuple[Control, ...] = (
         handle=1,
         region="brow_region",
         key="",
-        color=_GREEN,
+        color=_PURPLE,
         mirror="right_brow",
         together="Brow height",
         optional=True,
@@ -195,7 +195,7 @@ CONTROLS: tuple[Control, ...] = (
         handle=1,
         region="brow_region",
         key="",
-        color=_GREEN,
+        color=_PURPLE,
         mirror="left_brow",
         together="Brow height",
         optional=True,
@@ -208,7 +208,7 @@ CONTROLS: tuple[Control, ...] = (
         handle=1,
         region="jaw_region",
         key="",
-        color=_GREEN,
+        color=_PURPLE,
         optional=True,
         sideways=True,
     ),

@@ -12,6 +12,7 @@ from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import (
     CONTROL_IDS,
     CONTROL_INDEX,
+    MAIN_CONTROLS,
     MIRRORED_CONTROL,
     SIGNED_CONTROLS,
 )
@@ -88,7 +89,7 @@ def copy_range(
     session: EditSession,
     start: float,
     end: float,
-    controls: Sequence[str] = CONTROL_IDS,
+    controls: Sequence[str] = MAIN_CONTROLS,
     what: Copied = Copied.CHANGE,
 ) -> Clipboard:
     """Copy curves from `start` to `end` seconds; unchanged curves are left out."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
-from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
+from faceedit_app.core.controls import CONTROL_IDS, MAIN_CONTROLS, SIDED_CONTROLS
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.workspace import Workspace
@@ -136,12 +136,14 @@ class EditCommands:
         self._copy(Copied.CHANGE)
 
     def _copy(self, what: Copied) -> None:
-        from faceedit_app.editing.help.clipboard import copy_range
+        from faceedit_app.editing.help.clipboard import Copied, copy_range
 
         session, selection = self._document.session, self._selection("copy")
         if session is None or selection is None:
             return
-        copied = copy_range(session, *selection, self._chosen_controls(), what)
+        # Nothing is copied of folded curves unasked; but their changes are the user's.
+        every = CONTROL_IDS if what is Copied.CHANGE else self._unfolded
+        copied = copy_range(session, *selection, self._chosen_controls() or every, what)
         if copied.is_empty:
             self._workspace.message.emit("The selection has no changes to copy")
             return
@@ -167,7 +169,8 @@ class EditCommands:
         if session is None or selection is None:
             return
         self._workspace.end_gestures()
-        copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
+        sided = [control for control in self._unfolded if control in SIDED_CONTROLS]
+        copied = copy_range(session, *selection, sided, Copied.CURVE)
         self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
 
     def _selection(self, what: str) -> tuple[float, float] | None:
@@ -176,10 +179,17 @@ class EditCommands:
             self._workspace.message.emit(f"To {what} a time range, select it first")
         return selection
 
-    def _chosen_controls(self) -> tuple[str, ...]:
-        """The chosen curves, or all if none is chosen."""
+    @property
+    def _unfolded(self) -> tuple[str, ...]:
+        """The curves that are not folded away."""
         page = self._workspace.page
-        return (page.curves.chosen_controls if page is not None else ()) or CONTROL_IDS
+        open_group = page.curves.shown.open_group if page is not None else MAIN_CONTROLS
+        return tuple(control for control in CONTROL_IDS if control in open_group)
+
+    def _chosen_controls(self) -> tuple[str, ...]:
+        """The chosen curves, if any."""
+        page = self._workspace.page
+        return page.curves.chosen_controls if page is not None else ()
 
     def _copied(self) -> Clipboard | None:
         if self._clipboard is None:

@@ -196,6 +196,9 @@ class MainWindow(WindowBase):
         self.status.cancelled.connect(page.solving.cancel)
         page.face.show_difference(self._preferences.difference())
         page.face.follow_head(self._preferences.follows_head())
+        page.curves.shown.unfold(self._preferences.unfolds_curves())
+        page.curves.shown.unfolded.connect(self._preferences.set_unfolds_curves)
+        page.curves.shown.changed.connect(self.actions_.refresh)
         self.actions_.refresh()
         return page
 
