@@ -30,7 +30,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
-from faceedit_app.editing.help.presets import Alone, Preset, load_presets, read_preset
+from faceedit_app.editing.help.presets import Alone, find_preset
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems
 from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
@@ -380,22 +380,6 @@ class Take:
             FaceEditError: the file cannot be written.
         """
         self.session.save_edits(path)
-
-
-def find_preset(name: str | Path) -> Preset:
-    """A preset by its name or id, or its file.
-
-    Raises:
-        FaceEditError: there is none, or it is damaged.
-    """
-    if isinstance(name, Path) or str(name).endswith(".json"):
-        return read_preset(Path(name), own=True)
-    presets, _ = load_presets()
-    for preset in presets:
-        if name.lower() in (preset.id.lower(), preset.name.lower()):
-            return preset
-    known = ", ".join(preset.id for preset in presets)
-    raise FaceEditError(f"{name}: there is no such preset; use one of {known}, or a file")
 
 
 def _control(name: str) -> str:

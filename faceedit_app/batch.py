@@ -27,7 +27,7 @@ from faceedit_app.core.optional import require
 from faceedit_app.editing import exporting
 from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.editing.files.fingerprint import fingerprint
-from faceedit_app.editing.help.presets import Alone
+from faceedit_app.editing.help.presets import Alone, find_preset
 from faceedit_app.formats.registry import takes_below
 from faceedit_app.formats.timing import RateNeeded
 
@@ -139,7 +139,7 @@ def parse_recipe(text: str) -> Recipe:
 
 
 def _with_preset(text: str) -> Recipe:
-    preset = api.find_preset(text)
+    preset = find_preset(text)
     if preset.alone is not Alone.TAKE:
         raise FaceEditError(f"{text}: acts at a place, not in a whole take; use fix:lips,blinks")
     is_file = Path(text).suffix.lower() == ".json"

@@ -12,6 +12,7 @@ import typer
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
+from faceedit_app.options import JsonOption, ModelsOption
 
 if TYPE_CHECKING:
     from faceedit_app.characters.fitted import FittedCharacter
@@ -24,7 +25,6 @@ app = typer.Typer(help="Check or make a character of your own.", no_args_is_help
 CharacterArgument = Annotated[
     Path, typer.Argument(help="A GLB, glTF, VRM, binary FBX or OBJ, or a folder of OBJ.")
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 @app.command()
@@ -60,10 +60,7 @@ def seal(
         Optional[Path],  # noqa: UP045
         typer.Option("-o", "--output", help="Folder for the takes with lips and lids closed."),
     ] = None,
-    models: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
-    ] = None,
+    models: ModelsOption = None,
 ) -> None:
     """Measure how often lips and lids stay open on it where FaceEdit's own character closes them.
 

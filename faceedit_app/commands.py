@@ -23,6 +23,15 @@ from faceedit_app import (
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
 from faceedit_app.core.texts import say
+from faceedit_app.options import (
+    CharacterOption,
+    EditsOption,
+    FpsOption,
+    JsonOption,
+    ModelsOption,
+    OverwriteOption,
+    TakeArgument,
+)
 
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
@@ -52,24 +61,6 @@ app.command()(export_commands.live)
 app.command()(export_commands.record)
 app.command("track")(tracking_commands.track)
 
-TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
-CharacterOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--character", help="Your character: GLB, VRM, FBX or OBJ with blendshapes."),
-]
-FpsOption = Annotated[
-    Optional[float],  # noqa: UP045  (typer reads the annotation at run time)
-    typer.Option("--fps", help="Frames per second, if the take does not give them."),
-]
-OverwriteOption = Annotated[
-    bool,
-    typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
-]
-ModelsOption = Annotated[
-    Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
-    typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
-]
-
 
 def run_command(given: list[str]) -> int:
     """Run one command; returns its exit code: 2 after one line about wrong usage."""
@@ -97,7 +88,7 @@ def root(
 def info(
     take: TakeArgument,
     fps: FpsOption = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Show a take's frames, rate, duration, channels, gaps and format."""
     from faceedit_app.formats.opening import open_take
@@ -188,10 +179,7 @@ def render(
         typer.Option(help="The film of the take; default: what is found beside it."),
     ] = None,
     silent: Annotated[bool, typer.Option("--silent", help="A film without sound.")] = False,
-    edits: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Edits (JSON) to apply first."),
-    ] = None,
+    edits: EditsOption = None,
     character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,

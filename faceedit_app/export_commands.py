@@ -11,6 +11,15 @@ import typer
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
+from faceedit_app.options import (
+    CharacterOption,
+    EditsOption,
+    FpsOption,
+    ModelsOption,
+    OverwriteOption,
+    TakeArgument,
+    TakeFpsOption,
+)
 
 if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
@@ -18,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def convert(
-    take: Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")],
+    take: TakeArgument,
     output: Annotated[Path, typer.Argument(help="The file to write.")],
     form: Annotated[
         Optional[str],  # noqa: UP045  (typer reads the annotation at run time)
@@ -31,23 +40,17 @@ def convert(
         Optional[float],  # noqa: UP045
         typer.Option("--fps", help="Frames per second to write; default: the take's."),
     ] = None,
-    take_fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--take-fps", help="Frames per second of the take, if it does not give them."),
-    ] = None,
-    character: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--character", help="For glb, fbx, usd: your character; default: FaceEdit's."),
-    ] = None,
+    take_fps: TakeFpsOption = None,
+    character: CharacterOption = None,
     compact: Annotated[
         bool, typer.Option("--compact", help="For glb: weights in 16 bits, without zeros.")
     ] = False,
-    overwrite: Annotated[
-        bool,
-        typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
-    ] = False,
+    overwrite: OverwriteOption = False,
 ) -> None:
-    """Write a take in another format, or at another frame rate."""
+    """Write a take in another format, or at another frame rate.
+
+    A glb, fbx or usd holds a character that plays the take: yours with --character, or FaceEdit's.
+    """
     from faceedit_app.editing import exporting
     from faceedit_app.formats.opening import checked_rate
     from faceedit_app.formats.timing import format_rate
@@ -85,18 +88,9 @@ def batch(
         Optional[float],  # noqa: UP045
         typer.Option("--fps", help="Frames per second to write; needs --format."),
     ] = None,
-    take_fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--take-fps", help="Frames per second of takes that do not give them."),
-    ] = None,
-    character: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--character", help="Your character: lips and lids close on it, too."),
-    ] = None,
-    models: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
-    ] = None,
+    take_fps: TakeFpsOption = None,
+    character: CharacterOption = None,
+    models: ModelsOption = None,
     scheduler: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(help="A Dask scheduler, such as tcp://host:8786, whose workers do the work."),
@@ -105,6 +99,7 @@ def batch(
     """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
 
     Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
+    With --character, lips and lids also close on that character.
     """
     from rich.console import Console
     from rich.progress import Progress
@@ -194,7 +189,7 @@ def film(
 
 
 def live(
-    take: Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")],
+    take: TakeArgument,
     host: Annotated[str, typer.Option(help="Where to send it.")] = "127.0.0.1",
     port: Annotated[
         Optional[int],  # noqa: UP045
@@ -203,19 +198,10 @@ def live(
     protocol: Annotated[
         str, typer.Option(help="livelink (Unreal) or vmc (VSeeFace, Warudo, Unity).")
     ] = "livelink",
-    edits: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Edits (JSON) to apply first."),
-    ] = None,
+    edits: EditsOption = None,
     loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end.")] = False,
-    fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second, if the take does not give them."),
-    ] = None,
-    models: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--models", help="Folder of models; default: those that ship with FaceEdit."),
-    ] = None,
+    fps: FpsOption = None,
+    models: ModelsOption = None,
 ) -> None:
     """Play a take into another program, in real time; Ctrl+C stops it."""
     from faceedit_app.editing.opening import load_engine, open_session, shipped_rig

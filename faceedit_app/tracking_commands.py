@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 import typer
 
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.options import JsonOption
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -42,7 +43,7 @@ def track(
         Optional[Path],  # noqa: UP045
         typer.Option(help="With --report: edits (JSON) for a third column, the edited face."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: JsonOption = False,
 ) -> int:
     """Track the face in a film: write the take that a phone would have recorded."""
     from faceedit_app.editing.opening import shipped_rig

@@ -12,6 +12,13 @@ import typer
 from faceedit_app import character_commands
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
+from faceedit_app.options import (
+    CharacterOption,
+    FpsOption,
+    JsonOption,
+    ModelsOption,
+    OverwriteOption,
+)
 
 if TYPE_CHECKING:
     from faceedit_app.editing.help.spoken import Closure
@@ -41,7 +48,7 @@ def words(
         Optional[Path],  # noqa: UP045
         typer.Option(help="Write the words to this file: TextGrid, SRT or JSON."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: JsonOption = False,
     fix: Annotated[
         bool, typer.Option("--fix", help="Close the lips at each m, b and p that stays open.")
     ] = False,
@@ -49,32 +56,23 @@ def words(
         Optional[Path],  # noqa: UP045
         typer.Option("-o", "--output", help="With --fix: the fixed take."),
     ] = None,
-    character: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Your character: the lips are measured, and close, on it."),
-    ] = None,
-    fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second, if the take does not give them."),
-    ] = None,
-    models: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--models", help="Folder of models; default: those that ship."),
-    ] = None,
-    overwrite: Annotated[
-        bool,
-        typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
-    ] = False,
+    character: CharacterOption = None,
+    fps: FpsOption = None,
+    models: ModelsOption = None,
+    overwrite: OverwriteOption = False,
 ) -> None:
-    """Find when each word was said, and whether the lips close on m, b and p."""
+    """Find when each word was said, and whether the lips close on m, b and p.
+
+    With --character, the lips are measured, and close, on that character.
+    """
     from faceedit_app.media import is_media
+    from faceedit_app.words.aligning import NOISY, Line
     from faceedit_app.words.files import Imported, as_tables, read_words, write_words
 
     if (text is None) == (file is None):
         raise FaceEditError("words needs what is said: --text TEXT, or --words FILE")
     if fix != (output is not None):
         raise FaceEditError("--fix and -o belong together: give both or neither")
-    from faceedit_app.words.aligning import NOISY, Line
 
     said = read_words(file) if file is not None else Imported((Line(text or ""),))
     spellings = _spellings(sounds_like or [])

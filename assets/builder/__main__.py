@@ -1,14 +1,20 @@
-"""Command line: `python -m assets.builder [--wheel PATH] [--output GLB] [--sheet PNG]`."""
+"""Command line: `python -m assets.builder [--wheel PATH] [--output GLB] [--sheet PNG]`.
+
+Needs a graphics driver, for the shade; `--shade-only` computes nothing else.
+"""
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from assets.builder.assemble import build_rig
 from assets.builder.controls import write_definitions
 from assets.builder.source import REQUIREMENT, open_source
+from faceedit_app.characters.glb import read_rig
 from faceedit_app.characters.glb_writing import write_rig
+from faceedit_app.render import shade_of
 
 
 def main() -> None:
@@ -21,9 +27,16 @@ def main() -> None:
     parser.add_argument(
         "--sheet", type=Path, help="also draw every shape, e.g. docs/character_sheet.png"
     )
+    parser.add_argument(
+        "--shade-only", action="store_true", help="only compute the shade of the output again"
+    )
     arguments = parser.parse_args()
-    with open_source(arguments.wheel) as source:
-        rig = build_rig(source)
+    if arguments.shade_only:
+        rig = read_rig(arguments.output)
+    else:
+        with open_source(arguments.wheel) as source:
+            rig = build_rig(source)
+    rig = replace(rig, shade=shade_of(rig))
     write_rig(arguments.output, rig)
     write_definitions(arguments.output.with_suffix(".controls.json"), rig)
     size = arguments.output.stat().st_size / 1e6
@@ -32,7 +45,7 @@ def main() -> None:
         f"{len(rig.channels)} shapes, {size:.2f} MB"
     )
     if arguments.sheet:
-        from assets.builder.sheet import draw_sheet  # needs a graphics driver
+        from assets.builder.sheet import draw_sheet
 
         draw_sheet(rig, arguments.sheet)
         print(arguments.sheet)

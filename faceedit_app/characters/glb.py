@@ -1,8 +1,9 @@
 """FaceEdit's own character file: a standard GLB with morph targets, which Blender can open.
 
 All primitives share one set of vertex accessors and differ only in their indices, so that the rig
-stays one vertex array. The control points are in the mesh's `extras`. `glb_writing` writes it: the
-library that it uses would take longer to read the file than everything else.
+stays one vertex array. The control points are in the mesh's `extras`; the baked shade is an
+attribute that other programs ignore. `glb_writing` writes it: the library that it uses would take
+longer to read the file than everything else.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Material, Rig
 
 _REMEDY = "choose a GLB with morph targets and FaceEdit control definitions"
+SHADE = "_SHADE"  # glTF wants names of one's own to begin so
 _MISSING = (-1, -1)  # a control that the file does not define
 
 
@@ -53,7 +55,7 @@ def _rig(document: Document, fallback_name: str) -> Rig:
         materials.append(_material(document.entry("materials", primitive["material"]), start, stop))
         faces.append(triangles)
         start = stop
-    controls = extras["controls"]
+    controls, shade = extras["controls"], attributes.get(SHADE)
     return Rig(
         neutral=document.array(attributes["POSITION"]).astype(np.float32),
         faces=np.concatenate(faces),
@@ -64,6 +66,7 @@ def _rig(document: Document, fallback_name: str) -> Rig:
         control_pairs=np.array([controls.get(name, _MISSING) for name in CONTROL_IDS], np.int32),
         name=mesh.get("name") or fallback_name,
         attribution=extras.get("attribution", ""),
+        shade=None if shade is None else document.array(shade)[:, 0].astype(np.float32),
     )
 
 
@@ -80,6 +83,8 @@ def _problem(rig: Rig) -> str | None:
     shapes = (rig.neutral.shape, rig.deltas.shape, rig.colors.shape, rig.control_pairs.shape)
     if shapes != ((count, 3), (len(rig.channels), count, 3), (count, 4), (len(CONTROL_IDS), 2)):
         return "has parts of the character that do not fit together"
+    if rig.shade is not None and rig.shade.shape != (count,):
+        return "has a shade that does not fit the character"
     if not all(isinstance(name, str) for name in rig.channels):
         return "has morph targets without names"
     if not rig.has_control.any():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ def scene_glb(scene: Scene, name: str, compact: bool = False) -> bytes:
         compact: store the weights as 16-bit integers.
     """
     weights = dict(zip(scene.shapes, scene.weights.T, strict=True))
-    content = rig_content(scene.rig, scene.shapes)
+    content = rig_content(replace(scene.rig, shade=None), scene.shapes)  # FaceEdit's alone
     return _animated(content, weights, scene.times, name, compact)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pygltflib as gltf
 from numpy.typing import NDArray
 
+from faceedit_app.characters.glb import SHADE
 from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS
@@ -112,6 +113,9 @@ def rig_content(rig: Rig, shapes: Sequence[str] | None = None) -> bytes:
     )
     if rig.uv is not None:
         attributes.TEXCOORD_0 = out.add(rig.uv.astype("<f4"), "VEC2", _FLOAT, gltf.ARRAY_BUFFER)
+    if rig.shade is not None:
+        shade = out.add(rig.shade.astype("<f4"), "SCALAR", _FLOAT, gltf.ARRAY_BUFFER)
+        setattr(attributes, SHADE, shade)
     for picture in rig.textures:
         out.add_texture(picture)
     targets = [{"POSITION": out.add_sparse(d.astype("<f4"))} for d in rig.deltas]

@@ -54,6 +54,13 @@ class Clip:
         """Seconds from the first frame to the end of the last."""
         return float(self.times[-1]) + 1.0 / self.rate
 
+    @property
+    def gap_times(self) -> list[tuple[float, float]]:
+        """First and last second of each gap."""
+        return [
+            (float(self.times[gap.frame]), float(self.times[gap.frame + 1])) for gap in self.gaps
+        ]
+
     def frame_at(self, seconds: float) -> int:
         """Index of the frame nearest to a time, which is the one on screen."""
         right = int(np.searchsorted(self.times, seconds))

@@ -1,7 +1,8 @@
 """Map the channel names that files use to ARKit's, by rules.
 
 Tools spell one shape `eyeBlinkLeft`, `EyeBlinkLeft`, `eyeBlink_L`, `EYE_BLINK_LEFT`,
-`left_eye_blink`, `A14_Eye_Blink_Left`, `blendShape1.eyeBlink_L` or `head_ARKit_eyeBlinkLeft`.
+`left_eye_blink`, `A14_Eye_Blink_Left`, `blendShape1.eyeBlink_L`, `eyeBlink.L`,
+`head_ARKit_eyeBlinkLeft`, `weights[eyeBlinkLeft]` or `eyeBlinkLeft.value`.
 A name is split into words, namespaces and the usual prefixes are dropped, and a word for a side
 at either end becomes the side. Names are never compared by similarity: if the rules do not lead to
 an ARKit name, there is none. `characters.names` builds on this: a character's shapes may be halves
@@ -14,7 +15,11 @@ import re
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
-_NAMESPACE = re.compile(r"^.*[.:|/]")
+# A point may also stand before a side (`eyeBlink.L`) or a word for the number (`jawOpen.weight`).
+_NAMESPACE = re.compile(r"^.*[.:|/](?!(?:l|r|left|right|values?|weights?|scores?)$)", re.IGNORECASE)
+_BRACKETS = re.compile(
+    r"(?P<before>[^\[\](){}]*)[\[({]['\"]?(?P<inside>[^\[\](){}'\"]*)['\"]?[\])}]"
+)
 _PREFIX = re.compile(
     r"^(?:(?:blendshapes?|bs|shapes?|key|face|head|morph|arkit|ctrl|expressions?|[A-Z]?\d{1,3})"
     r"[ _-]+)+(?=.)",
@@ -22,18 +27,28 @@ _PREFIX = re.compile(
 )
 _BETWEEN_WORDS = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _BETWEEN_PARTS = re.compile(r"[\W_]+")
+_LONGEST = 200  # characters; a longer text is not a name
+_NUMBER_WORDS = {"value", "values", "weight", "weights", "score", "scores"}
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 
 def canonical_channel(name: str) -> str | None:
     """The ARKit name that `name` means, or None."""
-    return _BY_KEY.get(_key(name))
+    if len(name) > _LONGEST:
+        return None
+    found = _BY_KEY.get(_key(name))
+    brackets = None if found else _BRACKETS.fullmatch(name.strip())
+    if brackets is None:
+        return found
+    return _BY_KEY.get(_key(brackets["inside"])) or _BY_KEY.get(_key(brackets["before"]))
 
 
 def _key(name: str) -> str:
     """What all spellings of a shape share: its words in lower case, the side last."""
     name = _PREFIX.sub("", _NAMESPACE.sub("", name.strip()))
     words = [w.lower() for w in _BETWEEN_PARTS.split(_BETWEEN_WORDS.sub(" ", name)) if w]
+    if len(words) > 1 and words[-1] in _NUMBER_WORDS:
+        words.pop()
     if len(words) > 1:
         if words[-1] in _SIDES:
             words[-1] = _SIDES[words[-1]]

@@ -61,10 +61,17 @@ def from_grid(values: NDArray[np.floating[Any]], start: int, times: Times) -> Do
     position = np.clip(times * GRID_RATE - start, 0, len(values) - 1)
     i = np.minimum(position.astype(np.int64), max(len(values) - 2, 0))
     u = (position - i)[:, None]
-    last = len(values) - 1
-    before, a, b, after = (values[np.clip(i + k, 0, last)] for k in (-1, 0, 1, 2))
-    slope_a, slope_b = 0.5 * (b - before), 0.5 * (after - a)
-    return _hermite(u, a, b, slope_a, slope_b)
+    square, cube, last = u * u, u * u * u, len(values) - 1
+    taps = (
+        -0.5 * u + square - 0.5 * cube,
+        1.0 - 2.5 * square + 1.5 * cube,
+        0.5 * u + 2.0 * square - 1.5 * cube,
+        0.5 * (cube - square),
+    )
+    result: Doubles = np.zeros((len(times), values.shape[1]))
+    for step, tap in enumerate(taps, start=-1):
+        result += tap * values[np.clip(i + step, 0, last)]
+    return result
 
 
 def at_rate(times: Times, values: NDArray[Any], rate: float, own_rate: float) -> Doubles:

@@ -57,6 +57,8 @@ class Rig:
         uv: (V, 2) float32 texture coordinates; (0, 0) is the upper left corner.
         textures: (H, W, 4) uint8 each, sRGB and alpha, top row first.
         shading_groups: (V,) int32; vertices with the same number share a normal (texture seams).
+        shade: (V,) float32 in 0..1, the share of the light from above that reaches each vertex;
+            None = it is computed when a renderer is opened, which takes a fifth of a second.
     """
 
     neutral: Floats
@@ -71,6 +73,7 @@ class Rig:
     uv: Floats | None = None
     textures: tuple[NDArray[np.uint8], ...] = ()
     shading_groups: NDArray[np.int32] | None = None
+    shade: Floats | None = None
     channel_index: dict[str, int] = field(init=False)
 
     def __post_init__(self) -> None:

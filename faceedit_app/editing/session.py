@@ -1,8 +1,8 @@
-"""The session: what gestures do to a take, and the live result that is shown and exported."""
+"""The session: an open take with its edits, and the live result that is shown and exported."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -15,14 +15,9 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.fields import clean_text
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.describe import describe, describe_edits
-from faceedit_app.editing.edits.edit import MOST_EDITS, Edit, Op
-from faceedit_app.editing.edits.media import Placement, sound_moved
-from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.editing.edits.edit import MOST_EDITS
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
@@ -31,23 +26,22 @@ from faceedit_app.editing.files.fingerprint import (
     is_same_file,
 )
 from faceedit_app.editing.files.originals import make_way
+from faceedit_app.editing.history import EditHistory
 from faceedit_app.editing.solving.answerable import Lack
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
-from faceedit_app.editing.steps import EditState, Steps
+from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import encoded_take
 from faceedit_app.formats.take import Take
-from faceedit_app.words.transcript import Transcript
 
 if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.networks.engine import Engine
 
 
-class EditSession:
+class EditSession(EditHistory):
     """An open take and its edits.
 
-    A gesture calls `preview…` any number of times, then `commit` or `cancel`. Changes by one click
-    are committed at once: `add`, `put`, `remove`, `configure` and so on are one step each.
+    `EditHistory` changes the edits; this shows what they do to the take.
 
     `tracked`, `asked` and `achieved` are (T, C) mm: the three curves of each plot. `weights` is
     (T, 52) in ARKit order: what the character shows and the export writes; `rotations` is (T, 9) as
@@ -61,53 +55,28 @@ class EditSession:
         engine: answers edits; None = the rig alone answers them.
 
     Signals:
-        previewed(): a gesture has changed what is shown.
-        changed(): the kept state is shown, after a commit, cancel, undo or redo, or after the
-            engine has changed.
-        stepped(EditState): the kept state has changed; sent before `changed`, for the journal.
+        previewed, changed, stepped: see `EditHistory`; `changed` also follows a change of the
+            engine or the character.
         exporting(Fingerprint): the take's own file is about to be replaced by the edited take.
 
     Attributes:
         exported_over: the fingerprint of what was exported over the take's file, if anything was.
     """
 
-    previewed = Signal()
-    changed = Signal()
-    stepped = Signal(EditState)
     exporting = Signal(Fingerprint)
 
     def __init__(self, take: Take, rig: Rig, engine: Engine | None = None) -> None:
+        super().__init__()
         self.take, self.rig = take, rig
         self.exported_over: Fingerprint | None = None
         self.shown_rig = rig
         self._solver = Solver(take.clip, rig, engine)
-        self._steps = Steps()
-        self._saved = self._computed = self._steps.state
+        self._answered = self.state  # what the arrays show
         live = self.live = Live(self._solver)
         self.tracked, self.asked = live.tracked, live.asked
         self.achieved, self.weights, self.rotations = live.achieved, live.weights, live.rotations
 
-    # --- the kept state ----------------------------------------------------------------------
-
-    @property
-    def state(self) -> EditState:
-        """The kept state, without a preview."""
-        return self._steps.state
-
-    @property
-    def edits(self) -> tuple[Edit, ...]:
-        """The committed edits, oldest first."""
-        return self.state.edits
-
-    @property
-    def settings(self) -> Settings:
-        """Mode, naturalness and reach."""
-        return self.state.settings
-
-    @property
-    def words(self) -> Transcript | None:
-        """What is said in the take as shown, in its seconds; None if the user has not said."""
-        return self._steps.shown.words
+    # --- what answers the edits --------------------------------------------------------------
 
     @property
     def has_engine(self) -> bool:
@@ -124,242 +93,22 @@ class EditSession:
         """The curves that the take's channels cannot answer, by control: edits leave them."""
         return self._solver.lacks
 
-    @property
-    def is_saved(self) -> bool:
-        """Whether a project holds the edits, sound and film; an export does not."""
-        return self.state == self._saved
-
-    # --- gestures ----------------------------------------------------------------------------
-
-    @property
-    def is_previewing(self) -> bool:
-        """Whether a gesture is in progress."""
-        return self._steps.preview is not None
-
-    def preview(self, *edits: Edit | None) -> None:
-        """Show the take with further edits, as a drag does; None is ignored, no edit cancels."""
-        more = tuple(edit for edit in edits if edit is not None)
-        if more:
-            self.preview_list(self.edits + more)
-        else:
-            self.cancel()
-
-    def preview_list(self, edits: Sequence[Edit]) -> None:
-        """Show the take with another list of edits."""
-        self._preview(replace(self.state, edits=tuple(edits)))
-
-    def preview_replace(self, index: int, edit: Edit) -> None:
-        """Show the take with one edit of the list replaced."""
-        self.preview_list(self._with(index, edit))
-
-    def preview_settings(self, settings: Settings) -> None:
-        """Show the take with other settings."""
-        self._preview(replace(self.state, settings=settings))
-
-    def preview_media(self, media: Placement) -> None:
-        """Show the take with this sound and film; the words move with the sound."""
-        self._preview(self._with_media(media))
-
-    def preview_words(self, words: Transcript) -> None:
-        """Show the take with these words."""
-        self._preview(replace(self.state, words=words))
-
-    def commit(self, name: str = "", merge: Hashable = None) -> None:
-        """Keep the preview as one step.
-
-        Args:
-            name: the step's name, which Undo shows; by default that of the edits that it adds.
-            merge: extends the last step if it had the same key and nothing happened between.
-        """
-        if self._steps.preview is not None:
-            self._change(self._steps.preview, name, merge)
-
-    def extends(self, merge: Hashable) -> bool:
-        """Whether a commit with this merge key would extend the last step."""
-        return self._steps.extends(merge)
-
-    def seal(self) -> None:
-        """Let no later commit extend the last step."""
-        self._steps.seal()
-
-    def cancel(self) -> bool:
-        """Drop the preview; False if there is none."""
-        was_previewing = self._steps.cancel()
-        if was_previewing:
-            self._arrive(is_step=False)
-        return was_previewing
-
-    def _preview(self, state: EditState) -> None:
-        if state != self._steps.preview:
-            self._steps.preview = state
-            self._compute()
-            self.previewed.emit()
-
-    # --- undo --------------------------------------------------------------------------------
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is a step to undo."""
-        return bool(self._steps.done)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is a step to redo."""
-        return bool(self._steps.undone)
-
-    @property
-    def undo_name(self) -> str:
-        """The name of the step that Undo takes back; empty if there is none."""
-        return self._steps.done[-1].name if self.can_undo else ""
-
-    @property
-    def redo_name(self) -> str:
-        """The name of the step that Redo repeats; empty if there is none."""
-        return self._steps.undone[-1].name if self.can_redo else ""
-
-    def undo(self) -> None:
-        """Undo the last step, and drop the preview."""
-        if self._steps.undo():
-            self._arrive()
-
-    def redo(self) -> None:
-        """Redo the step that was undone last, and drop the preview."""
-        if self._steps.redo():
-            self._arrive()
-
-    @property
-    def history(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """The names of the steps that Undo takes back and of those that Redo repeats, by time."""
-        done, undone = self._steps.done, self._steps.undone
-        return tuple(step.name for step in done), tuple(step.name for step in reversed(undone))
-
-    def travel(self, steps: int) -> None:
-        """Redo some steps, or undo as many if below 0, and drop the preview."""
-        move = self._steps.redo if steps > 0 else self._steps.undo
-        moved = 0
-        while moved < abs(steps) and move():
-            moved += 1
-        if moved:
-            self._arrive()
-
-    # --- one click, one step; by default it is named after the edits that it adds ------------
-
-    def add(self, *edits: Edit, name: str = "") -> None:
-        """Add edits."""
-        self.put(self.edits + edits, name)
-
-    def reset(
-        self,
-        start: float,
-        end: float,
-        controls: Sequence[str] = CONTROL_IDS,
-        falloff: float = 0.0,
-    ) -> None:
-        """Bring curves back to the take as tracked, from `start` to `end` seconds."""
-        self.add(Edit(tuple(controls), Op.RESET, start, end, falloff), name="Reset range")
-
-    def put(self, edits: Sequence[Edit], name: str = "", merge: Hashable = None) -> None:
-        """Replace the list of edits."""
-        self._change(replace(self.state, edits=tuple(edits)), name, merge)
-
-    def replace_edit(self, index: int, edit: Edit, name: str = "") -> None:
-        """Replace one edit."""
-        self.put(self._with(index, edit), name or describe(edit))
-
-    def set_enabled(self, index: int, enabled: bool) -> None:
-        """Switch an edit on or off."""
-        edit = replace(self.edits[index], enabled=enabled)
-        self.replace_edit(index, edit, "Switch edit on" if enabled else "Switch edit off")
-
-    def rename(self, index: int, name: str) -> None:
-        """Rename an edit; "" returns it to its description."""
-        edit = replace(self.edits[index], name=clean_text(name.strip()))
-        self.replace_edit(index, edit, "Rename edit")
-
-    def remove(self, *indices: int) -> None:
-        """Delete edits from the list."""
-        gone = {range(len(self.edits))[index] for index in indices}
-        kept = tuple(edit for i, edit in enumerate(self.edits) if i not in gone)
-        self.put(kept, "Delete edit" if len(gone) == 1 else f"Delete {len(gone)} edits")
-
-    def move(self, index: int, to: int) -> None:
-        """Move an edit to another place in the list.
-
-        Args:
-            index: its present place.
-            to: its new place; beyond an end of the list means that end.
-        """
-        edits = list(self.edits)
-        edit = edits.pop(index)
-        edits.insert(max(to, 0), edit)
-        self.put(edits, "Move edit")
-
-    def configure(self, settings: Settings, merge: Hashable = None) -> None:
-        """Change the settings that all edits are answered by."""
-        name = self.settings.describe_change(settings)
-        self._change(replace(self.state, settings=settings), name, merge)
-
-    def place(self, media: Placement, name: str = "Sound and film", merge: Hashable = None) -> None:
-        """Set sound and film of the take, and when they begin; the words move with the sound."""
-        self._change(self._with_media(media), name, merge)
-
-    def say(self, words: Transcript | None, media: Placement | None = None) -> None:
-        """Set the words of the take, or remove them.
-
-        Args:
-            media: where sound and film lie now, so that the words move with the sound from now on.
-        """
-        name = "Words" if words is not None else "Remove words"
-        self._change(replace(self.state, words=words, media=media or self.state.media), name)
-
-    def restore(self, state: EditState) -> None:
-        """Go to a state from a file, as one step."""
-        self._change(state, "Recovery")
-
-    def begin_with(self, state: EditState) -> None:
-        """Start from the state of a project, which Undo cannot go behind."""
-        self._steps.begin_with(state)
-        self._arrive(is_step=False)
-
     def use_engine(self, engine: Engine) -> None:
         """Answer edits with this engine from now on; it is loaded after the window is up."""
         self.live.forget()
         self._solver.use_engine(engine)
-        self._computed = EditState()
-        self._compute()
-        self.changed.emit()
+        self._answer_again()
 
     def use_character(self, theirs: Rig | None) -> None:
         """Show the user's character from now on, and close lips and lids on it; None = ours."""
         self.shown_rig = self.rig if theirs is None else theirs
         self.live.forget()
         self._solver.use_character(theirs)
-        self._computed = EditState()
-        self._compute()
-        self.changed.emit()
+        self._answer_again()
 
-    def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
-        return (*self.edits[:index], edit, *self.edits[index:][1:])
-
-    def _with_media(self, media: Placement) -> EditState:
-        words = self.state.words
-        if words is not None and self.state.media is not None:
-            words = words.shifted(sound_moved(self.state.media, media))
-        return replace(self.state, media=media, words=words)
-
-    def _change(self, state: EditState, name: str, merge: Hashable = None) -> None:
-        """Preview and commit at once, with one signal."""
-        added = state.edits[len(self.edits) :] or state.edits[-1:]
-        was_previewing, self._steps.preview = self.is_previewing, state
-        is_step = self._steps.commit(name or describe_edits(added), merge)
-        if is_step or was_previewing:
-            self._arrive(is_step)
-
-    def _arrive(self, is_step: bool = True) -> None:
-        """Show the kept state and send the signals."""
-        self._compute()
-        if is_step:
-            self.stepped.emit(self.state)
+    def _answer_again(self) -> None:
+        self._answered = EditState()
+        self._show(self._steps.shown)
         self.changed.emit()
 
     # --- the result ------------------------------------------------------------------------
@@ -373,10 +122,10 @@ class EditSession:
         """The number of frames that differ from the take as tracked."""
         return self.live.changed_frames
 
-    def _compute(self) -> None:
-        """Update the arrays to the shown state, unless only media or words have changed."""
-        before, self._computed = self._computed, self._steps.shown
-        edits, settings = self._computed.edits, self._computed.settings
+    def _show(self, state: EditState) -> None:
+        """Update the arrays, unless only media or words have changed."""
+        before, self._answered = self._answered, state
+        edits, settings = state.edits, state.settings
         if edits != before.edits or settings != before.settings:
             self.live.show(self._solver.tasks(edits, settings))
 
@@ -420,13 +169,8 @@ class EditSession:
             self.exported_over = fingerprint_of_content(content)
             self.exporting.emit(self.exported_over)
         write_atomically(path, content)
-        self._steps.seal()  # so that Undo can return to what is in the file
+        self.seal()  # so that Undo can return to what is in the file
         return backup
-
-    def mark_saved(self) -> None:
-        """Note that the present state is saved."""
-        self._saved = self.state
-        self._steps.seal()  # so that Undo can return to what is in the file
 
     def save_edits(self, path: Path | str) -> None:
         """Save the edits, for `faceedit apply` or for another take.
@@ -435,7 +179,7 @@ class EditSession:
             FileError: the file cannot be written.
         """
         write_edits(path, self.edits)
-        self._steps.seal()
+        self.seal()
 
     def load_edits(self, path: Path | str) -> None:
         """Add the edits of a file as one step.

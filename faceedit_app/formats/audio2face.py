@@ -13,17 +13,19 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
-from faceedit_app.formats.json_take import JsonFrames, json_take
+from faceedit_app.formats.json_take import JsonFrames, frame_rate, json_take
 from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 
 FORMAT = "Audio2Face JSON"
+_NAMES = ("facsNames", "poseNames", "blendShapeNames")
 
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is an Audio2Face export of blendshapes."""
-    names = (b'"facsNames"', b'"weightMat"')
-    return 0.95 if looks_like_json(content) and all(name in content for name in names) else 0.0
+    if not looks_like_json(content) or b'"weightMat"' not in content:
+        return 0.0
+    return 0.95 if any(f'"{name}"'.encode() in content for name in _NAMES) else 0.0
 
 
 def read(path: Path, content: bytes, fps: float | None) -> Take:
@@ -36,9 +38,10 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     text = read_json(path, content)
     document = as_object(text.document)
     frames = JsonFrames(
-        as_list(document.get("facsNames")),
+        next((as_list(document[name]) for name in _NAMES if name in document), []),
         as_list(document.get("weightMat")),
-        rate=text.number(document.get("exportFps")),
+        as_list(document.get("timeCodes")),
+        rate=frame_rate(text, document),
     )
     return json_take(text, FORMAT, frames, fps)
 

@@ -7,7 +7,7 @@ without a tracked face) survives by construction.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -40,15 +40,18 @@ class Columns:
         return Columns(tuple(self.channels[k] for k in kept), tuple(self.indices[k] for k in kept))
 
 
-def find_channels(table: Table) -> Columns:
+def find_channels(table: Table, naming: Callable[[str], str | None] = canonical_channel) -> Columns:
     """Find the channels by name, in any order.
+
+    Args:
+        naming: the channel that a column's name means, or None.
 
     Raises:
         FileError: there is no channel, or one has two columns.
     """
     found: dict[str, int] = {}
     for k, name in enumerate(table.names):
-        channel = canonical_channel(name)
+        channel = naming(name)
         if channel is None:
             continue
         if channel in found:
@@ -100,7 +103,7 @@ class CsvSource:
         touched = np.flatnonzero(changed.any(axis=1))
         out = list(self.table.lines)
         if len(touched):
-            write = detect_format(self._sample(columns), scale).write
+            write = self._writer(columns, scale)
             for row in touched.tolist():
                 line = self.lines[row]
                 cells = self.table.cells(line)
@@ -121,7 +124,7 @@ class CsvSource:
         Args:
             weights: (L, K) for `lost`; a row of NaN stays as it is.
         """
-        write = detect_format(self._sample(self.columns), self.scale).write
+        write = self._writer(self.columns, self.scale)
         out, frames = list(self.table.lines), np.array(self.lines)
         for line, row in zip(self.lost, weights, strict=True):
             if not np.isfinite(row).all():
@@ -138,15 +141,23 @@ class CsvSource:
             out[line] = self.table.delimiter.join(cells) + old[len(old.rstrip(b"\r\n")) :]
         return replace(self, table=replace(self.table, lines=tuple(out)))
 
+    def _writer(self, columns: Sequence[int], scale: float) -> Callable[[float], bytes]:
+        """What writes a number as the file writes those in some columns."""
+        write, decimal = detect_format(self._sample(columns), scale).write, self.table.decimal
+        return lambda number: write(number).replace(b".", decimal)
+
     def _sample(self, columns: Sequence[int]) -> Iterator[bytes]:
         stride = max(1, len(self.lines) // _FORMAT_SAMPLE)
         for line in islice(self.lines, 0, None, stride):
             cells = self.table.cells(line)
             for column in columns:
-                yield cells[column].strip().strip(b'"').strip()
+                yield _bare(cells[column]).replace(self.table.decimal, b".")
 
 
 def _replaced(cell: bytes, number: bytes) -> bytes:
     """The cell with another number, in its own quotes and spaces."""
-    old = cell.strip().strip(b'"').strip()
-    return cell.replace(old, number, 1)
+    return cell.replace(_bare(cell), number, 1)
+
+
+def _bare(cell: bytes) -> bytes:
+    return cell.strip().strip(b'"').strip()

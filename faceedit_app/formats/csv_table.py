@@ -11,12 +11,14 @@ from array import array
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, REPAIR, check_text, shown
 
 _HEAD = 1 << 20  # bytes; enough for a header and a row
@@ -24,7 +26,29 @@ _MOST_LINES = 6_000_000  # more than a day at 60 fps
 _MOST_COLUMNS = 10_000
 _DELIMITERS = (b",", b";", b"\t")
 # What programs write in place of a missing number.
-_MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "null", "none", "-nan(ind)", "nan(ind)"}
+_MISSING = {
+    *(
+        "",
+        "nan",
+        "-nan",
+        "+nan",
+        "na",
+        "n/a",
+        "#n/a",
+        "-nan(ind)",
+        "nan(ind)",
+        "#value!",
+        "#div/0!",
+    ),
+    *("null", "none", "nil", "undefined", "-", "--"),
+}
+_NO = {"0", "0.0", "0.00", "0.000", "false", "no"}
+_NOT_TRACKED = -1.0  # in every column of a row
+_FEWEST_NUMBERS = 3  # of a row that such numbers mark as lost
+_MOST_SEARCHED = 1000  # lines among which the header is looked for
+_PREAMBLE = 30  # lines that may stand before the header
+_COMMENT = b"#"
+_DECIMAL_COMMA = re.compile(rb"[ \"]*[+-]?\d*,\d+(?:[eE][+-]?\d+)?[ \"]*")
 _QUOTED = re.compile('"((?:[^"]|"")*)"(.*)', re.DOTALL)
 _SPACED = re.compile(r'\s+"([^"]*)"(\s*)')
 
@@ -61,6 +85,7 @@ class Table:
         names: column names without quotes and spaces around them.
         delimiter: separates cells.
         mark: the first cell of every row, if any; lines without it are not rows.
+        decimal: what stands between the units and the decimals of a number.
     """
 
     path: Path
@@ -69,6 +94,7 @@ class Table:
     names: tuple[str, ...]
     delimiter: bytes
     mark: bytes | None = None
+    decimal: bytes = b"."
 
     def error(self, problem: str, remedy: str, line: int | None = None) -> FileError:
         """An error about this file, at the line with this index."""
@@ -86,10 +112,13 @@ class Table:
         return cells
 
     def rows(self) -> Iterator[tuple[int, Cells]]:
-        """The line index and the cells of each row; blank lines are skipped."""
+        """The line index and the cells of each row; blank lines and comments are skipped."""
         for line in range(self.header + 1, len(self.lines)):
             cells = self.cells(line)
-            is_row = cells[0] == self.mark if self.mark else any(map(bytes.strip, cells))
+            if self.mark:
+                is_row = cells[0] == self.mark
+            else:
+                is_row = any(map(bytes.strip, cells)) and not _is_comment(cells[0])
             if is_row:
                 yield line, cells
 
@@ -101,13 +130,14 @@ class Table:
     ) -> Rows:
         """Read some columns of all rows.
 
-        A row without numbers, or with a count of 0, has lost the face: it stays in the file but
-        is not a frame.
+        A row without numbers, with -1 in place of all, or with a count of 0 has lost the face: it
+        stays in the file but is not a frame. A first row of units is not a row.
 
         Args:
             text_columns: columns to read as texts.
             number_columns: columns to read as numbers; columns without any are all NaN.
-            count: the column with the number of values in each row, if any.
+            count: the column with the number of values in each row, or with whether the face was
+                tracked, if any.
 
         Raises:
             FileError: there is no row, a row is too short or too long, a cell is not a number,
@@ -119,13 +149,15 @@ class Table:
         flat = array("d")
         nothing, width = array("d", [np.nan]) * len(number_columns), len(self.names)
         for line, cells in self.rows():
+            if not texts and _is_units(cells, text_columns, number_columns):
+                continue
             if len(cells) == width or self._fits(line, cells, number_columns, count):
                 flat.extend(self._numbers(line, cells, number_columns))
             else:
                 flat.extend(nothing)
                 cells += [b""] * (width - len(cells))
             zero.append(count is not None and _is_zero(cells[count]))
-            texts.append(tuple([plain_text(cells[k]) for k in text_columns]))
+            texts.append(tuple([self._text(cells[k]) for k in text_columns]))
             lines.append(line)
         if not texts:
             raise self.error("has a header but no frames", "export the take again", self.header)
@@ -136,6 +168,12 @@ class Table:
         kept = [lines[i] for i in frames]
         between = [lines[i] for i in np.flatnonzero(lost) if kept and kept[0] < lines[i] < kept[-1]]
         return Rows(texts, lost, numbers[frames], kept, tuple(between))
+
+    def _text(self, cell: bytes) -> str:
+        """A cell's text, with a point in a number."""
+        if self.decimal != b"." and _DECIMAL_COMMA.fullmatch(cell):
+            cell = cell.replace(self.decimal, b".")
+        return plain_text(cell)
 
     def _numbers(self, line: int, cells: Cells, columns: Sequence[int]) -> list[float]:
         if b"_" not in self.lines[line]:  # Python reads 1_0 as 10: check more closely
@@ -168,7 +206,7 @@ class Table:
         )
 
     def _number(self, line: int, column: int, cell: bytes) -> float:
-        text = plain_text(cell)
+        text = self._text(cell)
         if text.lower() in _MISSING:
             return np.nan
         try:
@@ -187,7 +225,7 @@ class Table:
         largest = float(np.finfo(np.float32).max)
         empty = np.all(np.isnan(numbers), axis=0)
         missing = np.isnan(numbers) & ~empty & ~lost[:, None]
-        wrong = np.argwhere(missing | (np.abs(numbers) > largest))
+        wrong = np.argwhere(missing | ((np.abs(numbers) > largest) & ~lost[:, None]))
         if len(wrong):
             row, k = int(wrong[0, 0]), columns[int(wrong[0, 1])]
             text = shown(plain_text(self.cells(lines[row])[k]))
@@ -207,24 +245,81 @@ def read_table(path: Path, content: bytes) -> Table:
     if content.count(b"\n") + content.count(b"\r") > 2 * _MOST_LINES:  # each may end with two
         raise FileError(path, f"has over {_MOST_LINES:,} lines", "split the take into shorter ones")
     lines = tuple(content.splitlines(keepends=True))
-    header = next(i for i, line in enumerate(lines) if line.removeprefix(BOM).strip())
+    header = _header([line.removeprefix(BOM) for line in lines[:_MOST_SEARCHED]])
     text = lines[header].removeprefix(BOM).rstrip(b"\r\n")
-    if text.count(b",") + text.count(b";") + text.count(b"\t") > _MOST_COLUMNS:
+    if _separators(text) > _MOST_COLUMNS:
         raise FileError(path, f"has over {_MOST_COLUMNS:,} columns", CHOOSE_TAKE, header + 1)
     delimiter, cells = split_header(text)
     if cells is None:
         raise FileError(path, "a quoted cell does not end on its line", REPAIR, header + 1)
-    return Table(path, lines, header, tuple(plain_text(cell) for cell in cells), delimiter)
+    names = tuple(plain_text(cell) for cell in cells)
+    return Table(path, lines, header, names, delimiter, decimal=_decimal(lines, header, delimiter))
 
 
 def first_rows(content: bytes) -> tuple[tuple[str, ...], Cells]:
     """The column names and the first row's cells, if the content is read as CSV."""
-    lines = (line for line in content[:_HEAD].removeprefix(BOM).splitlines() if line.strip())
-    header, row = next(lines, b""), next(lines, b"")
+    lines = content[:_HEAD].removeprefix(BOM).splitlines()
+    place = _header(lines)
+    header = lines[place] if lines else b""
+    row = next((line for line in lines[place + 1 :] if line.strip()), b"")
     delimiter, cells = split_header(header)
     if b"\0" in header or cells is None:
         return (), []
     return tuple(plain_text(cell) for cell in cells), split_line(row, delimiter) or []
+
+
+def _header(lines: Sequence[bytes]) -> int:
+    """The index of the header: the first line with a channel and no number, or else the first.
+
+    Comments, a title and Excel's `sep=;` may stand before it.
+    """
+    filled = (i for i, line in enumerate(lines) if line.strip())
+    first = next(filled, 0)
+    for place in islice(chain([first], filled), _PREAMBLE):
+        line = lines[place].rstrip(b"\r\n") if place < len(lines) else b""
+        if _separators(line) > _MOST_COLUMNS:
+            continue
+        texts = [plain_text(cell) for cell in split_header(line)[1] or ()]
+        if any(map(canonical_channel, texts)) and not any(map(_is_number, texts)):
+            return place
+    return first
+
+
+def _separators(line: bytes) -> int:
+    return sum(map(line.count, _DELIMITERS))
+
+
+def _decimal(lines: Sequence[bytes], header: int, delimiter: bytes) -> bytes:
+    """What stands before the decimals of the numbers in the first rows."""
+    if delimiter == b",":
+        return b"."
+    rows = [line for line in lines[header + 1 : header + 1 + _PREAMBLE] if line.strip()]
+    cells = [cell for row in rows for cell in row.rstrip(b"\r\n").split(delimiter)]
+    return b"," if any(map(_DECIMAL_COMMA.fullmatch, cells)) else b"."
+
+
+def _is_comment(cell: bytes) -> bool:
+    """Whether a row's first cell begins a comment; a spreadsheet's `#N/A` does not."""
+    return cell.lstrip().startswith(_COMMENT) and not _is_missing(cell)
+
+
+def _is_units(cells: Cells, texts: Sequence[int], numbers: Sequence[int]) -> bool:
+    """Whether a row holds units or ranges, such as `s` and `[0-1]`, instead of a frame."""
+    if max([*texts, *numbers]) >= len(cells):
+        return False
+    shown = [plain_text(cells[k]) for k in numbers]
+    if any(_is_number(text) or text.lower() in _MISSING - {""} for text in shown):
+        return False
+    digits = any(character.isdigit() for k in texts for character in plain_text(cells[k]))
+    return not digits and any(cells[k].strip() for k in [*texts, *numbers])
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
 
 
 def split_header(text: bytes) -> tuple[bytes, Cells | None]:
@@ -276,10 +371,12 @@ def plain_text(cell: bytes) -> str:
 
 
 def _lost(numbers: Doubles, zero: Bools) -> Bools:
-    """(R,) which rows have no frame: without numbers (R, N), or with a count of 0."""
+    """(R,) which rows have no frame: without a number (R, N), all -1, or with a count of 0."""
     if zero.all() and np.nan_to_num(numbers).any():  # this tool never fills in the count
         zero = np.zeros_like(zero)
-    lost: Bools = np.all(np.isnan(numbers), axis=1) | zero
+    lost: Bools = np.all(~np.isfinite(numbers), axis=1) | zero
+    if numbers.shape[1] >= _FEWEST_NUMBERS:
+        lost |= np.all(numbers == _NOT_TRACKED, axis=1)
     return lost
 
 
@@ -288,5 +385,5 @@ def _is_missing(cell: bytes) -> bool:
 
 
 def _is_zero(cell: bytes) -> bool:
-    """Whether a count is 0, which some tools write as `0.0`."""
-    return cell.strip(b' "') in (b"0", b"0.0")
+    """Whether a count is 0, or the face was not tracked."""
+    return plain_text(cell).lower() in _NO

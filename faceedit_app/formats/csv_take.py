@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -14,11 +16,17 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
 from faceedit_app.formats.files import shown
+from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
 
 _COUNTS = ("blendshapecount", "numproperties")
+# Columns that say whether the face was tracked: 0 or false if not. Letters only, in lower case.
+_TRACKED = (
+    *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
+    *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
+)
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
     part + axis for part in ("head", "lefteye", "righteye") for axis in ("yaw", "pitch", "roll")
@@ -36,6 +44,8 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
+    if looks_like_json(content):
+        return 0.0
     return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
 
 
@@ -57,20 +67,28 @@ def write(clip: Clip) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
+def csv_take(
+    table: Table,
+    fps: float | None,
+    name: str = "",
+    naming: Callable[[str], str | None] = canonical_channel,
+) -> Take:
     """Make the take of a table.
 
     Args:
         fps: the frame rate, if the user gave one.
         name: the format's name; "" = named after the kind of its times.
+        naming: the channel that a column's name means, or None.
 
     Raises:
         RateNeeded: its times are unusable, and `fps` is None.
         FileError: it has no channels, or is damaged.
     """
-    found = find_channels(table)
+    found = find_channels(table, naming)
     lower = [column.lower() for column in table.names]
-    count = next((lower.index(wanted) for wanted in _COUNTS if wanted in lower), None)
+    letters = [re.sub(r"[\W_]", "", name) for name in lower]
+    count = next((letters.index(n) for n in (*_COUNTS, *_TRACKED) if n in letters), None)
+    said = count if count is not None and letters[count] in _COUNTS else None
     clocks = [k for k in time_columns(table.names) if k not in found.indices]
     turns = [lower.index(name) for name in ROTATIONS if name in lower]
     turns = turns if len(turns) == len(ROTATIONS) else []
@@ -79,7 +97,7 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
     times = _times(table, clocks, rows)
-    used = {times.column, count}
+    used = {times.column, said}
     carried = [k for k in range(len(lower)) if k not in used and k not in columns.indices]
     recording = Recording(
         path=table.path,
@@ -90,7 +108,10 @@ def csv_take(table: Table, fps: float | None, name: str = "") -> Take:
         lost=rows.lost,
         timecodes=_timecodes(clocks, rows, times),
         carried=tuple(table.names[k] or "(unnamed)" for k in carried),
-        notes=(*_empty_notes(found, columns), *_count_notes(table, rows, count)),
+        notes=(
+            *_empty_notes(found, columns),
+            *_count_notes(table, rows, said),
+        ),
         rotations=_rotations(rows, len(clocks)) if turns else None,
     )
     source = partial(

@@ -11,10 +11,6 @@ from faceedit_app.formats.csv_table import first_rows, plain_text
 
 _HEAD = 1 << 16
 _FEWEST_COLUMNS = 20  # columns of unnamed numbers that look like a face
-# MetaHuman's own curves: some have ARKit's names but another meaning.
-_METAHUMAN = re.compile(
-    rb"CTRL_expressions_|mouthCornerPull[LR]\b|mouthLipsTogether[UD][LR]\b|browRaiseIn[LR]\b"
-)
 _MATRIX = re.compile(rb"\s*\[\s*\[\s*-?[0-9]")
 _STREAM = re.compile(rb"\w+[-&]\d{1,3}\|\w+[-&]\d{1,3}\|")
 _SAVE_AS_CSV = "save it as CSV with a line of ARKit names at the top"
@@ -38,11 +34,6 @@ class Foreign:
 def recognise_foreign(content: bytes) -> Foreign | None:
     """The kind of a file that is not a take, if known."""
     return next((kind for kind in _FOREIGN if kind.sniff(content)), None)
-
-
-def has_metahuman_curves(content: bytes) -> bool:
-    """Whether a file has MetaHuman's control curves, some of which have ARKit's names."""
-    return _METAHUMAN.search(content[:_HEAD]) is not None
 
 
 def _has(*texts: bytes) -> Callable[[bytes], bool]:
@@ -81,9 +72,6 @@ def _is_transposed(content: bytes) -> bool:
 
 # fmt: off
 _FOREIGN: tuple[Foreign, ...] = (
-    Foreign("holds MetaHuman control curves, which are not ARKit's",
-            "apply ARKit Remap in Unreal and export a Live Link Face CSV",
-            has_metahuman_curves),
     Foreign("holds the emotions of an Audio2Face export, not its blendshapes",
             "open the file with facsNames that was exported with it",
             lambda content: b'"emotionNames"' in content or b'"emotionKeys"' in content),
@@ -91,7 +79,7 @@ _FOREIGN: tuple[Foreign, ...] = (
             _has(b'"openfacefx.track"')),
     Foreign("is a list of edits or a project, not a take",
             "open the take first, then load the edits", _has(b'"version"', b'"edits"')),
-    Foreign("is a glTF that keeps its data in other files", "save it as one GLB file",
+    Foreign("is a glTF in text form", "save it as one GLB file",
             lambda content: content.lstrip().startswith(b"{") and b'"bufferViews"' in content),
     Foreign("is a GLB without an animation of shapes with ARKit names",
             "export the character with its shape keys and their animation", _starts(b"glTF")),

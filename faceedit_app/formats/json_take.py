@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Indices
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import shown
-from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list
+from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list, as_object
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import date_times, number_times
 from faceedit_app.formats.timecode import BadTimecode
@@ -27,6 +28,12 @@ from faceedit_app.formats.timing import (
     single_row,
 )
 
+Naming = Callable[[str], str | None]
+"""The channel that a name in a file means, or None."""
+
+# In lower case, without anything but letters.
+_RATES = {"fps", "exportfps", "framerate", "framespersecond"}
+
 
 @dataclass(frozen=True)
 class JsonFrames:
@@ -38,6 +45,7 @@ class JsonFrames:
         times: (R) the time of each frame, a number or a date; empty if there are none.
         time_name: the document's name for them.
         rate: frames per second, instead of times.
+        naming: the channel that a name means.
     """
 
     names: Sequence[Any]
@@ -45,6 +53,28 @@ class JsonFrames:
     times: Sequence[Any] = ()
     time_name: str = "time"
     rate: float | None = None
+    naming: Naming = canonical_channel
+
+
+def frame_rate(text: JsonText, document: Any) -> float | None:
+    """The frames per second that an object, or one right below it, gives."""
+    outer = as_object(document)
+    for entry in (outer, *map(as_object, outer.values())):
+        for name, value in entry.items():
+            if re.sub(r"[^a-z]", "", name.lower()) in _RATES:
+                rate = text.number(value)
+                if rate is None and isinstance(value, str):
+                    rate = _number(value)
+                if rate is not None:
+                    return rate
+    return None
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
 
 
 def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) -> Take:
@@ -58,7 +88,7 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
         RateNeeded: its times are unusable, and `fps` is None.
         FileError: it has no channels or frames, or is damaged.
     """
-    columns = _channels(text, frames.names)
+    columns = _channels(text, frames)
     places = _places(text, frames, list(columns.values()))
     values = text.look_up(places)
     filled = ~np.all(np.isnan(values), axis=0)
@@ -85,10 +115,10 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
     return finish_take(recording, fps, source, lambda frame, k: text.line(int(places[frame, k])))
 
 
-def _channels(text: JsonText, names: Sequence[Any]) -> dict[str, int]:
+def _channels(text: JsonText, frames: JsonFrames) -> dict[str, int]:
     found: dict[str, int] = {}
-    for k, name in enumerate(names):
-        channel = canonical_channel(name) if isinstance(name, str) else None
+    for k, name in enumerate(frames.names):
+        channel = frames.naming(name) if isinstance(name, str) else None
         if channel in found:
             raise text.error(f'names the channel "{channel}" twice', "remove one of them")
         if channel is not None:

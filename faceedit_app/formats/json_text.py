@@ -26,6 +26,7 @@ from faceedit_app.formats.numbers import detect_format
 
 # Strings are matched too, so that numbers inside them do not count.
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
+_SPACE = re.compile(r"[ \t\r\n]*")
 _FORMAT_SAMPLE = 10_000
 _DAMAGED = "copy it from its source again"
 
@@ -122,13 +123,11 @@ def read_json(path: Path, content: bytes) -> JsonText:
         values.append(float(text))
         return Place(len(values) - 1)
 
+    decoder = json.JSONDecoder(
+        parse_float=number, parse_int=number, parse_constant=lambda name: None
+    )
     try:
-        document = json.loads(
-            content.removeprefix(BOM).decode(),
-            parse_float=number,
-            parse_int=number,
-            parse_constant=lambda name: None,
-        )
+        document = _documents(decoder, content.removeprefix(BOM).decode())
     except UnicodeDecodeError:
         raise FileError(path, "is not UTF-8 text", "save it as UTF-8") from None
     except json.JSONDecodeError as error:
@@ -137,6 +136,20 @@ def read_json(path: Path, content: bytes) -> JsonText:
     except RecursionError:
         raise FileError(path, "is damaged: it is nested too deeply", _DAMAGED) from None
     return JsonText(path, content, document, np.frombuffer(values, np.float64))
+
+
+def _documents(decoder: json.JSONDecoder, text: str) -> Any:
+    """The document of a text, or a list of them if it has one per line (JSON Lines)."""
+    found: list[Any] = []
+    place = _SPACE.match(text).end()
+    while place < len(text) or not found:
+        document, place = decoder.raw_decode(text, place)
+        found.append(document)
+        space = _SPACE.match(text, place)
+        if space.end() < len(text) and "\n" not in space[0]:
+            raise json.JSONDecodeError("Extra data", text, space.end())
+        place = space.end()
+    return found if len(found) > 1 else found[0]
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,16 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from faceedit_app.formats.json_take import JsonFrames, json_take
+from faceedit_app.formats.json_take import JsonFrames, frame_rate, json_take
 from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 
 FORMAT = "JSON with names and frames"
-_NAMES = re.compile(rb'"names"\s*:\s*\[')
-_FRAMES = re.compile(rb'"(?:frames|values)"\s*:\s*\[')
-_RATES = ("fps", "frame_rate", "frameRate")
+_NAMES = re.compile(rb'"(?:names|blend_?shape_?names)"\s*:\s*\[', re.IGNORECASE)
+_FRAMES = re.compile(rb'"(?:frames|values|weights|blend_?shape_?weights)"\s*:\s*\[', re.IGNORECASE)
+_NAME_KEYS = {"names", "blendshapenames"}
+_FRAME_KEYS = ("frames", "values", "blendshapeweights", "weights")
+_TIME_KEYS = ("times", "time", "timestamps", "timecodes")
 
 
 def sniff(content: bytes) -> float:
@@ -36,15 +38,16 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """
     text = read_json(path, content)
     document = as_object(text.document)
-    places = (document, as_object(document.get("metadata")))
-    rates = [text.number(place.get(name)) for place in places for name in _RATES]
-    entries = as_list(document.get("frames")) or as_list(document.get("values"))
+    lists = {name.replace("_", "").lower(): entry for name, entry in document.items() if entry}
+    entries = next((as_list(lists[key]) for key in _FRAME_KEYS if key in lists), [])
     weights = [as_object(entry).get("weights", entry) for entry in entries]
     times = [as_object(entry).get("time") for entry in entries]
+    if None in times:
+        times = next((as_list(lists[key]) for key in _TIME_KEYS if key in lists), [])
     frames = JsonFrames(
-        as_list(document.get("names")),
+        next((as_list(lists[key]) for key in _NAME_KEYS if key in lists), []),
         weights,
-        times if None not in times else (),
-        rate=next((rate for rate in rates if rate is not None), None),
+        times if len(times) == len(entries) else (),
+        rate=frame_rate(text, document),
     )
     return json_take(text, FORMAT, frames, fps)

@@ -8,6 +8,8 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from faceedit_app.formats.weights import BYTES
+
 # Coarser than this, an edited curve would move in visible steps.
 _LEAST_PADDED, _LEAST_TRIMMED = 4, 6
 _MOST_TRIMMED = 9  # the digits that float32 needs
@@ -60,6 +62,8 @@ def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
         decimals[len(match[1] or b"")] += 1
         exponents[chr(match[2][0]) if match[2] else ""] += 1
     most = max(decimals, default=0)
+    if scale == BYTES and not most:
+        return NumberFormat(0, True)  # a program that reads bytes reads whole numbers only
     # Python and JavaScript write small numbers such as `1e-05` among plain ones.
     exponent = max(exponents, key=lambda key: exponents[key], default="")
     if exponent:

@@ -10,6 +10,7 @@ import numpy as np
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.encodings import as_utf8, recoded
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.registry import recognise
 from faceedit_app.formats.take import FillableSource, RotatingSource, Take
@@ -32,9 +33,9 @@ def open_take(path: Path | str, fps: float | None = None) -> Take:
     path = Path(path)
     if fps is not None:
         fps = checked_rate(path, fps)
-    content = read_bytes(path)
+    content, encoding = as_utf8(read_bytes(path))
     form = recognise(path, content)
-    return replace(form.read(path, content, fps), kind=form.name)
+    return recoded(replace(form.read(path, content, fps), kind=form.name), encoding)
 
 
 def checked_rate(path: Path, fps: float) -> float:

@@ -19,10 +19,13 @@ from faceedit_app.formats import (
     glb_animation,
     livelink,
     mediapipe,
+    metahuman,
     named_frames,
+    named_weights,
 )
+from faceedit_app.formats.encodings import as_utf8
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
-from faceedit_app.formats.foreign import has_metahuman_curves, recognise_foreign
+from faceedit_app.formats.foreign import recognise_foreign
 from faceedit_app.formats.take import Take
 
 
@@ -89,6 +92,10 @@ FORMATS: tuple[Format, ...] = (
            "the BEAT data set, LAM_Audio2Expression", named_frames.sniff, named_frames.read),
     Format("mediapipe", mediapipe.FORMAT, (".json",), "application/json",
            "webcam recorders on MediaPipe", mediapipe.sniff, mediapipe.read),
+    Format("json", named_weights.FORMAT, (".json", ".jsonl", ".ndjson"), "application/json",
+           "scripts, game engines, web recorders", named_weights.sniff, named_weights.read),
+    Format("metahuman", metahuman.FORMAT, (".csv", ".json"), "",
+           "Unreal scripts that list a MetaHuman's curves", metahuman.sniff, metahuman.read),
     Format("glb", glb_animation.FORMAT, (".glb",), "model/gltf-binary",
            "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
 )
@@ -116,8 +123,6 @@ def recognise(path: Path, content: bytes) -> Format:
 
 def find_format(content: bytes) -> Format | None:
     """The format of a file's content, or None."""
-    if has_metahuman_curves(content):
-        return None
     sure = [(form.sniff(content), form) for form in FORMATS]
     best = max(sure, key=lambda one: one[0], default=(0.0, None))
     return best[1] if best[0] > 0 else None
@@ -126,7 +131,7 @@ def find_format(content: bytes) -> Format | None:
 def is_take(path: Path) -> bool:
     """Whether a file's content is of a known format; False if it cannot be read."""
     try:
-        return find_format(read_bytes(path)) is not None
+        return find_format(as_utf8(read_bytes(path))[0]) is not None
     except FileError:
         return False
 

@@ -22,7 +22,13 @@ from faceedit_app.formats.timing import (
     gap_notes,
     lost_notes,
 )
-from faceedit_app.formats.weights import first_impossible, impossible, scale_notes, scale_of
+from faceedit_app.formats.weights import (
+    first_impossible,
+    impossible,
+    mixed_notes,
+    scale_notes,
+    scale_of,
+)
 
 _LONGEST = 24 * 3600.0  # seconds
 
@@ -169,6 +175,7 @@ def finish_take(
         *gap_notes(gaps),
         *lost_notes(recording.lost),
         *scale_notes(scale),
+        *mixed_notes(values, scale, recording.channels),
     )
     carried = recording.carried
     return Take(path, recording.format, clip, carried, notes, source(scale), fps)

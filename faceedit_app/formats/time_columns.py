@@ -48,6 +48,13 @@ _TIME_WORDS = {
     *("date", "datetime"),
 }
 _COUNT_WORDS = {"frame", "frames", "framenumber", "frameid", "index", "idx"}
+_UNIVERSAL = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
+# Day, month and year in any order, then a clock time: only the clock counts.
+_LOCAL = re.compile(
+    r"\d{1,4}[./-]\d{1,2}[./-]\d{1,4}[ ,T]+(?P<hour>\d{1,2})(?P<rest>:\d\d:\d\d(?:[.,]\d{1,9})?)"
+    r"(?: ?(?P<half>[ap])\.?m\.?)?",
+    re.IGNORECASE | re.ASCII,
+)
 _FILM_RATE = 30.0  # the most likely rate of a film whose frames are numbered
 _USUAL = (2.0, 245.0)  # frames per second; a plausible rate for a unit that is not named
 _LONGEST_COUNT = 4.0  # steps from row to row up to which numbers may be frame numbers
@@ -155,11 +162,34 @@ def _is_number(text: str) -> bool:
 
 
 def _is_date(text: str) -> bool:
+    return _moment(text) is not None
+
+
+def _moment(text: str) -> datetime | None:
+    """The date and time of a text in ISO 8601, also with the name of universal time after it."""
     try:
-        datetime.fromisoformat(text)
+        return datetime.fromisoformat(_UNIVERSAL.sub("Z", text))
     except ValueError:
-        return False
-    return True
+        return None
+
+
+def _is_local(text: str) -> bool:
+    return _LOCAL.fullmatch(text) is not None
+
+
+def _read_local(cells: Sequence[str], name: str) -> tuple[str, Timing]:
+    return "date", clock_times([_clock(row, text) for row, text in enumerate(cells)])
+
+
+def _clock(row: int, text: str) -> str:
+    """The clock time, on 24 hours, of a date in a country's own order."""
+    match = _LOCAL.fullmatch(text)
+    if match is None:
+        raise BadTimecode(row, text)
+    hour = int(match["hour"])
+    if match["half"]:
+        hour = hour % 12 + (12 if match["half"].lower() == "p" else 0)
+    return f"{hour:02d}{match['rest']}"
 
 
 _KINDS: dict[str, Callable[[str], bool]] = {
@@ -167,6 +197,7 @@ _KINDS: dict[str, Callable[[str], bool]] = {
     "clock": is_clock,
     "number": _is_number,
     "date": _is_date,
+    "local": _is_local,
 }
 
 
@@ -194,10 +225,12 @@ def date_times(cells: Sequence[str]) -> Timing:
     first: datetime | None = None
     for row, text in enumerate(cells):
         try:
-            moment = datetime.fromisoformat(text)
+            moment = _moment(text)
+            if moment is None:
+                raise BadTimecode(row, text)
             first = first or moment
             seconds[row] = (moment - first).total_seconds()
-        except (ValueError, TypeError):  # not a date, or one without the time zone that others have
+        except TypeError:  # without the time zone that others have
             raise BadTimecode(row, text) from None
     return time_rows(seconds)
 
@@ -272,4 +305,5 @@ _READERS: dict[str, Callable[[Sequence[str], str], tuple[str, Timing]]] = {
     "clock": lambda cells, name: ("clock", clock_times(cells)),
     "number": _read_numbers,
     "date": _read_dates,
+    "local": _read_local,
 }

@@ -40,6 +40,10 @@ _FRAMES = re.compile(
     r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3})(?:\.(\d{1,9}))?", re.ASCII
 )
 _CLOCK = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,](\d{1,9}))?", re.ASCII)
+_SHORT_CLOCK = re.compile(r"\d{1,2}:\d{1,2}[.,]\d{1,9}", re.ASCII)  # minutes and seconds
+_HUNDREDTHS = re.compile(r"(.*)[.,](\d\d)")
+_MOST_FRAMES = 60  # a second; hundredths of a second go on to 99
+_FEWEST_ROWS = 12  # in a second that shows how far they go
 # An odd step of at least this many frames is a break in the recording, not jitter.
 _BREAK = 4.0
 # Share of steps that must be off the grid of whole frames before the timecode is mistrusted.
@@ -69,8 +73,8 @@ def is_timecode(text: str) -> bool:
 
 
 def is_clock(text: str) -> bool:
-    """Whether a text is `HH:MM:SS` or `HH:MM:SS.mmm`."""
-    return _CLOCK.fullmatch(text) is not None
+    """Whether a text is `HH:MM:SS`, `HH:MM:SS.mmm` or `MM:SS.mmm`."""
+    return _CLOCK.fullmatch(text) is not None or _SHORT_CLOCK.fullmatch(text) is not None
 
 
 def parse_timecodes(texts: Sequence[str]) -> Stamps:
@@ -94,22 +98,39 @@ def parse_timecodes(texts: Sequence[str]) -> Stamps:
 
 
 def clock_times(texts: Sequence[str]) -> Timing:
-    """The times of rows with clock times (`HH:MM:SS.mmm`).
+    """The times of rows with clock times (`HH:MM:SS.mmm`, or `HH:MM:SS.FF` with frames).
 
     Raises:
         BadTimecode: a text is not one.
         NoTimes, BadRow: see `timing.time_rows`.
     """
+    if _counts_frames(texts):
+        return derive_timing([_HUNDREDTHS.sub(r"\1:\2", text) for text in texts])
     clock, part = np.empty(len(texts)), np.zeros(len(texts))
     digits = 0
     for row, text in enumerate(texts):
-        match = _CLOCK.fullmatch(text)
+        long = f"0:{text}" if _SHORT_CLOCK.fullmatch(text) else text
+        match = _CLOCK.fullmatch(long)
         if match is None:
             raise BadTimecode(row, text)
         clock[row] = _clock(match, row)
         part[row] = float(f"0.{match[4] or 0}")
         digits = max(digits, len(match[4] or ""))
     return time_rows(_past_midnight(clock) + part, 10.0**-digits)
+
+
+def _counts_frames(texts: Sequence[str]) -> bool:
+    """Whether the two digits after a point number the frames of a second."""
+    most: dict[str, int] = {}
+    rows: dict[str, int] = {}
+    for text in texts:
+        match = _HUNDREDTHS.fullmatch(text)
+        if match is None or text.count(":") != 2:
+            return False
+        most[match[1]] = max(most.get(match[1], 0), int(match[2]))
+        rows[match[1]] = rows.get(match[1], 0) + 1
+    full = [most[second] for second, count in rows.items() if count >= _FEWEST_ROWS]
+    return len(rows) > 1 and bool(full) and max(most.values()) < _MOST_FRAMES
 
 
 def derive_timing(texts: Sequence[str]) -> Timing:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,26 +10,53 @@ from numpy.typing import NDArray
 
 PERCENT = 100.0
 PERCENT_NOTE = "the weights run from 0 to 100: read as percent, and written as percent"
+BYTES = 255.0
+_BYTES_NOTE = "the weights run from 0 to 255: read as such, and written as such"
 # Trackers exceed 1 by a few hundredths, exaggerated takes by a factor; beyond that it is damage.
 LARGEST = 10.0
 _TWICE = 2.0
+_BEYOND_PERCENT = 150.0  # whole numbers that go this far are bytes
+_LONG_ENOUGH = 10  # frames that show how far a channel goes
+_MOVING = 0.1  # the largest number of a channel that moves, if it runs from 0 to 1
+_MOST = 0.5  # share of its numbers that are not whole
 _MANY = 0.15  # share of the weights that are not 0
 
 
 def scale_of(values: NDArray[Any]) -> float:
-    """The value of a full blendshape in a file: 1, or 100 for percent.
+    """The value of a full blendshape in a file: 1, 100 for percent, or 255 for bytes.
 
     Args:
         values: all weights, on the file's scale; NaN if missing.
     """
     sizes = np.abs(values[np.isfinite(values) & (values != 0)])
     sizes = sizes[sizes <= LARGEST * PERCENT]
-    return PERCENT if len(sizes) and (sizes > _TWICE).mean() > _MANY else 1.0
+    if not len(sizes) or (sizes > _TWICE).mean() <= _MANY:
+        return 1.0
+    whole = np.all(sizes == np.round(sizes))
+    return BYTES if whole and _BEYOND_PERCENT < sizes.max() <= BYTES else PERCENT
 
 
 def scale_notes(scale: float) -> tuple[str, ...]:
     """The note about a scale other than 0 to 1."""
-    return (PERCENT_NOTE,) if scale == PERCENT else ()
+    return {PERCENT: (PERCENT_NOTE,), BYTES: (_BYTES_NOTE,)}.get(scale, ())
+
+
+def mixed_notes(values: NDArray[Any], scale: float, channels: Sequence[str]) -> tuple[str, ...]:
+    """The note about channels of a take in percent that seem to run from 0 to 1.
+
+    Args:
+        values: (T, K) on the file's scale, finite.
+        channels: their K names.
+    """
+    if scale != PERCENT or len(values) < _LONG_ENOUGH:
+        return ()
+    sizes = np.abs(values)
+    moving = (sizes.max(axis=0) > _MOVING) & (np.mean(sizes % 1 != 0, axis=0) > _MOST)
+    small = [channels[k] for k in np.flatnonzero(moving & (sizes.max(axis=0) <= 1))]
+    if not small:
+        return ()
+    more = f" and {len(small) - 1} more" if len(small) > 1 else ""
+    return (f"{small[0]}{more} never passes 1 %: correct the file if it runs from 0 to 1",)
 
 
 def first_impossible(values: NDArray[Any], scale: float) -> tuple[int, int] | None:

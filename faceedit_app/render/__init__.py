@@ -1,7 +1,7 @@
 """Draws the face with pyrender, without Qt."""
 
 from faceedit_app.render.camera import Aim, Camera, aimed_camera, default_camera
-from faceedit_app.render.renderer import FaceRenderer, open_renderer
+from faceedit_app.render.renderer import FaceRenderer, open_renderer, shade_of
 
 __all__ = [
     "Aim",
@@ -10,4 +10,5 @@ __all__ = [
     "aimed_camera",
     "default_camera",
     "open_renderer",
+    "shade_of",
 ]

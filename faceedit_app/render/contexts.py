@@ -8,6 +8,7 @@ import sys
 from typing import Any
 
 from faceedit_app.core.errors import Unavailable
+from faceedit_app.render.lazy import lazily
 
 _VARIABLE = "PYOPENGL_PLATFORM"
 _LINUX_REMEDY = (
@@ -61,7 +62,8 @@ def platform_class(backend: str) -> Any:
         from faceedit_app.render.osmesa import OSMesaWithFramebuffers
 
         return OSMesaWithFramebuffers
-    from pyrender.platforms.pyglet_platform import PygletPlatform
+    with lazily("pyrender"):
+        from pyrender.platforms.pyglet_platform import PygletPlatform
 
     return PygletPlatform
 

@@ -9,7 +9,11 @@ import ctypes
 from typing import Any
 
 from OpenGL import EGL
-from pyrender.platforms.egl import EGLPlatform
+
+from faceedit_app.render.lazy import lazily
+
+with lazily("pyrender"):
+    from pyrender.platforms.egl import EGLPlatform
 
 
 class SharedDisplayEgl(EGLPlatform):  # type: ignore[misc]  # pyrender has no types

@@ -10,12 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from OpenGL import GL
-from pyrender import Material, Mesh, MetallicRoughnessMaterial, Primitive, Texture
-from pyrender.constants import FLOAT_SZ, GLTF
 
 from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import Tinter
+from faceedit_app.render.pyrender_parts import (
+    FLOAT_SZ,
+    GLTF,
+    Material,
+    Mesh,
+    MetallicRoughnessMaterial,
+    Primitive,
+    Texture,
+)
 from faceedit_app.render.surface import Group, NormalSolver, Shading, by_shading
 
 # Materials are named after the shaders that draw them: these, or the variants in `Shading`.

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from pyrender.platforms.osmesa import OSMesaPlatform
+from faceedit_app.render.lazy import lazily
+
+with lazily("pyrender"):
+    from pyrender.platforms.osmesa import OSMesaPlatform
 
 
 class OSMesaWithFramebuffers(OSMesaPlatform):  # type: ignore[misc]  # pyrender has no types

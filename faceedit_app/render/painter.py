@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from OpenGL import GL
-from pyrender import Material, Mesh, Renderer, Scene
 
 from faceedit_app.render.programs import Program
+from faceedit_app.render.pyrender_parts import Material, Mesh, Renderer, Scene
 from faceedit_app.render.surface import Shading
 from faceedit_app.render.targets import Target
 

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from OpenGL import GL
-from pyrender.shader_program import ShaderProgram
+
+from faceedit_app.render.pyrender_parts import ShaderProgram
 
 _SHADERS = Path(__file__).parent / "shaders"
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)

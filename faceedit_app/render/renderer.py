@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ class FaceRenderer:
             Unavailable: the renderer is closed.
         """
         if self._studio is None:
-            raise Unavailable("The face cannot be drawn: its viewport is closed; open it again")
+            raise _closed()
         from faceedit_app.render.studio import SAMPLES
 
         height, width = self._image.shape[:2]
@@ -90,7 +91,7 @@ class FaceRenderer:
             it. After `resize` there is a new buffer, and the old one stays unchanged.
         """
         if self._studio is None:
-            raise Unavailable("The face cannot be drawn: its viewport is closed; open it again")
+            raise _closed()
         self._studio.finish(self._image)
         return self._image
 
@@ -102,11 +103,36 @@ class FaceRenderer:
         if self._studio is not None:
             self._studio.prepare()
 
+    @property
+    def shade(self) -> Floats:
+        """(V,) float32 in 0..1, the share of the light from above that reaches each vertex.
+
+        Raises:
+            Unavailable: the renderer is closed.
+        """
+        if self._studio is None:
+            raise _closed()
+        shade: Floats = self._studio.shade
+        return shade
+
     def close(self) -> None:
         """Free the graphics memory; calling it again does nothing."""
         if self._studio is not None:
             self._studio.delete()
             self._studio = None
+
+
+def shade_of(rig: Rig) -> Floats:
+    """Compute the shade of a character again, for `Rig.shade`: (V,) float32 in 0..1.
+
+    Raises:
+        Unavailable: this computer offers no OpenGL.
+    """
+    renderer = FaceRenderer(replace(rig, shade=None), 1, 1)
+    try:
+        return renderer.shade
+    finally:
+        renderer.close()
 
 
 def open_renderer(rig: Rig, width: int, height: int) -> FaceRenderer:
@@ -124,3 +150,7 @@ def open_renderer(rig: Rig, width: int, height: int) -> FaceRenderer:
 
 def _image(width: int, height: int) -> Pixels:
     return np.zeros((max(height, 1), max(width, 1), 4), np.uint8)
+
+
+def _closed() -> Unavailable:
+    return Unavailable("The face cannot be drawn: its viewport is closed; open it again")

@@ -9,7 +9,14 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from pyrender import (
+
+from faceedit_app.core.arrays import Doubles, Floats, Pixels
+from faceedit_app.core.rig import Rig
+from faceedit_app.render import contexts
+from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, Camera, field_of_view
+from faceedit_app.render.model import DEPTH, LiveMesh, Model
+from faceedit_app.render.painter import Order, Painter
+from faceedit_app.render.pyrender_parts import (
     Material,
     Mesh,
     OffscreenRenderer,
@@ -18,13 +25,6 @@ from pyrender import (
     RenderFlags,
     Scene,
 )
-
-from faceedit_app.core.arrays import Doubles, Floats, Pixels
-from faceedit_app.core.rig import Rig
-from faceedit_app.render import contexts
-from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, Camera, field_of_view
-from faceedit_app.render.model import DEPTH, LiveMesh, Model
-from faceedit_app.render.painter import Order, Painter
 from faceedit_app.render.shade import bake_shade
 from faceedit_app.render.surface import NormalSolver, vertex_looks
 from faceedit_app.render.targets import Kept, Target, Targets, View
@@ -57,6 +57,9 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         backend: the result of `contexts.choose_backend`.
         width, height: the initial size, pixels.
 
+    Attributes:
+        shade: (V,) in 0..1, the share of the light from above that reaches each vertex.
+
     Raises:
         Exception: any error of the driver or PyOpenGL.
     """
@@ -74,7 +77,8 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
     ) -> None:
         self._background, self._backend = background, backend
         super().__init__(width, height)
-        self._model = Model(rig, vertex_looks(rig, self._bake(rig)))
+        self.shade = self._bake(rig) if rig.shade is None else rig.shade
+        self._model = Model(rig, vertex_looks(rig, self.shade))
         self._scene = Scene()
         for mesh in (self._model.still, self._model.moving, self._model.backdrop):
             self._scene.add(mesh)

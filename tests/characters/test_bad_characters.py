@@ -15,17 +15,14 @@ import numpy as np
 import pytest
 from support.character_files import (
     FLOAT,
-    fbx_bytes,
-    fbx_of_head,
-    fbx_record,
     glb_of,
     parts_of,
     small_glb,
-    write_fbx,
     write_glb,
     write_objs,
     write_vrm,
 )
+from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record, write_fbx
 
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.core.errors import FileError

@@ -59,6 +59,16 @@ def test_rig_comes_back_as_it_was(tmp_path: Path) -> None:
             assert ours == theirs, field.name
 
 
+def test_shade_comes_back_as_it_was(tmp_path: Path) -> None:
+    rig = random_rig(2)
+    shade = np.linspace(0.0, 1.0, len(rig.neutral), dtype=np.float32)
+    write_rig(tmp_path / "a.glb", replace(rig, shade=shade))
+    back = read_rig(tmp_path / "a.glb").shade
+    assert back is not None
+    assert back.dtype == np.float32
+    np.testing.assert_array_equal(back, shade)
+
+
 def test_same_rig_gives_the_same_bytes(tmp_path: Path) -> None:
     for name in ("a.glb", "b.glb"):
         write_rig(tmp_path / name, random_rig(4))
@@ -122,6 +132,9 @@ DAMAGES: dict[str, Callable[[dict[str, Any]], Any]] = {
     ),
     "three vertices": lambda d: d["meshes"][0]["extras"]["controls"].update(upper_lip=[0, 1, 2]),
     "no colours": lambda d: d["meshes"][0]["primitives"][0]["attributes"].pop("COLOR_0"),
+    "a shade of numbers in threes": lambda d: d["meshes"][0]["primitives"][0]["attributes"].update(
+        _SHADE=d["meshes"][0]["primitives"][0]["indices"]
+    ),
     "an accessor that is not there": lambda d: d["meshes"][0]["primitives"][0].update(indices=999),
     "a view beyond the end": lambda d: d["bufferViews"][0].update(byteOffset=10**9),
     "too many vertices": lambda d: d["accessors"][0].update(count=10**7),

@@ -12,12 +12,12 @@ from support.character_files import (
     UNSIGNED,
     picture_of,
     small_glb,
-    write_fbx,
     write_glb,
     write_objs,
     write_vrm,
 )
 from support.faces import shipped_rig
+from support.fbx_files import write_fbx
 from support.heads import Head, small_head
 from support.places import ROOT
 

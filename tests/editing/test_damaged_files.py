@@ -19,7 +19,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.edit import to_json as edit_to_json
 from faceedit_app.editing.files.edits_file import read_edits
-from faceedit_app.editing.files.journal import pending_journals
+from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import read_project
 from faceedit_app.editing.help.presets import read_preset
 

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.blender import opened_in_blender, run_in_blender
-from support.character_files import picture_of, write_fbx, write_glb, write_vrm
+from support.character_files import picture_of, write_glb, write_vrm
 from support.faces import shipped_rig, talking_clip
+from support.fbx_files import write_fbx
 from support.gltf import NO_VALIDATOR, accessor_errors, has_validator, parts, validator_errors
 from support.places import ROOT, SHARED
 from support.takes import NoFile, make_livelink_csv

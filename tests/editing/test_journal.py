@@ -20,7 +20,8 @@ from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files import journal as journal_module
 from faceedit_app.editing.files.fingerprint import fingerprint
-from faceedit_app.editing.files.journal import Journal, pending_journals
+from faceedit_app.editing.files.journal import Journal
+from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.steps import EditState
 
 DEMO = shipped("assets/demo_take.csv")

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.editing.files.fingerprint import Fingerprint
-from faceedit_app.editing.files.journal import Journal, pending_journals
+from faceedit_app.editing.files.journal import Journal
+from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import Project, read_project, write_project
 from faceedit_app.editing.steps import EditState
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import io
 import json
 import struct
-import zlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -132,7 +131,7 @@ def same(name: str) -> str:
     return name
 
 
-def _targets(head: Head, names: Names) -> dict[str, Doubles]:
+def targets_of(head: Head, names: Names) -> dict[str, Doubles]:
     return {new: moves for name, moves in head.targets.items() if (new := names(name))}
 
 
@@ -152,7 +151,7 @@ def write_glb(path: Path, names: Names = same, kind: str = "plain", picture: byt
 def small_glb(names: Names = same, kind: str = "plain", picture: bytes = b"") -> Glb:
     """See `write_glb`."""
     head, out = small_head(), Glb()
-    targets = _targets(head, names)
+    targets = targets_of(head, names)
     places, faces = head.vertices / 1000, head.faces
     attributes: Json = {"TEXCOORD_0": out.accessor(head.uv, FLOAT)}
     node: Json = {"name": "Head"}
@@ -306,149 +305,10 @@ def write_objs(folder: Path, names: Names = same, scale: float = 0.1) -> Path:
     folder.mkdir(exist_ok=True)
     faces = "\n".join("f " + " ".join(f"{i + 1}/{i + 1}" for i in face) for face in head.faces)
     coordinates = "\n".join(f"vt {u:.5f} {1 - v:.5f}" for u, v in head.uv)
-    shapes = {"neutral": np.zeros_like(head.vertices)} | _targets(head, names)
+    shapes = {"neutral": np.zeros_like(head.vertices)} | targets_of(head, names)
     for name, moves in shapes.items():
         x, y, z = ((head.vertices + moves) * scale).T
         rows = "\n".join(f"v {a:.6f} {-c:.6f} {b:.6f}" for a, b, c in zip(x, y, z, strict=True))
         text = f"# a head\n{rows}\n{coordinates}\nusemtl skin\n{faces}\n"
         (folder / f"{name}.obj").write_text(text)
     return folder
-
-
-# --- FBX -----------------------------------------------------------------------------------------
-
-
-def fbx_value(value: Any) -> bytes:
-    """One value of a record."""
-    if isinstance(value, bool):
-        return b"C" + struct.pack("<B", value)
-    if isinstance(value, np.ndarray):
-        kind, dtype = {"f": (b"d", "<f8"), "i": (b"i", "<i4")}[value.dtype.kind]
-        raw = np.ascontiguousarray(value.ravel(), dtype).tobytes()
-        packed = zlib.compress(raw)
-        return kind + struct.pack("<III", value.size, 1, len(packed)) + packed
-    if isinstance(value, int):
-        return b"L" + struct.pack("<q", value)
-    if isinstance(value, float):
-        return b"D" + struct.pack("<d", value)
-    if isinstance(value, bytes):
-        return b"R" + struct.pack("<I", len(value)) + value
-    text = str(value).encode()
-    return b"S" + struct.pack("<I", len(text)) + text
-
-
-FbxRecord = tuple[str, list[Any], list[Any]]
-
-
-def fbx_record(name: str, *values: Any, inside: Iterable[FbxRecord] = ()) -> FbxRecord:
-    """A record for `fbx_bytes`."""
-    return name, list(values), list(inside)
-
-
-def _encoded(record: FbxRecord, place: int, wide: bool) -> bytes:
-    name, values, inside = record
-    content = b"".join(map(fbx_value, values))
-    size = 25 if wide else 13
-    start = place + size + len(name)
-    body, at = b"", start + len(content)
-    for child in inside:
-        body += _encoded(child, at + 0, wide)
-        at = start + len(content) + len(body)
-    if inside:
-        body += b"\0" * size
-    end = start + len(content) + len(body)
-    head = struct.pack("<QQQB" if wide else "<IIIB", end, len(values), len(content), len(name))
-    return head + name.encode() + content + body
-
-
-def fbx_bytes(records: Iterable[FbxRecord], version: int = 7400) -> bytes:
-    """A binary FBX file."""
-    wide = version >= 7500
-    out = b"Kaydara FBX Binary  \x00\x1a\x00" + struct.pack("<I", version)
-    for record in records:
-        out += _encoded(record, len(out), wide)
-    return out + b"\0" * (25 if wide else 13) + b"\0" * 160
-
-
-def fbx_of_head(names: Names = same, texture: bytes = b"") -> list[FbxRecord]:
-    """The records of the small head in centimetres, in quads, turned and moved by its model."""
-    head = small_head()
-    half = len(head.faces) // 2
-    quads = np.column_stack((head.faces[:half], head.faces[half:, 2])).astype(np.int32)
-    quads[:, 3] = ~quads[:, 3]
-    places = head.vertices / 10
-    uv = np.stack((head.uv[:, 0], 1 - head.uv[:, 1]), axis=1)
-    corners = np.column_stack((head.faces[:half], head.faces[half:, 2])).astype(np.int32)
-    layer = fbx_record(
-        "LayerElementUV",
-        0,
-        inside=[
-            fbx_record("MappingInformationType", "ByPolygonVertex"),
-            fbx_record("ReferenceInformationType", "IndexToDirect"),
-            fbx_record("UV", uv),
-            fbx_record("UVIndex", corners),
-        ],
-    )
-    objects = [
-        fbx_record(
-            "Geometry",
-            1,
-            "Head\0\1Geometry",
-            "Mesh",
-            inside=[
-                fbx_record("Vertices", places),
-                fbx_record("PolygonVertexIndex", quads),
-                layer,
-            ],
-        ),
-        fbx_record(
-            "Model",
-            2,
-            "Head\0\1Model",
-            "Mesh",
-            inside=[
-                fbx_record(
-                    "Properties70",
-                    inside=[
-                        fbx_record("P", "Lcl Rotation", "Lcl Rotation", "", "A", 0.0, 90.0, 0.0),
-                        fbx_record("P", "Lcl Translation", "", "", "A", 0.0, 160.0, 5.0),
-                        fbx_record("P", "Lcl Scaling", "", "", "A", 2.0, 2.0, 2.0),
-                    ],
-                )
-            ],
-        ),
-        fbx_record("Deformer", 3, "Head\0\1Deformer", "BlendShape"),
-    ]
-    links = [(1, 2), (2, 0), (3, 1)]
-    if texture:
-        inside = [fbx_record("Content", texture)]
-        objects += [
-            fbx_record("Material", 4, "Skin\0\1Material", ""),
-            fbx_record("Texture", 5, "t\0\1Texture", "", inside=[fbx_record("FileName", "t.png")]),
-            fbx_record("Video", 6, "v\0\1Video", "Clip", inside=inside),
-        ]
-        links += [(4, 2), (6, 5)]
-    for number, (name, moves) in enumerate(_targets(head, names).items()):
-        channel, shape = 100 + 2 * number, 101 + 2 * number
-        rows = np.flatnonzero(np.abs(moves).max(axis=1) > 1e-9).astype(np.int32)
-        objects += [
-            fbx_record("Deformer", channel, f"{name}\0\1SubDeformer", "BlendShapeChannel"),
-            fbx_record(
-                "Geometry",
-                shape,
-                f"{name}\0\1Geometry",
-                "Shape",
-                inside=[fbx_record("Indexes", rows), fbx_record("Vertices", moves[rows] / 10)],
-            ),
-        ]
-        links += [(channel, 3), (shape, channel)]
-    connections = [fbx_record("C", "OO", a, b) for a, b in links]
-    if texture:
-        connections.append(fbx_record("C", "OP", 5, 4, "DiffuseColor"))
-    return [fbx_record("Objects", inside=objects), fbx_record("Connections", inside=connections)]
-
-
-def write_fbx(path: Path, names: Names = same, version: int = 7400, texture: bytes = b"") -> Path:
-    """The small head as binary FBX."""
-    path.write_bytes(fbx_bytes(fbx_of_head(names, texture), version))
-    return path

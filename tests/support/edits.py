@@ -39,3 +39,11 @@ def edits(draw: st.DrawFn) -> Edit:
         points=tuple(sorted(draw(_points).items())) if op in WITH_POINTS else (),
         companions=draw(st.sampled_from(Company)),
     )
+
+
+def offset(
+    control: str | tuple[str, ...], start: float, end: float, value: float, falloff: float = 0.1
+) -> Edit:
+    """An edit that moves curves by so many mm."""
+    controls = (control,) if isinstance(control, str) else control
+    return Edit(controls, Op.OFFSET, start, end, falloff, value)

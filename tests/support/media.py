@@ -11,11 +11,10 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from faceedit_app.media import output
 from faceedit_app.media.sound import Sound
-from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 from support.films import number_of
 from support.waiting import wait_for_background
-from support.windows import Bench
+from support.windows import Bench, editor_of
 
 
 class FakeOutput:
@@ -61,12 +60,6 @@ def devices(monkeypatch: pytest.MonkeyPatch) -> list[FakeOutput]:
 
     monkeypatch.setattr(output, "open_output", open_output)
     return opened
-
-
-def editor_of(window: MainWindow) -> Editor:
-    """The page of the take that is open."""
-    assert window.editor is not None
-    return window.editor
 
 
 def settle(bench: Bench, window: MainWindow) -> None:

@@ -7,6 +7,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.opening import load_engine, open_session
@@ -16,6 +19,8 @@ from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
 from support.faces import random_engine, shipped_rig
 from support.takes import NoFile
+
+_CLOSE, _JAW = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
 
 
 def take_of(clip: Clip) -> Take:
@@ -59,3 +64,13 @@ def session_by_networks(
 def strengthen(session: EditSession, index: int, strength: float) -> None:
     """Make one edit weaker or stronger, as one step."""
     session.replace_edit(index, replace(session.edits[index], strength=strength), "Strength")
+
+
+def assert_believable(session: EditSession) -> None:
+    """What is shown is a face: weights are from 0 to 1, and lips close no further than the jaw."""
+    weights = session.weights
+    assert np.isfinite(weights).all()
+    assert np.isfinite(session.achieved).all()
+    assert weights.min() >= 0
+    assert weights.max() <= 1
+    assert (weights[:, _CLOSE] <= weights[:, _JAW] + 1e-6).all()

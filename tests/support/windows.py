@@ -21,6 +21,7 @@ from faceedit_app.editing.files import journal
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.look.theme import apply_theme
+from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.preferences import Preferences
@@ -220,3 +221,15 @@ def open_path(window: MainWindow) -> Path:
     """The take that is open."""
     assert window.document.path is not None
     return window.document.path
+
+
+def editor_of(window: MainWindow) -> Editor:
+    """The page of the take that is open."""
+    assert window.editor is not None
+    return window.editor
+
+
+def press_key(widget: QWidget, key: Qt.Key, times: int = 1) -> None:
+    widget.setFocus()  # arrows would move the playhead
+    for _ in range(times):
+        QTest.keyClick(widget, key)

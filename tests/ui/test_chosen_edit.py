@@ -6,22 +6,16 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from support.curves import drag, place, turn
-from support.windows import Bench, drag_curve, session_of, trigger
+from support.windows import Bench, drag_curve, editor_of, session_of, trigger
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves import CurvesPanel
-from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 
 
 @pytest.fixture
 def window(bench: Bench) -> MainWindow:
     return bench.editing()
-
-
-def editor_of(window: MainWindow) -> Editor:
-    assert window.editor is not None
-    return window.editor
 
 
 def curves_of(window: MainWindow) -> CurvesPanel:

@@ -10,7 +10,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, QWidget
 from pytestqt.qtbot import QtBot
 
-from faceedit_app.editing.files.journal import Pending
+from faceedit_app.editing.files.pending import Pending
 from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
 

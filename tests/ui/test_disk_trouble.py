@@ -16,7 +16,7 @@ from PySide6.QtCore import QSettings
 from support.windows import Bench, add_edit, drag_curve, trigger
 
 from faceedit_app.editing.files import journal
-from faceedit_app.editing.files.journal import pending_journals
+from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import read_project
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow

@@ -9,23 +9,17 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from support.takes import make_livelink_csv
-from support.windows import Bench, session_of, trigger
+from support.windows import Bench, editor_of, session_of, trigger
 
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help.problems import Kind
-from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 
 
 @pytest.fixture
 def window(bench: Bench) -> MainWindow:
     return bench.window(shipped("assets/demo_take.csv"))
-
-
-def editor_of(window: MainWindow) -> Editor:
-    assert window.editor is not None
-    return window.editor
 
 
 def test_fill_proposes_a_variation_and_accept_keeps_the_one_on_screen(window: MainWindow) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from PySide6.QtGui import QImage
 from support.films import make_film
-from support.media import FakeOutput, editor_of, settle, shown, with_media
+from support.media import FakeOutput, settle, shown, with_media
 from support.takes import make_livelink_csv
-from support.windows import Bench, session_of, trigger
+from support.windows import Bench, editor_of, session_of, trigger
 
 
 def test_the_film_shows_the_picture_of_the_frame(bench: Bench, devices: list[FakeOutput]) -> None:

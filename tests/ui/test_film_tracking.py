@@ -11,9 +11,9 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 from support.face_films import RATE, SIZE, face_pictures, make_face_film, speaking
 from support.films import make_film
-from support.media import editor_of, settle
+from support.media import settle
 from support.tracker import needs_tracker
-from support.windows import Bench, drop, open_path, session_of, trigger
+from support.windows import Bench, drop, editor_of, open_path, session_of, trigger
 
 from faceedit_app import tracking
 from faceedit_app.editing.edits.edit import Edit, Op

@@ -6,23 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
-from PySide6.QtGui import QPaintEvent, QRegion
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel, QMenu, QToolButton, QTreeWidgetItem
-from support.waiting import run_events
-from support.windows import Bench, session_of
+from PySide6.QtWidgets import QMenu
+from support.windows import Bench, editor_of, session_of
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
-from faceedit_app.editing.help.problems import Kind, Problem
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
-from faceedit_app.ui.page.editor import Editor
-from faceedit_app.ui.page.problems_bar import ProblemsHead
 from faceedit_app.ui.start.window import MainWindow
 
 LEFT_EYE, OPENING = CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["mouth_opening"]
@@ -35,11 +30,6 @@ def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Mai
     window = bench.window(shipped("assets/demo_take.csv"))
     editor_of(window).problems.search()
     return window
-
-
-def editor_of(window: MainWindow) -> Editor:
-    assert window.editor is not None
-    return window.editor
 
 
 def trigger(window: MainWindow, *names: str) -> None:
@@ -113,261 +103,6 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     dialog._preview()
     dialog.reject()
     np.testing.assert_array_equal(session.asked, session.tracked)
-
-
-# --- problems ----------------------------------------------------------------------------------
-
-
-def test_down_goes_to_the_problem_and_the_fix_is_shown_before_it_is_made(
-    window: MainWindow,
-) -> None:
-    editor, session = editor_of(window), session_of(window)
-    count = len(editor.problems.problems)
-    assert count >= 1
-    QTest.keyClick(window, Qt.Key.Key_Down)
-    problem = editor.problems.problems[0]
-    assert problem.start <= window.timeline.time <= problem.end
-    assert editor.problems.current == 0
-    QTest.keyClick(window, Qt.Key.Key_P)
-    assert editor.proposal.isVisible()
-    assert session.edits == ()
-    assert not np.array_equal(session.asked, session.tracked)
-    trigger(window, "deselect")  # Esc
-    assert not editor.proposal.isVisible()
-    np.testing.assert_array_equal(session.asked, session.tracked)
-    trigger(window, "fix_problem", "accept_fix")
-    assert not editor.proposal.isVisible()
-    assert session.edits == problem.fix
-    assert len(editor.problems.problems) == count - 1
-    trigger(window, "undo")
-    assert session.edits == ()
-
-
-def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> None:
-    """One goes from mark to mark and looks: curves and face stay where they are."""
-    editor = editor_of(window)
-
-    def places() -> list[QRect]:
-        run_events()  # layouts come to rest
-        return [part.geometry() for part in (editor.panes, editor.tool_bar, editor.transport)]
-
-    trigger(window, "next_problem")
-    before = places()
-    trigger(window, "fix_problem")
-    assert places() == before
-    bar = editor.proposal
-    assert bar.geometry() == editor.curves.legend.geometry()
-    trigger(window, "discard_fix")
-    assert not bar.isVisible()
-
-
-@pytest.mark.parametrize("button", ["Accept", "Discard"])
-def test_a_double_click_on_a_proposal_is_one_click(window: MainWindow, button: str) -> None:
-    """Nothing else lies where the second click falls, whether the bar is gone by then or not."""
-    editor, session = editor_of(window), session_of(window)
-    trigger(window, "next_problem", "fix_all")
-    run_events()
-    (on,) = [b for b in editor.proposal.findChildren(QToolButton) if b.text() == button]
-    place = on.mapTo(window, on.rect().center())
-    wanted = (
-        session.edits
-        if button == "Discard"
-        else tuple(edit for problem in editor.problem_list.chosen for edit in problem.fix)
-    )
-    for click in (QTest.mouseClick, QTest.mouseDClick):
-        run_events()
-        under = window.childAt(place)
-        assert under is not None
-        click(under, Qt.MouseButton.LeftButton, pos=under.mapFrom(window, place))
-    assert session.edits == wanted
-    assert window.childAt(place) is editor.curves.legend
-
-
-def test_accept_goes_on_to_the_next_problem(window: MainWindow) -> None:
-    editor, session = editor_of(window), session_of(window)
-    first, second = editor.problems.problems
-    trigger(window, "next_problem", "fix_problem", "accept_fix")
-    assert session.edits == first.fix
-    assert editor.problems.current_problem == second
-    assert window.timeline.time == pytest.approx(second.time, abs=1e-3)
-    trigger(window, "fix_problem", "accept_fix")
-    assert session.edits == (*first.fix, *second.fix)
-    assert "no more problems" in window.status.currentMessage()
-
-
-def test_a_problem_of_any_kind_is_marked_and_listed(window: MainWindow) -> None:
-    editor = editor_of(window)
-    found = [Problem(kind, i, i + 0.5, i, (), "x", "1 mm", 0.5, ()) for i, kind in enumerate(Kind)]
-    editor.problems.problems = tuple(found)
-    editor.problems.found.emit()
-    rows = editor.problem_list.rows
-    items = [rows.topLevelItem(i) for i in range(rows.topLevelItemCount())]
-    texts = {item.text(0) for item in items if item is not None}
-    assert len(texts) == len(Kind)
-    assert editor.problem_list.kinds.count() == len(Kind) + 1
-    assert not editor.problems.grab().isNull()
-
-
-def test_a_search_that_finds_nothing_ends_in_the_list_too(window: MainWindow) -> None:
-    editor = editor_of(window)
-    for is_searched, text in ((False, "Looking for problems…"), (True, "No problems found")):
-        editor.problems.problems, editor.problems.is_searched = (), is_searched
-        editor.problems.found.emit()
-        shown = [label.text() for label in editor.problem_list.findChildren(QLabel)]
-        assert text in shown
-
-
-def test_a_preset_pressed_beside_the_problems_shows_its_edit(window: MainWindow) -> None:
-    editor = editor_of(window)
-    editor.list_problems()
-    trigger(window, "fix_smile")
-    assert editor.lists.currentWidget() is editor.edits
-    assert editor.edits.strength.isVisible()
-    editor.lists.setCurrentWidget(editor.expressions)
-    trigger(window, "fix_smile")
-    assert editor.lists.currentWidget() is editor.expressions
-
-
-def test_a_problem_that_edits_cannot_fix_says_so(window: MainWindow) -> None:
-    editor = editor_of(window)
-    lost = Problem(Kind.DROPPED, 1.0, 1.1, 1.0, (), "1 frame is missing", "1 frame", 0.1, ())
-    editor.problems.problems = (lost, *editor.problems.problems)
-    window.commands.fix.go_to(0)
-    assert window.status.currentMessage() == "1 frame is missing; edits cannot help here"
-    window.commands.fix.go_to(1)
-    assert "cannot" not in window.status.currentMessage()
-
-
-def test_a_problem_is_shown_where_it_is_worst_and_large_enough_to_judge(
-    window: MainWindow,
-) -> None:
-    editor, session, line = editor_of(window), session_of(window), window.timeline
-    problem = editor.problems.problems[-1]
-    assert line.view[1] - line.view[0] > 9
-    window.commands.fix.go_to(len(editor.problems.problems) - 1)
-    frame = session.take.clip.frame_at(problem.time)
-    assert line.frame == frame
-    first, last = line.view
-    assert first < problem.start < problem.end < last
-    assert (last - first) < 6 * (problem.end - problem.start) or last - first < 2.1
-    assert editor.curves.headers[OPENING].value == problem.amount
-    assert problem.message.endswith(problem.amount)
-    view = line.view
-    window.commands.fix.go_to(len(editor.problems.problems) - 1)
-    assert line.view == view
-
-
-# --- the list of problems ------------------------------------------------------------------------
-
-
-def rows_of(window: MainWindow) -> list[QTreeWidgetItem]:
-    tree = editor_of(window).problem_list.rows
-    return [tree.topLevelItem(i) for i in range(tree.topLevelItemCount())]  # type: ignore[misc]
-
-
-def test_the_list_says_what_when_and_how_bad(window: MainWindow) -> None:
-    editor, session = editor_of(window), session_of(window)
-    trigger(window, "list_problems")
-    assert editor.problem_list.isVisible()
-    assert editor.lists.tabText(1) == "Problems  2"
-    shown = [[row.text(column) for column in range(3)] for row in rows_of(window)]
-    assert [row[0] for row in shown] == ["Half blink", "Lips stay open"]
-    problems = editor.problems.problems
-    assert [row[2] for row in shown] == [problem.amount for problem in problems]
-    assert shown[0][1] == f"{problems[0].time:.3f} s"
-    trigger(window, "unit_frames")
-    assert rows_of(window)[0].text(1) == str(session.take.clip.frame_at(problems[0].time) + 1)
-    tree = editor.problem_list.rows
-    place = tree.visualItemRect(rows_of(window)[1]).center()
-    QTest.mouseClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    assert window.timeline.time == pytest.approx(problems[1].time, abs=1e-3)
-    assert [row.isSelected() for row in rows_of(window)] == [False, True]
-
-
-def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
-    editor = editor_of(window)
-    found, tree = editor.problem_list, editor.problem_list.rows
-    lips = editor.problems.problems[1]
-    tree.sortByColumn(2, Qt.SortOrder.DescendingOrder)
-    severities = [problem.severity for problem in editor.problems.problems]
-    assert severities[1] > severities[0]
-    assert rows_of(window)[0].text(0) == "Lips stay open"
-    found.kinds.setCurrentIndex(1)
-    assert [row.text(0) for row in rows_of(window)] == ["Lips stay open"]
-    trigger(window, "fix_all", "accept_fix")
-    assert session_of(window).edits == lips.fix
-    assert [problem.kind for problem in editor.problems.problems] == ["blink"]
-
-
-def test_what_is_unticked_is_left_alone(window: MainWindow) -> None:
-    editor, session = editor_of(window), session_of(window)
-    blink, lips = editor.problems.problems
-    trigger(window, "fix_all")
-    assert editor.problem_list.isVisible()
-    assert "2 problems" in editor.proposal.text.text()
-    rows_of(window)[0].setCheckState(0, Qt.CheckState.Unchecked)
-    assert "1 problem " in editor.proposal.text.text()
-    frame = session.take.clip.frame_at(blink.time)
-    assert session.asked[frame, LEFT_EYE] == session.tracked[frame, LEFT_EYE]
-    trigger(window, "accept_fix")
-    assert session.edits == lips.fix
-    assert rows_of(window)[0].checkState(0) is Qt.CheckState.Unchecked, "it stays unticked"
-    assert not window.actions_["fix_all"].isEnabled()
-
-
-def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench: Bench) -> None:
-    bar, painted = editor_of(window).problems, QRegion()
-    window.timeline.go_to_time(2.0)
-    run_events()
-
-    class Watch(QObject):
-        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-            nonlocal painted
-            if isinstance(event, QPaintEvent):
-                painted += event.region()
-            return super().eventFilter(watched, event)
-
-    watch = Watch()
-    bar.installEventFilter(watch)
-    window.timeline.go_to_time(3.0)
-    run_events()
-    width = bar.width() / window.timeline.duration
-    for seconds in (2.0, 3.0):
-        assert painted.contains(QPoint(round(seconds * width), 1)), seconds
-    assert not painted.contains(QPoint(round(1.0 * width), 1))
-
-
-def test_before_it_has_looked_it_does_not_say_that_all_is_well(bench: Bench) -> None:
-    window = bench.editing()
-    editor = editor_of(window)
-    editor.problems.restart()
-    head = editor.findChild(ProblemsHead)
-    assert head is not None
-    assert head.count.text() == "Looking…"
-    bench.qtbot.waitUntil(lambda: head.count.text() != "Looking…")
-
-
-def test_a_mark_is_clicked(window: MainWindow) -> None:
-    bar = editor_of(window).problems
-    last = len(bar.problems) - 1
-    QTest.mouseClick(bar, Qt.MouseButton.LeftButton, pos=bar.place_of(last).toPoint())
-    assert bar.current == last
-    assert bar.problems[last].message in window.status.currentMessage()
-
-
-def test_all_problems_at_once(window: MainWindow) -> None:
-    editor = editor_of(window)
-    trigger(window, "fix_all", "accept_fix")
-    assert len(session_of(window).edits) >= len(editor.problems.problems)
-    trigger(window, "undo")
-    assert session_of(window).edits == ()
-
-
-def test_another_gesture_drops_a_proposal(window: MainWindow) -> None:
-    editor, session = editor_of(window), session_of(window)
-    trigger(window, "next_problem", "fix_problem", "fix_calm_down")
-    assert not editor.proposal.isVisible()
-    assert all(edit.name.startswith("Calm down") for edit in session.edits)
 
 
 # --- presets and the clipboard -----------------------------------------------------------------

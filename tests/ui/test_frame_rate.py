@@ -15,7 +15,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files.project import read_project
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, file_kinds
 from faceedit_app.ui.start.window import MainWindow
 
 __all__ = ["bench"]
@@ -159,7 +159,7 @@ def test_the_export_of_a_json_take_is_suggested_as_json(
 
 
 def test_file_dialogs_offer_takes_of_every_format() -> None:
-    assert dialogs.takes_pattern() == ("*.csv *.CSV *.json *.JSON *.txt *.TXT *.glb *.GLB")
+    assert file_kinds.takes_pattern() == "*.csv *.CSV *.json *.JSON *.txt *.TXT *.glb *.GLB"
 
 
 def test_a_curve_that_the_take_cannot_answer_takes_no_mouse_and_says_why(

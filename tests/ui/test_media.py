@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 from support.films import make_broadcast_wav, make_film, make_wav
-from support.media import FakeOutput, editor_of, settle, with_media
+from support.media import FakeOutput, settle, with_media
 from support.takes import make_livelink_csv
-from support.windows import Bench, drop, trigger
+from support.windows import Bench, drop, editor_of, trigger
 
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.ui.commands import dialogs

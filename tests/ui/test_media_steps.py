@@ -8,8 +8,8 @@ from PySide6.QtTest import QTest
 from support.curves import let_go, move_with, surface
 from support.faces import random_engine
 from support.films import make_film, make_wav
-from support.media import FakeOutput, drag, editor_of, mouse, settle, with_media
-from support.windows import Bench, drag_curve, session_of, trigger
+from support.media import FakeOutput, drag, mouse, settle, with_media
+from support.windows import Bench, drag_curve, editor_of, session_of, trigger
 
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.ui.commands import dialogs

@@ -13,7 +13,8 @@ from support.windows import Bench, add_edit, session_of, trigger
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
-from faceedit_app.editing.files.journal import Journal, pending_journals
+from faceedit_app.editing.files.journal import Journal
+from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands import dialogs

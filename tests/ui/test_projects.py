@@ -16,6 +16,7 @@ from support.windows import Bench, session_of
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
+from faceedit_app.editing.files.pending import Pending, pending_journals
 from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover, Unsaved
@@ -198,7 +199,7 @@ def test_kill_9_in_the_middle_of_a_drag_loses_that_drag_only(
     monkeypatch.setattr(journal, "journal_folder", lambda: folder)
     asked: list[int] = []
 
-    def recover(_parent: object, pending: journal.Pending) -> Recover:
+    def recover(_parent: object, pending: Pending) -> Recover:
         asked.append(pending.gestures)
         return Recover.RECOVER
 
@@ -212,7 +213,7 @@ def test_kill_9_in_the_middle_of_a_drag_loses_that_drag_only(
     run_events()
     bench.answers["unsaved"] = Unsaved.DISCARD
     assert window.close()
-    assert journal.pending_journals() == []
+    assert pending_journals() == []
     shutil.rmtree(folder)
 
 

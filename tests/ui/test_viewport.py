@@ -148,7 +148,7 @@ def test_a_chosen_camera_survives_a_resize(viewport: Viewport) -> None:
 def test_a_slow_computer_gets_coarser_pictures_while_things_move(
     bench: Bench, viewport: Viewport
 ) -> None:
-    viewport._adapt(1.0)
+    viewport._rough.adapt(1.0)
     viewport.show_weights(weights(0.5))
     rough = settle(bench).calls[-1][0]
     wait_for_timers(viewport)

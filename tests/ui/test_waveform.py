@@ -7,9 +7,9 @@ from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 from support.curves import place
 from support.films import make_wav
-from support.media import FakeOutput, drag, editor_of, mouse, with_media
+from support.media import FakeOutput, drag, mouse, with_media
 from support.waiting import run_events
-from support.windows import Bench, trigger
+from support.windows import Bench, editor_of, trigger
 
 
 @pytest.mark.parametrize("width", [1280, 1777])

@@ -12,10 +12,10 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 from support.films import make_wav
-from support.media import FakeOutput, editor_of, settle, with_media
+from support.media import FakeOutput, settle, with_media
 from support.speech import SENTENCE, mumbling_take, needs_espeak, said, speak
 from support.waiting import PATIENCE, run_events, wait_for_background
-from support.windows import Bench, session_of, trigger
+from support.windows import Bench, editor_of, session_of, trigger
 
 from faceedit_app.editing.help.spoken import closures_of
 from faceedit_app.formats.opening import open_take

@@ -12,34 +12,28 @@ import contextlib
 import json
 import os
 import threading
-import time
 import uuid
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import platformdirs
 
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.fields import MOST_BYTES, Fields, parse
-from faceedit_app.core.filelock import lock, try_lock
-from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
-from faceedit_app.editing.edits.media import placement_from
+from faceedit_app.core.filelock import lock
+from faceedit_app.editing.edits.edit import Edit, to_json
 from faceedit_app.editing.edits.media import to_json as placement_to_json
-from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint, fingerprint_from
-from faceedit_app.editing.files.project import exported_over_from, settings_from
+from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
 from faceedit_app.editing.steps import EditState
 from faceedit_app.words.transcript import to_json as words_to_json
-from faceedit_app.words.transcript import transcript_from
 
 VERSION = 1
-_SUFFIX = ".jsonl"
-_NEW_SUFFIX = ".new"
+SUFFIX = ".jsonl"
+NEW_SUFFIX = ".new"
 _LONG = 32 * 2**20  # bytes; a longer journal is written again without what no longer matters
 _PATIENCE = 1.0  # seconds to wait for a slow disk when closing
 _CREATE = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-_YOUNG = 60.0  # seconds; the session of a younger empty journal may be starting
 
 
 def journal_folder() -> Path:
@@ -72,7 +66,7 @@ class Journal:
         exported_over: Fingerprint | None = None,
     ) -> None:
         self.note = ""
-        self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{_SUFFIX}"
+        self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{SUFFIX}"
         self._take, self._project, self._fps = take.absolute(), project, fps
         self._print, self._exported_over = opened, exported_over
         if opened is None:
@@ -159,7 +153,7 @@ class Journal:
         self._longest = 2 * self._length
         if self._last is None:
             return
-        new = self.path.with_suffix(_NEW_SUFFIX)
+        new = self.path.with_suffix(NEW_SUFFIX)
         content = _line(self._head()) + _line({"step": self._step} | _whole(self._last))
         try:
             file = os.open(new, _CREATE, 0o600)
@@ -284,137 +278,3 @@ def _difference(old: Sequence[Edit], new: Sequence[Edit]) -> tuple[int, int, int
     while same < shorter - first and (old[~same] is new[~same] or old[~same] == new[~same]):
         same += 1
     return first, len(new) - same, len(old) - same
-
-
-@dataclass(frozen=True)
-class Pending:
-    """A session that crashed, and its state.
-
-    Attributes:
-        path: its journal.
-        take: its take.
-        fingerprint: the fingerprint of the take; None if the take could not be read.
-        project: its project, if any.
-        state: the state after the last finished gesture.
-        gestures: the number of gestures since the last save.
-        when: the time of the last gesture, in seconds since the epoch.
-        fps: the take's frame rate, if the user had to give it.
-        exported_over: the fingerprint of what was exported over the take, if anything was.
-    """
-
-    path: Path
-    take: Path
-    fingerprint: Fingerprint | None
-    project: Path | None
-    state: EditState
-    gestures: int
-    when: float
-    fps: float | None = None
-    exported_over: Fingerprint | None = None
-
-    def discard(self) -> None:
-        """Delete its journal."""
-        with contextlib.suppress(OSError):
-            self.path.unlink()
-
-
-def pending_journals(folder: Path | None = None) -> list[Pending]:
-    """The sessions that crashed, newest first; running sessions are skipped."""
-    found = []
-    for path in (folder or journal_folder()).glob(f"*{_SUFFIX}"):
-        try:
-            if not path.is_file():
-                continue
-            with path.open("r+b") as file:
-                if not try_lock(file.fileno()):
-                    continue  # its session is running
-                about = os.fstat(file.fileno())
-                if about.st_size > MOST_BYTES:
-                    continue
-                content, when = file.read(), about.st_mtime
-        except OSError:
-            continue
-        pending = _read(path, content, when)
-        if pending is not None:
-            found.append(pending)
-        elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # no gesture was made
-            with contextlib.suppress(OSError):
-                path.unlink()
-    for path in (folder or journal_folder()).glob(f"*{_NEW_SUFFIX}"):  # left by a crash
-        with contextlib.suppress(OSError):
-            if time.time() - path.stat().st_mtime > _YOUNG:
-                path.unlink()
-    found.sort(key=lambda pending: pending.when, reverse=True)
-    return [pending for k, pending in enumerate(found) if not _is_repeated(pending, found[:k])]
-
-
-def _is_repeated(pending: Pending, newer: Sequence[Pending]) -> bool:
-    """Whether a newer session has the same edits: it recovered them, and crashed as well.
-
-    Its journal is deleted then.
-    """
-    mine = pending.take, pending.fingerprint, pending.state
-    if mine not in [(other.take, other.fingerprint, other.state) for other in newer]:
-        return False
-    pending.discard()
-    return True
-
-
-def _read(path: Path, content: bytes, when: float) -> Pending | None:
-    """The session in a journal; None if there is nothing to recover."""
-    lines = content.split(b"\n")[:-1]  # a line without a newline is incomplete
-    if not lines:
-        return None
-    try:
-        head = Fields(parse(lines[0]))
-        if head.whole("version") != VERSION:
-            return None
-        take = Path(head.path("take"))
-        project = Path(head.path("project")) if head.has("project") else None
-        print_ = fingerprint_from(head.fields("fingerprint")) if head.has("fingerprint") else None
-        fps = head.number_or_none("fps", 1.0, 1000.0)
-        exported_over = exported_over_from(head)
-    except ValueError:
-        return None
-    state, step, gestures = None, 0, 0
-    for line in lines[1:]:
-        try:
-            entry = Fields(parse(line))
-            if entry.has("exported_over"):
-                exported_over = exported_over_from(entry)
-                continue
-            state = _replay(state, step, entry)
-            step = entry.whole("step")
-        except ValueError:
-            break  # damaged from here on: keep what came before
-        gestures += 1
-    if state is None:
-        return None
-    return Pending(path, take, print_, project, state, gestures, when, fps, exported_over)
-
-
-def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
-    """The state after a gesture.
-
-    Raises:
-        ValueError: the entry is damaged, or a gesture before it is missing.
-    """
-    if entry.has("edits"):
-        media = placement_from(entry.fields_or_none("media"))
-        words = transcript_from(entry.fields_or_none("words"))
-        return EditState(edits_from(entry), settings_from(entry.fields("settings")), media, words)
-    if state is None or entry.whole("step") != step + 1:
-        raise ValueError("a line is missing")
-    edits = list(state.edits)
-    at, drop = entry.whole("at"), entry.whole("drop")
-    if at + drop > len(edits):
-        raise ValueError("it does not fit the edits before it")
-    edits[at : at + drop] = edits_from(entry, "add")
-    settings, media, words = state.settings, state.media, state.words
-    if entry.has("settings"):
-        settings = settings_from(entry.fields("settings"))
-    if entry.has("media"):
-        media = placement_from(entry.fields_or_none("media"))
-    if entry.has("words"):
-        words = transcript_from(entry.fields_or_none("words"))
-    return EditState(tuple(edits), settings, media, words)

@@ -149,6 +149,22 @@ def _from_document(fields: Fields, path: Path, own: bool) -> Preset:
     return preset
 
 
+def find_preset(name: str | Path) -> Preset:
+    """A preset by its name or id, or its file.
+
+    Raises:
+        FaceEditError: there is none, or it is damaged.
+    """
+    if isinstance(name, Path) or str(name).endswith(".json"):
+        return read_preset(Path(name), own=True)
+    presets, _ = load_presets()
+    for preset in presets:
+        if name.lower() in (preset.id.lower(), preset.name.lower()):
+            return preset
+    known = ", ".join(preset.id for preset in presets)
+    raise FaceEditError(f"{name}: there is no such preset; use one of {known}, or a file")
+
+
 def save_preset(
     name: str,
     edits: Sequence[Edit],

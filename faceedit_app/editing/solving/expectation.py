@@ -54,14 +54,22 @@ class Expectation:
         """
         given = asked | (change != 0)
         given |= given[:, self._mirror] | (given.any(axis=1)[:, None] & self._held)
-        numbers = given @ (1 << np.arange(given.shape[1]))
-        filled = change.copy()
         within = np.minimum(np.maximum(change, -self._most), self._most)
+        if (given == given[:1]).all():  # nearly always: one edit, in its own span
+            return self._filled(change, within, given[0])
+        filled = change.copy()
+        numbers = given @ (1 << np.arange(given.shape[1]))
         for number in np.unique(numbers):
             rows = np.flatnonzero(numbers == number)
-            known = given[rows[0]]
-            if known.any() and not known.all():
-                filled[np.ix_(rows, ~known)] = within[np.ix_(rows, known)] @ self._gain(known)
+            filled[rows] = self._filled(change[rows], within[rows], given[rows[0]])
+        return filled
+
+    def _filled(self, change: Doubles, within: Doubles, known: Bools) -> Doubles:
+        """The change with that of the curves that are not known filled in from the others."""
+        if not known.any() or known.all():
+            return change
+        filled = change.copy()
+        filled[:, ~known] = within[:, known] @ self._gain(known)
         return filled
 
     def distance(self, change: Doubles) -> Doubles:

@@ -18,7 +18,7 @@ from typing import IO, Any
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.editing.files.journal import pending_journals
+from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import read_project
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.attacks import victim

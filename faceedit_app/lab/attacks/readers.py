@@ -24,7 +24,8 @@ from faceedit_app.core.rig import Material, Rig
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files.edits_file import write_edits
 from faceedit_app.editing.files.fingerprint import fingerprint
-from faceedit_app.editing.files.journal import Journal, pending_journals
+from faceedit_app.editing.files.journal import Journal
+from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import Project, read_project, write_project
 from faceedit_app.editing.opening import open_session, shipped_rig
 from faceedit_app.editing.steps import EditState

@@ -18,7 +18,7 @@ from PySide6.QtCore import QCoreApplication
 from faceedit_app.core.fields import to_text
 from faceedit_app.editing.edits.edit import to_json
 from faceedit_app.editing.files import journal
-from faceedit_app.editing.files.journal import pending_journals
+from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import ViewState
 from faceedit_app.editing.steps import EditState
 from faceedit_app.lab.attacks.monkey import Monkey, dialogs_cancelled

@@ -10,29 +10,19 @@ from typing import TYPE_CHECKING, TypeVar
 from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
 
-from faceedit_app.editing.files import PROJECT_SUFFIX
-from faceedit_app.media import ENDINGS, FILM_ENDINGS
+from faceedit_app.ui.commands import file_kinds
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
     from faceedit_app.editing.exporting import Options, OutFormat
-    from faceedit_app.editing.files.journal import Pending
+    from faceedit_app.editing.files.pending import Pending
     from faceedit_app.editing.filming import Shot
     from faceedit_app.formats.take import Take
     from faceedit_app.live.protocols import Protocol
     from faceedit_app.media.film_writer import FilmFormat
 
 Choice = TypeVar("Choice")
-
-PROJECTS = "Projects (*.faceedit);;All files (*)"
-MEDIA = f"Sound and film ({' '.join(f'*{e} *{e.upper()}' for e in ENDINGS)});;All files (*)"
-WORDS = "Words (*.TextGrid *.textgrid *.srt *.vtt *.json *.txt);;All files (*)"
-WRITTEN_WORDS = "TextGrid (*.TextGrid);;Subtitles (*.srt);;JSON (*.json)"
-FILM_PATTERNS = " ".join(f"*{e} *{e.upper()}" for e in FILM_ENDINGS)
-FILMS = f"Films ({FILM_PATTERNS});;All files (*)"
-EDITS = "Edits (*.json);;All files (*)"
-PICTURES = "Pictures (*.png);;All files (*)"
 
 
 class Unsaved(Enum):
@@ -68,13 +58,6 @@ class Recover(Enum):
     LATER = auto()
 
 
-def takes_pattern() -> str:
-    """File name patterns of all take formats, for a file dialog."""
-    from faceedit_app.formats.registry import endings  # not needed before the window is up
-
-    return " ".join(f"*{ending} *{ending.upper()}" for ending in endings())
-
-
 def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float | None:
     """The frame rate of a take.
 
@@ -88,19 +71,12 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    kinds = (
-        f"Takes, projects and films ({takes_pattern()} *{PROJECT_SUFFIX} {FILM_PATTERNS});;"
-        "All files (*)"
-    )
-    return _chosen(
-        QFileDialog.getOpenFileName(parent, "Open a take or a project", str(folder), kinds)
-    )
+    return _open_name(parent, "Open a take or a project", folder, file_kinds.all_that_opens())
 
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the take; a suggestion without an ending is a new folder."""
-    kinds = f"*{suggestion.suffix} (*{suggestion.suffix});;All files (*)"
-    return _save_name(parent, "Export", suggestion, kinds)
+    return _save_name(parent, "Export", suggestion, file_kinds.like(suggestion.suffix))
 
 
 def ask_export_as(
@@ -150,7 +126,7 @@ def ask_record(parent: QWidget) -> tuple[Protocol, str, int] | None:
 
 def ask_record_name(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write a recording."""
-    return _save_name(parent, "Record to", suggestion, "Takes (*.csv);;All files (*)")
+    return _save_name(parent, "Record to", suggestion, file_kinds.RECORDINGS)
 
 
 def ask_stop_film(parent: QWidget) -> bool:
@@ -158,10 +134,7 @@ def ask_stop_film(parent: QWidget) -> bool:
     box = _question(parent, "A film is still being written.", "If you stop it, there is no film.")
     stop = box.addButton("Stop it", QMessageBox.ButtonRole.DestructiveRole)
     go_on = box.addButton("Go on filming", QMessageBox.ButtonRole.RejectRole)
-    box.setDefaultButton(go_on)
-    box.setEscapeButton(go_on)
-    box.exec()
-    return box.clickedButton() is stop
+    return _insists(box, stop, go_on)
 
 
 def show_exported(parent: QWidget, path: Path, lines: Sequence[str]) -> None:
@@ -188,15 +161,12 @@ def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
     )
     other = box.addButton("Choose another name…", QMessageBox.ButtonRole.AcceptRole)
     overwrite = box.addButton("Overwrite recording", QMessageBox.ButtonRole.DestructiveRole)
-    box.setDefaultButton(other)
-    box.setEscapeButton(other)
-    box.exec()
-    return box.clickedButton() is overwrite
+    return _insists(box, overwrite, other)
 
 
 def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the project."""
-    return _save_name(parent, "Save the project", suggestion, PROJECTS)
+    return _save_name(parent, "Save the project", suggestion, file_kinds.PROJECTS)
 
 
 def ask_take_of_project(
@@ -215,10 +185,7 @@ def ask_take_of_project(
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()
     if box.clickedButton() is look:
-        kinds = f"Takes ({takes_pattern()});;All files (*)"
-        return _chosen(
-            QFileDialog.getOpenFileName(parent, "The project's take", str(folder), kinds)
-        )
+        return _open_name(parent, "The project's take", folder, file_kinds.takes())
     return next((path for button, path in paths.items() if button is box.clickedButton()), None)
 
 
@@ -247,48 +214,42 @@ def ask_recover(parent: QWidget, pending: Pending) -> Recover:
 
 def ask_save_edits(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the list of edits."""
-    return _save_name(parent, "Save edits", suggestion, EDITS)
+    return _save_name(parent, "Save edits", suggestion, file_kinds.EDITS)
 
 
 def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
     """Which edits file to load."""
-    return _chosen(QFileDialog.getOpenFileName(parent, "Load edits", str(folder), EDITS))
+    return _open_name(parent, "Load edits", folder, file_kinds.EDITS)
 
 
 def ask_media(parent: QWidget, folder: Path) -> Path | None:
     """Which sound or film to add."""
-    return _chosen(QFileDialog.getOpenFileName(parent, "Add sound or film", str(folder), MEDIA))
+    return _open_name(parent, "Add sound or film", folder, file_kinds.MEDIA)
 
 
 def ask_words(parent: QWidget, folder: Path) -> Path | None:
     """Which file says what is said."""
-    return _chosen(QFileDialog.getOpenFileName(parent, "Open words", str(folder), WORDS))
+    return _open_name(parent, "Open words", folder, file_kinds.WORDS)
 
 
 def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the words; the ending says as what."""
-    return _save_name(parent, "Export words", suggestion, WRITTEN_WORDS)
+    return _save_name(parent, "Export words", suggestion, file_kinds.WRITTEN_WORDS)
 
 
 def ask_character(parent: QWidget, folder: Path) -> Path | None:
     """Which character to open."""
-    from faceedit_app.characters.registry import FORMATS  # not needed before the window is up
-
-    endings = [ending for kind in FORMATS for ending in kind.endings]
-    kinds = f"Characters ({' '.join(f'*{e} *{e.upper()}' for e in endings)});;All files (*)"
-    return _chosen(QFileDialog.getOpenFileName(parent, "Open a character", str(folder), kinds))
+    return _open_name(parent, "Open a character", folder, file_kinds.characters())
 
 
 def ask_scan(parent: QWidget, folder: Path) -> Path | None:
     """Which scan to make a character from."""
-    kinds = "Scans (*.obj *.OBJ *.ply *.PLY *.stl *.STL *.glb *.GLB *.gltf);;All files (*)"
-    title = "A head without blendshapes"
-    return _chosen(QFileDialog.getOpenFileName(parent, title, str(folder), kinds))
+    return _open_name(parent, "A head without blendshapes", folder, file_kinds.SCANS)
 
 
 def ask_save_character(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save a character."""
-    return _save_name(parent, "Save the character", suggestion, "Characters (*.glb);;All files (*)")
+    return _save_name(parent, "Save the character", suggestion, file_kinds.WRITTEN_CHARACTERS)
 
 
 def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
@@ -304,24 +265,23 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
 
 def ask_film_to_track(parent: QWidget, folder: Path) -> Path | None:
     """Which film to track."""
-    return _chosen(QFileDialog.getOpenFileName(parent, "Track a film", str(folder), FILMS))
+    return _open_name(parent, "Track a film", folder, file_kinds.FILMS)
 
 
 def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the take of a film."""
-    kinds = "Live Link Face CSV (*.csv);;All files (*)"
-    return _save_name(parent, "Save the tracked take as", suggestion, kinds)
+    return _save_name(parent, "Save the tracked take as", suggestion, file_kinds.TRACKED_TAKES)
 
 
 def ask_save_side_by_side(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write film and face side by side."""
-    kinds = "Films (*.mp4);;All files (*)"
-    return _save_name(parent, "Export film and face side by side", suggestion, kinds)
+    title = "Export film and face side by side"
+    return _save_name(parent, title, suggestion, file_kinds.MP4)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the picture of the face."""
-    return _save_name(parent, "Save picture", suggestion, PICTURES)
+    return _save_name(parent, "Save picture", suggestion, file_kinds.PICTURES)
 
 
 def ask_preset_name(parent: QWidget) -> str | None:
@@ -387,6 +347,14 @@ def _question(parent: QWidget, message: str, more: str) -> QMessageBox:
     return box
 
 
+def _insists(box: QMessageBox, risky: QPushButton, safe: QPushButton) -> bool:
+    """Whether the user chooses what loses something; Enter and Esc do not."""
+    box.setDefaultButton(safe)
+    box.setEscapeButton(safe)
+    box.exec()
+    return box.clickedButton() is risky
+
+
 def _choice(box: QMessageBox, choices: Mapping[QPushButton, Choice], cancel: Choice) -> Choice:
     """What the clicked button stands for; `cancel` for Cancel, which is added, and Esc."""
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
@@ -404,5 +372,6 @@ def _save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Pat
     return Path(dialog.selectedFiles()[0]) if dialog.exec() else None
 
 
-def _chosen(answer: tuple[str, str]) -> Path | None:
-    return Path(answer[0]) if answer[0] else None
+def _open_name(parent: QWidget, title: str, folder: Path, kinds: str) -> Path | None:
+    name, _ = QFileDialog.getOpenFileName(parent, title, str(folder), kinds)
+    return Path(name) if name else None

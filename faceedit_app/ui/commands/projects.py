@@ -10,7 +10,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
-from faceedit_app.editing.files.journal import Pending
+from faceedit_app.editing.files.pending import Pending
 from faceedit_app.editing.files.project import (
     Located,
     Project,

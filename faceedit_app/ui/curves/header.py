@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from PySide6.QtCore import QPoint, QRectF, Qt, Signal
+from PySide6.QtCore import QPoint, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
     QFont,
@@ -41,7 +41,7 @@ class Layout:
 
     Attributes:
         name_font, value_font: the note uses the name's.
-        name, value, note: their places; None for a note without room.
+        name, value, share, note: their places; None without room.
         is_low: whether the value is beside the name.
     """
 
@@ -49,8 +49,15 @@ class Layout:
     value_font: QFont
     name: QRectF
     value: QRectF
+    share: QRectF | None
     note: QRectF | None
     is_low: bool = False
+
+    @property
+    def readout(self) -> QRect:
+        """Where all of value, share and note are, in whole pixels."""
+        room = self.value if self.note is None else self.value.united(self.note)
+        return room.toAlignedRect()
 
     @classmethod
     def of(cls, widget: QWidget, label: str) -> Layout:
@@ -70,7 +77,8 @@ class Layout:
         closer = min(max(whole - height, 0.0), _SQUEEZE) / (2.0 if with_note else 1.0)
         tops = (top, top + name_height - closer, top + text_height - 2.0 * closer)
         places = [room.translated(0, y) for y in tops]
-        return cls(name, value, places[0], places[1], places[2] if with_note else None)
+        share = places[1].adjusted(bold.horizontalAdvance(WIDEST + UNIT) + _APART, 1, -_APART, 0)
+        return cls(name, value, places[0], places[1], share, places[2] if with_note else None)
 
     @classmethod
     def _low(cls, widget: QWidget, room: QRectF) -> Layout:
@@ -78,7 +86,9 @@ class Layout:
         name, value = style.scaled_font(widget, 0.92), style.scaled_font(widget, 1.0, bold=True)
         wide = QFontMetricsF(value).horizontalAdvance(WIDEST)
         beside = QRectF(room.right() - wide, 0.0, wide, room.height())
-        return cls(name, value, room.adjusted(0.0, 0.0, -wide - _APART, 0.0), beside, None, True)
+        return cls(
+            name, value, room.adjusted(0.0, 0.0, -wide - _APART, 0.0), beside, None, None, True
+        )
 
 
 class Header(QWidget):
@@ -127,7 +137,7 @@ class Header(QWidget):
         if (value, note, share) != (self.value, self.note, self.share):
             self.value, self.note, self.share = value, note, share
             self.setAccessibleDescription(f"{value} at the playhead. {self.control.hint}")
-            self.update()
+            self.update(self._layout().readout)
 
     def show_active(self, active: bool) -> None:
         """Highlight the header together with the plot under the pointer."""
@@ -166,32 +176,29 @@ class Header(QWidget):
         event.accept()
 
     @guarded
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        """Paint bar, name and value."""
-        layout = self._layout()
-        color = self.control.color
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint bar, name and value; the name only where it is out of date."""
+        layout, color = self._layout(), self.control.color
         with QPainter(self) as painter:
             ground = style.PLOT_ACTIVE if self._active else style.PLOT
-            painter.fillRect(self.rect(), style.color(ground))
+            painter.fillRect(event.rect(), style.color(ground))
             if self._chosen:
-                painter.fillRect(self.rect(), style.color(color, 46))
+                painter.fillRect(event.rect(), style.color(color, 46))
             bar = QRectF(0, 0, 2 * _BAR if self._chosen else _BAR, self.height())
             painter.fillRect(bar, style.color(color))
             painter.setFont(layout.name_font)
-            painter.setPen(style.color(style.TEXT if self._active else style.LABEL))
-            painter.drawText(layout.name, _MIDDLE if layout.is_low else _LEFT, self.control.label)
+            if layout.name.intersects(event.rect()):
+                painter.setPen(style.color(style.TEXT if self._active else style.LABEL))
+                where = _MIDDLE if layout.is_low else _LEFT
+                painter.drawText(layout.name, where, self.control.label)
+            painter.setPen(style.color(style.MUTED))
+            if layout.share is not None:
+                painter.drawText(layout.share, _RIGHT_TOP, self.share)
+            if layout.note is not None:
+                painter.drawText(layout.note, _LEFT, self.note)
             painter.setFont(layout.value_font)
             painter.setPen(style.color(style.TEXT))
             if layout.is_low:
                 painter.drawText(layout.value, _RIGHT, self.value.removesuffix(UNIT))
             else:
                 painter.drawText(layout.value, _LEFT, self.value)
-                wide = QFontMetricsF(layout.value_font).horizontalAdvance(WIDEST + UNIT)
-                painter.setFont(layout.name_font)
-                painter.setPen(style.color(style.MUTED))
-                place = layout.value.adjusted(wide + _APART, 1.0, -_APART, 0.0)
-                painter.drawText(place, _RIGHT_TOP, self.share)
-            if layout.note is not None:
-                painter.setFont(layout.name_font)
-                painter.setPen(style.color(style.MUTED))
-                painter.drawText(layout.note, _LEFT, self.note)

@@ -10,16 +10,16 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
-from faceedit_app.editing.edits.edit import Company, Edit, Op
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
-from faceedit_app.ui.curves.edges import GRASP, Edge
+from faceedit_app.ui.curves.chosen_change import ChosenChange, change_by
+from faceedit_app.ui.curves.edges import GRASP
 from faceedit_app.ui.curves.gestures import (
     CurveDrag,
     Pointer,
     Span,
     clamped,
     moved_together,
-    span_at,
     stepped_falloff,
 )
 from faceedit_app.ui.curves.plot import CurvePlot
@@ -30,8 +30,6 @@ from faceedit_app.ui.state.tools import Tool, Tools
 
 # Seconds between two previews: a mouse may report 1000 moves a second, a screen shows 60.
 PREVIEW_INTERVAL = 0.016
-_LEAST_WIDTH = 8 * GRASP  # pixels of an edit whose edges are grabbed on the plots
-_LEAST_STRENGTH = 0.25  # of an edit that a drag can change: with less, the hand would do nothing
 _HAND = 0.01  # mm per unit of the hand's moves, in place of pixels
 _NOTHING = 1e-9  # mm: nudges up and down that cancel out
 CURSORS = {
@@ -75,7 +73,7 @@ class Interaction(QObject):
         self.focused: str | None = None
         self.chosen: frozenset[str] = frozenset()  # ids of curves to edit together
         self.chosen_edit: Callable[[], tuple[int, Edit] | None] = lambda: None
-        self._changes: tuple[int, Edit] | None = None  # the chosen edit, if the drag changes it
+        self._change: ChosenChange | None = None  # if the drag changes the chosen edit
         self._clicks = False  # a click is moving the playhead
         self._x = 0.0  # pixels of the pointer, in its plot
         self._came_from = 0  # playhead's frame before the drag
@@ -107,41 +105,12 @@ class Interaction(QObject):
         if self.drag is not None:
             return self.drag.span(line.falloff, line.falloff_out)
         time = self.hover_time
-        return self._span_at(time, self._grasp) if time is not None else None
+        return self._edges.span_at(time, self._grasp) if time is not None else None
 
     @property
     def _grasp(self) -> float:
         """Seconds by which the pointer may miss."""
         return GRASP * self.plot.current_scale.seconds_per_pixel if self.plot is not None else 0.0
-
-    def _span_at(self, seconds: float, slack: float) -> Span:
-        line = self._timeline
-        if line.own_selection is None and not self._is_in_chosen(seconds, slack):
-            return Span(seconds, seconds, *line.own_falloffs)
-        return span_at(seconds, line.selection, line.falloff, line.falloff_out)
-
-    def _is_in_chosen(self, seconds: float, slack: float) -> bool:
-        """Whether a time is in the hold of the chosen edit, if that is a part of the take.
-
-        Args:
-            seconds: the time.
-            slack: seconds that it may lie outside.
-        """
-        line = self._timeline
-        if not line.shows_edit or line.selection is None:
-            return False
-        start, end = line.selection
-        is_part = end - start < line.duration - 2 * slack
-        return is_part and start - slack <= seconds <= end + slack
-
-    def _edge_under(self, plot: CurvePlot, x: float) -> Edge | None:
-        """The edge that a press would grab; those of a short edit are on the bar only."""
-        line, scale = self._timeline, plot.current_scale
-        if line.own_selection is None and line.selection is not None:
-            width = (line.selection[1] - line.selection[0]) / scale.seconds_per_pixel
-            if width < _LEAST_WIDTH:
-                return None
-        return self._edges.edge_under(scale, x)
 
     def edited_from(self, control: str, one_side: bool = False) -> tuple[str, ...]:
         """The curves that a gesture on one of them edits."""
@@ -160,7 +129,7 @@ class Interaction(QObject):
         if self.session is None or self.is_held:
             return
         self._enter(plot, pointer)
-        edge = self._edge_under(plot, pointer.x)
+        edge = self._edges.edge_on_plot(plot.current_scale, pointer.x)
         if edge is not None:
             self._edges.grab(edge, plot.current_scale.time_at(pointer.x))
         else:
@@ -194,7 +163,7 @@ class Interaction(QObject):
         if self.session is None:
             return
         self._enter(plot, pointer)
-        edge = self._edge_under(plot, pointer.x)
+        edge = self._edges.edge_on_plot(plot.current_scale, pointer.x)
         plot.view.setCursor(
             Qt.CursorShape.SizeHorCursor if edge is not None else CURSORS[self._tools.tool]
         )
@@ -234,7 +203,7 @@ class Interaction(QObject):
 
     def cancel(self) -> None:
         """Cancel the drag in progress, and restore curves, edges and playhead."""
-        drag, self.drag, self._changes = self.drag, None, None
+        drag, self.drag, self._change = self.drag, None, None
         self._timer.stop()
         self._edges.cancel()
         if drag is not None and drag.moving and self.session is not None:
@@ -253,7 +222,7 @@ class Interaction(QObject):
         at = pointer.x, pointer.y
         press = self._press(plot, time, at, self._grasp, pointer.one_side)
         self.drag = begin(self._tools.tool, press, self._tools.smooth)
-        self._changes = self._changed_by(press)
+        self._change = self._change_by(press)
         if self.drag.moving:
             self._begins()
             self._preview_soon()
@@ -277,7 +246,7 @@ class Interaction(QObject):
             at,
             time,
             plot.current_scale,
-            self._span_at(time, slack),
+            self._edges.span_at(time, slack),
             float(session.asked[frame, column]),
             float(session.tracked[frame, column]),
             session.limits[column],
@@ -293,7 +262,7 @@ class Interaction(QObject):
         self.plot, self.focused = plot, plot.control.id
         self._x = plot.current_scale.x_of(line.time)
         press = self._press(plot, line.time, (self._x, 0.0), self._grasp, one_side)
-        self._changes = self._changed_by(press)
+        self._change = self._change_by(press)
         self.drag = replace(move(press), mm_per_pixel=_HAND)
         self.changed.emit()
         return True
@@ -347,41 +316,24 @@ class Interaction(QObject):
 
     def _begins(self) -> None:
         """The press has become an edit."""
-        if self._changes is None:
+        if self._change is None:
             self.began.emit()
         self._show_edited_frame()
 
-    def _changed_by(self, press: Press) -> tuple[int, Edit] | None:
-        """The chosen edit, if it is a move of the same curves at the same place."""
-        chosen = self.chosen_edit()
-        if chosen is None or self._tools.tool is not Tool.MOVE:
+    def _change_by(self, press: Press) -> ChosenChange | None:
+        if self._tools.tool is not Tool.MOVE:
             return None
-        edit, hold = chosen[1], (press.span.start, press.span.end)
-        line = self._timeline
-        is_same = (
-            edit.op is Op.OFFSET
-            and edit.companions is Company.YIELD
-            and edit.enabled
-            and edit.strength >= _LEAST_STRENGTH
-            and set(edit.controls) == set(press.controls)
-            and (hold == line.selection or hold == (edit.start, edit.end))
-        )
-        return chosen if is_same else None
+        return change_by(press, self.chosen_edit(), self._timeline.selection)
 
     def _preview_edit(self, edit: Edit | None) -> None:
         """Show a new edit, or the chosen one with what the drag adds to it."""
         session = self.session
         assert session is not None
-        if self._changes is None:
+        if self._change is None:
             session.preview(edit)
-            return
-        row, old = self._changes
-        line = self._timeline
-        added = edit.value / old.strength if edit is not None else 0.0
-        new = replace(old, value=old.value + added)
-        if (old.falloff, old.fade_out) != (line.falloff, line.falloff_out):
-            new = replace(new, falloff=line.falloff, falloff_out=line.falloff_out)
-        session.preview_replace(row, new)
+        else:
+            falloffs = self._timeline.falloff, self._timeline.falloff_out
+            session.preview_replace(self._change.row, self._change.edit(edit, falloffs))
 
     def _show_edited_frame(self) -> None:
         """Make the viewport show the frame being changed."""
@@ -415,14 +367,14 @@ class Interaction(QObject):
 
     def _commit(self) -> None:
         """Keep what the drag did, as one step."""
-        session, changed = self.session, self._changes
+        session, change = self.session, self._change
         assert session is not None
-        self._changes = None
-        if changed is None:
+        self._change = None
+        if change is None:
             session.commit()
             self.made.emit()
         else:
-            session.commit(f"Change {describe(changed[1])}")
+            session.commit(f"Change {describe(change.old)}")
 
     def _falloff_changed(self, _seconds: float) -> None:
         if self.is_dragging:

@@ -102,7 +102,6 @@ class Stroke:
                 changed = changed[0], max(changed[1], float(line.x[-1]))  # all dashes move
         return changed
 
-    @guarded
     def paint(self, painter: QPainter, ratio: float) -> None:
         """Draw the line, in full width unless it fills its pixel columns anyway.
 

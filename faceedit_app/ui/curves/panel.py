@@ -13,25 +13,24 @@ from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.gestures import CurveDrag, span_at
+from faceedit_app.ui.curves.gestures import CurveDrag
 from faceedit_app.ui.curves.group_head import GroupHead
 from faceedit_app.ui.curves.hand import FaceHand
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
 from faceedit_app.ui.curves.one_painting import OnePainting
-from faceedit_app.ui.curves.plot import CurvePlot, Handle, Marks
+from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.range_fields import RangeFields
+from faceedit_app.ui.curves.readout import Readout
 from faceedit_app.ui.curves.rows import Rows
 from faceedit_app.ui.curves.ruler import Ruler
-from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.shown import ShownCurves
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
 from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
-from faceedit_app.ui.curves.words import CHOSEN_HINT, IDLE_HINTS, length, note_on
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
@@ -86,6 +85,16 @@ class CurvesPanel(QWidget):
         self.shown = ShownCurves(self._rows, self.group_head, self)
         self.hand = FaceHand(self.plots, self._mouse, self.shown.reveal)
         self._axes = ValueAxes(self.plots)
+        self._readout = Readout(
+            self.headers,
+            self.plots,
+            self.ruler,
+            self.legend,
+            self._mouse,
+            self._edges,
+            timeline,
+            self.tools,
+        )
         self._pages = QStackedWidget()
         strips: tuple[pg.GraphicsView, ...] = (self.ruler, self.range_bar, *self.plots)
         OnePainting(self, [strip.scene() for strip in strips])
@@ -253,12 +262,7 @@ class CurvesPanel(QWidget):
         self.session = self._mouse.session = session
         self._curves = self._axes.curves = None
         clip = session.take.clip if session is not None else None
-        gaps: list[Interval] = []
-        if clip is not None:
-            gaps = [
-                (float(clip.times[gap.frame]), float(clip.times[gap.frame + 1]))
-                for gap in clip.gaps
-            ]
+        gaps = clip.gap_times if clip is not None else []
         self.ruler.show_clip(clip, gaps)
         self._pages.setCurrentIndex(0 if session is None else 1)
         for plot in self.plots:
@@ -393,53 +397,5 @@ class CurvesPanel(QWidget):
             self._axes.follow(zip(asked, face, strict=True), self._mouse.plot)
 
     def _show_state(self) -> None:
-        """Playhead, spans, handle, values and hint."""
-        session, mouse, timeline = self.session, self._mouse, self.timeline
-        if session is None:
-            return
-        # When another take opens, timeline and panel are updated one after the other.
-        frame = min(timeline.frame, len(session.tracked) - 1)
-        arrays = session.tracked, session.asked, session.achieved
-        values = zip(*(array[frame].tolist() for array in arrays), strict=True)
-        limits = session.limits
-        dragging, span, selection = mouse.is_dragging, mouse.span, self._edges.span
-        plain = Marks(selection, span if dragging else None, style.WEAK)
-        lit = Marks(selection, span, style.STRONG if dragging else style.HOVER)
-        edited = mouse.drag.controls if mouse.drag is not None and mouse.drag.moving else ()
-        rows = list(zip(self.headers, self.plots, values, strict=True))
-        for i in self._columns_read:
-            header, plot, (tracked, asked, face) = rows[i]
-            here = plot is mouse.plot
-            marks = lit if (plot.control.id in edited if dragging else here) else plain
-            handle = self._handle(session, i) if here else None
-            plot.show_marks(marks, timeline.time, handle, face)
-            low, high = limits[i]
-            share = f"{100 * (face - low) / (high - low):.0f} %" if high > low else ""
-            header.show_value(f"{face:.1f} mm", note_on(tracked, asked, face), share)
-            header.show_active(here or plot.shows_focus)
-        fades = timeline.own_falloffs
-        span = span or span_at(timeline.time, timeline.own_selection, *fades)
-        self.ruler.show_marks(Marks(selection, span, style.STRONG), timeline.time)
-        self.legend.show_hint(self._hint())
-
-    def _handle(self, session: EditSession, control: int) -> Handle | None:
-        """The dot under the pointer, on the curve as asked for, since a drag moves that."""
-        time, drag = self._mouse.hover_time, self._mouse.drag
-        if time is None:
-            return None
-        frame = session.take.clip.frame_at(time)
-        asked = float(session.asked[frame, control])
-        if drag is None or not drag.moving:
-            return Handle(time, asked, held=drag is not None)
-        face = float(session.achieved[frame, control])
-        words = drag.words, f"asked {asked:.1f} · face {face:.1f}"
-        return Handle(time, asked, True, words)
-
-    def _hint(self) -> str:
-        mouse = self._mouse
-        if mouse.is_dragging:
-            falloff = length(self.timeline, self.timeline.falloff)
-            return f"Falloff {falloff} (wheel) · Shift: fine · Ctrl: snap · Esc: cancel"
-        if mouse.plot is not None:
-            return mouse.plot.control.hint
-        return CHOSEN_HINT if self.timeline.shows_edit else IDLE_HINTS[self.tools.tool]
+        if self.session is not None:
+            self._readout.show(self.session, self._columns_read)

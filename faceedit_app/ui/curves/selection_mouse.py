@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, Signal
 
-from faceedit_app.ui.curves.edges import Edge, EdgeDrag, edge_at, press_edge
-from faceedit_app.ui.curves.gestures import Pointer, Span, clamped
+from faceedit_app.ui.curves.edges import GRASP, Edge, EdgeDrag, edge_at, press_edge
+from faceedit_app.ui.curves.gestures import Pointer, Span, clamped, span_at
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.state.timeline import Timeline
+
+_LEAST_WIDTH = 8 * GRASP  # pixels of an edit whose edges are grabbed on the plots
 
 
 class SelectionMouse(QObject):
@@ -63,6 +65,36 @@ class SelectionMouse(QObject):
         """The edge that a press at a pixel would grab."""
         span = self.span
         return edge_at(x, scale, span) if span is not None else None
+
+    def edge_on_plot(self, scale: Scale, x: float) -> Edge | None:
+        """The edge that a press on a plot would grab; those of a short edit are on the bar only."""
+        line = self._timeline
+        if line.own_selection is None and line.selection is not None:
+            width = (line.selection[1] - line.selection[0]) / scale.seconds_per_pixel
+            if width < _LEAST_WIDTH:
+                return None
+        return self.edge_under(scale, x)
+
+    def span_at(self, seconds: float, slack: float) -> Span:
+        """The span that a press on a plot edits: of the selection, of the chosen edit, or new.
+
+        Args:
+            seconds: the time of the press.
+            slack: seconds by which it may miss the chosen edit.
+        """
+        line = self._timeline
+        if line.own_selection is None and not self._is_in_chosen(seconds, slack):
+            return Span(seconds, seconds, *line.own_falloffs)
+        return span_at(seconds, line.selection, line.falloff, line.falloff_out)
+
+    def _is_in_chosen(self, seconds: float, slack: float) -> bool:
+        """Whether a time is in the hold of the chosen edit, if that is a part of the take."""
+        line = self._timeline
+        if not line.shows_edit or line.selection is None:
+            return False
+        start, end = line.selection
+        is_part = end - start < line.duration - 2 * slack
+        return is_part and start - slack <= seconds <= end + slack
 
     def press(self, scale: Scale, x: float) -> bool:
         """Grab the edge at a pixel, if there is one."""

@@ -113,16 +113,14 @@ class FacePicture:
         return self.camera.project(chosen, width, height)
 
     def begin(self, size: Size) -> None:
-        """Start drawing a rough picture of one face while other work goes on.
-
-        `draw` finishes it. Drivers and PyOpenGL raise all kinds of errors.
-        """
+        """Start a rough picture of one face while other work goes on; `draw` finishes it."""
         if self._renderer is None or self._rig is None or self.is_pair:
             return
-        self._renderer.resize(*size)
-        vertices, tint = self._first(self._rig)
-        self._renderer.begin(vertices, self.camera, smooth=False, tint=tint)
-        self._begun = True
+        with _errors_left_to_draw():
+            self._renderer.resize(*size)
+            vertices, tint = self._first(self._rig)
+            self._renderer.begin(vertices, self.camera, smooth=False, tint=tint)
+            self._begun = True
 
     def forget_begun(self) -> None:
         """Discard a picture that was begun, because it is out of date."""
@@ -137,31 +135,29 @@ class FacePicture:
         """
         if self._renderer is None or self._rig is None:
             return
-        pixels = self._pixels = self._faces(self._renderer, self._rig, size, smooth)
-        height, width = pixels.shape[:2]
-        self.image = QImage(
-            pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32
-        )
+        self._pixels = self._faces(self._renderer, self._rig, size, smooth)
+        self.image = _image_of(self._pixels)
 
     def thumbnail(self, weights: Floats, side: int) -> QImage | None:
-        """A small square picture of the face with (K,) weights, from the front; None without one.
+        """A small square picture of the face with (K,) weights, from the front.
 
-        Drivers and PyOpenGL raise all kinds of errors.
+        None if it cannot be drawn.
         """
         if self._renderer is None or self._rig is None:
             return None
         self._begun = False
-        self._renderer.resize(side, side)
         camera = render.aimed_camera(self._rig, render.Aim.FRONT).zoom(_NEARER).pan(0.0, -_LOWER)
-        pixels = self._renderer.draw(self._rig.vertices(weights), camera, smooth=True)
-        height, width = pixels.shape[:2]
-        picture = QImage(pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32)
-        return picture.copy()
+        with _errors_left_to_draw():
+            self._renderer.resize(side, side)
+            pixels = self._renderer.draw(self._rig.vertices(weights), camera, smooth=True)
+            return _image_of(pixels).copy()
+        return None
 
     def prepare(self) -> None:
         """Prepare the next picture, unless one has been begun."""
         if self._renderer is not None and not self._begun:
-            self._renderer.prepare()
+            with _errors_left_to_draw():
+                self._renderer.prepare()
 
     def _first(self, rig: Rig) -> tuple[Floats, Floats | None]:
         """The vertices (V, 3) of the face and, if it is tinted, the strength of the tint (V,)."""
@@ -190,6 +186,17 @@ class FacePicture:
                 return pixels
             pictures.append(pixels.copy())  # the renderer may draw the next one into it
         return np.ascontiguousarray(np.concatenate(pictures, axis=1))
+
+
+def _errors_left_to_draw() -> contextlib.suppress:
+    """Ignore what drivers raise: `draw` raises it again, and the viewport reports it."""
+    return contextlib.suppress(Exception)
+
+
+def _image_of(pixels: Pixels) -> QImage:
+    """An image that shares the memory of a picture (H, W, 4)."""
+    height, width = pixels.shape[:2]
+    return QImage(pixels.data, width, height, pixels.strides[0], QImage.Format.Format_RGB32)
 
 
 def paint_names(painter: QPainter, room: QRect) -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import logging
 import time
 from collections.abc import Iterable, Sequence
 from typing import cast
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPoint, QRect, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QCloseEvent,
     QColor,
@@ -24,25 +23,22 @@ from PySide6.QtGui import (
     QResizeEvent,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
+from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.rig import Rig
 from faceedit_app.render import Aim, Camera
 from faceedit_app.ui.face.camera_keys import moved_by_key
+from faceedit_app.ui.face.camera_mouse import ZOOM_STEP, CameraMouse
 from faceedit_app.ui.face.difference_legend import DifferenceLegend
 from faceedit_app.ui.face.face_picture import FacePicture, Size, paint_names
+from faceedit_app.ui.face.resolution import RoughResolution
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import ACCENT, PANEL
 from faceedit_app.ui.look.texts import plain_label
 
 IDLE_MS = 150  # without a change, before the picture is drawn with smooth edges
-ORBIT = 0.008  # radians per pixel
-ZOOM_STEP = 0.88  # per notch of the wheel
-# Seconds that a rough picture may take before its resolution is lowered.
-_BUDGET = 0.035
-_COARSEST = 0.5
 
 
 class Viewport(QWidget):
@@ -76,13 +72,12 @@ class Viewport(QWidget):
         self._picture = FacePicture()
         self._aim: Aim | None = Aim.FRONT  # None once the user has moved the camera
         self._stale, self._smooth = True, True
-        self._scale = 1.0  # resolution of rough pictures
-        self._pressed: QPointF | None = None  # place of a press that has not moved yet
-        self._grabbed: QPointF | None = None
+        self._rough = RoughResolution()
+        self._mouse = CameraMouse()
         self._idle = QTimer(self, singleShot=True, interval=IDLE_MS)
         self._idle.timeout.connect(self._refine)
         self._spare = QTimer(self, singleShot=True, interval=0)  # when no event is waiting
-        self._spare.timeout.connect(self._prepare)
+        self._spare.timeout.connect(self._picture.prepare)
         self.setMinimumSize(QSize(240, 240))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
@@ -175,8 +170,7 @@ class Viewport(QWidget):
     def hurry(self) -> None:
         """Draw the picture while the rest of the window is painted, not after it."""
         if self._stale and not self._smooth and self.isVisible():
-            with contextlib.suppress(Exception):  # painting raises it again, and reports it
-                self._picture.begin(self._picture_size())
+            self._picture.begin(self._picture_size())
 
     def close_renderer(self) -> None:
         """Free the graphics memory."""
@@ -202,9 +196,7 @@ class Viewport(QWidget):
 
     def thumbnail(self, weights: Floats, side: int) -> QImage | None:
         """A small square picture of the face with (K,) weights; None if it cannot be drawn."""
-        with contextlib.suppress(Exception):  # painting raises it again, and reports it
-            return self._picture.thumbnail(weights, side)
-        return None
+        return self._picture.thumbnail(weights, side)
 
     # --- drawing -----------------------------------------------------------------------------
 
@@ -253,22 +245,11 @@ class Viewport(QWidget):
         self.draws += 1
         self.drawn.emit()
         if not self._smooth:
-            self._adapt(time.perf_counter() - began)
+            self._rough.adapt(time.perf_counter() - began)
         self._spare.start()
 
-    def _prepare(self) -> None:
-        with contextlib.suppress(Exception):  # painting raises it again, and reports it
-            self._picture.prepare()
-
-    def _adapt(self, seconds: float) -> None:
-        """On slow computers, lower the resolution of rough pictures."""
-        if seconds > _BUDGET:
-            self._scale = max(self._scale * 0.8, _COARSEST)
-        elif seconds < _BUDGET / 3:
-            self._scale = min(self._scale * 1.1, 1.0)
-
     def _refine(self) -> None:
-        if self._grabbed is not None:
+        if self._mouse.is_held:
             self._idle.start()
             return
         self._stale = self._smooth = True
@@ -279,9 +260,7 @@ class Viewport(QWidget):
         return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
 
     def _picture_size(self) -> Size:
-        scale = 1.0 if self._smooth else self._scale
-        width, height = (max(1, round(n * scale)) for n in self._pixels())
-        return width, height
+        return self._pixels() if self._smooth else self._rough.size(self._pixels())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the face framed until the user moves the camera."""
@@ -337,42 +316,28 @@ class Viewport(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Start moving the camera."""
-        self._grabbed = self._pressed = event.position()
+        self._mouse.press(event.position())
         self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Orbit with the left button, pan with the middle or right one."""
+        """Move the camera; see `CameraMouse`."""
         if not event.buttons():
             self.mouse_lost()
-        if self._grabbed is None:
-            return
-        if self._is_click(event.position()) and event.buttons() & Qt.MouseButton.RightButton:
-            return  # may still become a click, for the menu
-        self._pressed = None
-        moved = event.position() - self._grabbed
-        self._grabbed = event.position()
-        if event.buttons() & Qt.MouseButton.LeftButton:
-            self._look(self.camera.orbit(-moved.x() * ORBIT, moved.y() * ORBIT))
-        elif event.buttons():
-            metres = self._metres()
-            self._look(self.camera.pan(-moved.x() * metres, moved.y() * metres))
+        camera = self._mouse.moved(self.camera, event, self._metres())
+        if camera is not None:
+            self._look(camera)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Stop moving the camera; a right click asks for the menu."""
-        clicked = self._is_click(event.position())
+        clicked = self._mouse.is_click(event.position())
         if not event.buttons():
             self.mouse_lost()
         if clicked and event.button() == Qt.MouseButton.RightButton:
             self.menu_asked.emit(event.globalPosition().toPoint())
 
-    def _is_click(self, at: QPointF) -> bool:
-        """Whether a release here is a click."""
-        near = QApplication.startDragDistance()
-        return self._pressed is not None and (at - self._pressed).manhattanLength() < near
-
     def mouse_lost(self) -> None:
         """Stop moving the camera: the release was lost."""
-        self._grabbed = self._pressed = None
+        self._mouse.release()
         self.unsetCursor()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:

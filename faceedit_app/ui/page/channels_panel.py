@@ -181,7 +181,7 @@ class ChannelsPanel(QWidget):
         self._filter(self.search.text())
         if session is not None:
             clip = session.take.clip
-            gaps = [(clip.times[gap.frame], clip.times[gap.frame + 1]) for gap in clip.gaps]
+            gaps = clip.gap_times
             self.ruler.show_clip(clip, gaps)
         self._choose()
         for item in self.list.selectedItems()[:1]:

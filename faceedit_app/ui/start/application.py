@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import sys
+from importlib import import_module
 
 from PySide6.QtWidgets import QApplication
 
@@ -16,6 +17,7 @@ _RARELY = 200_000  # new objects between two collections
 
 def application() -> QApplication:
     """The Qt application of this process, created on the first call."""
+    _read_no_sources()
     existing = QApplication.instance()
     app = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])
     app.setApplicationName("FaceEdit")
@@ -41,3 +43,17 @@ def keep_for_good() -> None:
     """
     gc.freeze()
     gc.set_threshold(*_USUAL)
+
+
+def _read_no_sources() -> None:
+    """Keep PySide6 from reading the source of every module that is imported from now on.
+
+    It searches them for its own name, as they may switch on features of PySide6 (`from __feature__
+    import …`), which no module of FaceEdit does. The sources would also stay in memory.
+    """
+    try:
+        features = import_module("shibokensupport.feature")
+    except ImportError:  # another version of PySide6, which starts more slowly
+        return
+    if hasattr(features, "_mod_uses_pyside"):
+        features._mod_uses_pyside = lambda _module: False

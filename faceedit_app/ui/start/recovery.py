@@ -12,7 +12,7 @@ from faceedit_app.ui.commands.workspace import Workspace
 def offer_recovery(workspace: Workspace) -> bool:
     """Ask about the newest session that ended in a crash; True if it is being opened."""
     # They import the solver; the window appears first.
-    from faceedit_app.editing.files.journal import pending_journals
+    from faceedit_app.editing.files.pending import pending_journals
     from faceedit_app.ui.commands import projects
 
     def ask(message: str, likely: Sequence[Path]) -> Path | None:

@@ -1,0 +1,157 @@
+"""Sessions that crashed: what their journals say, for recovery."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from faceedit_app.core.fields import MOST_BYTES, Fields, parse
+from faceedit_app.core.filelock import try_lock
+from faceedit_app.editing.edits.edit import edits_from
+from faceedit_app.editing.edits.media import placement_from
+from faceedit_app.editing.files import journal
+from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_from
+from faceedit_app.editing.files.project import exported_over_from, settings_from
+from faceedit_app.editing.steps import EditState
+from faceedit_app.words.transcript import transcript_from
+
+_YOUNG = 60.0  # seconds; the session of a younger empty journal may be starting
+
+
+@dataclass(frozen=True)
+class Pending:
+    """A session that crashed, and its state.
+
+    Attributes:
+        path: its journal.
+        take: its take.
+        fingerprint: the fingerprint of the take; None if the take could not be read.
+        project: its project, if any.
+        state: the state after the last finished gesture.
+        gestures: the number of gestures since the last save.
+        when: the time of the last gesture, in seconds since the epoch.
+        fps: the take's frame rate, if the user had to give it.
+        exported_over: the fingerprint of what was exported over the take, if anything was.
+    """
+
+    path: Path
+    take: Path
+    fingerprint: Fingerprint | None
+    project: Path | None
+    state: EditState
+    gestures: int
+    when: float
+    fps: float | None = None
+    exported_over: Fingerprint | None = None
+
+    def discard(self) -> None:
+        """Delete its journal."""
+        with contextlib.suppress(OSError):
+            self.path.unlink()
+
+
+def pending_journals(folder: Path | None = None) -> list[Pending]:
+    """The sessions that crashed, newest first; running sessions are skipped."""
+    found = []
+    folder = folder or journal.journal_folder()
+    for path in folder.glob(f"*{journal.SUFFIX}"):
+        try:
+            if not path.is_file():
+                continue
+            with path.open("r+b") as file:
+                if not try_lock(file.fileno()):
+                    continue  # its session is running
+                about = os.fstat(file.fileno())
+                if about.st_size > MOST_BYTES:
+                    continue
+                content, when = file.read(), about.st_mtime
+        except OSError:
+            continue
+        pending = _read(path, content, when)
+        if pending is not None:
+            found.append(pending)
+        elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # no gesture was made
+            with contextlib.suppress(OSError):
+                path.unlink()
+    for path in folder.glob(f"*{journal.NEW_SUFFIX}"):  # left by a crash
+        with contextlib.suppress(OSError):
+            if time.time() - path.stat().st_mtime > _YOUNG:
+                path.unlink()
+    found.sort(key=lambda pending: pending.when, reverse=True)
+    return [pending for k, pending in enumerate(found) if not _is_repeated(pending, found[:k])]
+
+
+def _is_repeated(pending: Pending, newer: Sequence[Pending]) -> bool:
+    """Whether a newer session has the same edits: it recovered them, and crashed as well.
+
+    Its journal is deleted then.
+    """
+    mine = pending.take, pending.fingerprint, pending.state
+    if mine not in [(other.take, other.fingerprint, other.state) for other in newer]:
+        return False
+    pending.discard()
+    return True
+
+
+def _read(path: Path, content: bytes, when: float) -> Pending | None:
+    """The session in a journal; None if there is nothing to recover."""
+    lines = content.split(b"\n")[:-1]  # a line without a newline is incomplete
+    if not lines:
+        return None
+    try:
+        head = Fields(parse(lines[0]))
+        if head.whole("version") != journal.VERSION:
+            return None
+        take = Path(head.path("take"))
+        project = Path(head.path("project")) if head.has("project") else None
+        print_ = fingerprint_from(head.fields("fingerprint")) if head.has("fingerprint") else None
+        fps = head.number_or_none("fps", 1.0, 1000.0)
+        exported_over = exported_over_from(head)
+    except ValueError:
+        return None
+    state, step, gestures = None, 0, 0
+    for line in lines[1:]:
+        try:
+            entry = Fields(parse(line))
+            if entry.has("exported_over"):
+                exported_over = exported_over_from(entry)
+                continue
+            state = _replay(state, step, entry)
+            step = entry.whole("step")
+        except ValueError:
+            break  # damaged from here on: keep what came before
+        gestures += 1
+    if state is None:
+        return None
+    return Pending(path, take, print_, project, state, gestures, when, fps, exported_over)
+
+
+def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
+    """The state after a gesture.
+
+    Raises:
+        ValueError: the entry is damaged, or a gesture before it is missing.
+    """
+    if entry.has("edits"):
+        media = placement_from(entry.fields_or_none("media"))
+        words = transcript_from(entry.fields_or_none("words"))
+        return EditState(edits_from(entry), settings_from(entry.fields("settings")), media, words)
+    if state is None or entry.whole("step") != step + 1:
+        raise ValueError("a line is missing")
+    edits = list(state.edits)
+    at, drop = entry.whole("at"), entry.whole("drop")
+    if at + drop > len(edits):
+        raise ValueError("it does not fit the edits before it")
+    edits[at : at + drop] = edits_from(entry, "add")
+    settings, media, words = state.settings, state.media, state.words
+    if entry.has("settings"):
+        settings = settings_from(entry.fields("settings"))
+    if entry.has("media"):
+        media = placement_from(entry.fields_or_none("media"))
+    if entry.has("words"):
+        words = transcript_from(entry.fields_or_none("words"))
+    return EditState(tuple(edits), settings, media, words)

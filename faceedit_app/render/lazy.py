@@ -1,0 +1,73 @@
+"""Import parts of packages without running the rest of them until something uses it."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec, module_from_spec
+from types import ModuleType
+from typing import Any
+
+_running = threading.RLock()
+
+
+class LazyPackage(ModuleType):
+    """A package whose own code runs when something asks it for what it does not have yet.
+
+    `importlib.util.LazyLoader` does the same, but runs a package whenever one of its modules is
+    imported.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        with _running:
+            if _is_use(name) and isinstance(self, LazyPackage) and not self.__dict__.get("_runs"):
+                self._runs = True
+                try:
+                    _open(self)
+                    self.__spec__.loader.exec_module(self)  # type: ignore[union-attr]
+                    self.__class__ = ModuleType
+                finally:
+                    del self._runs
+        if name in self.__dict__:
+            return self.__dict__[name]
+        raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+
+
+def _is_use(name: str) -> bool:
+    """Whether asking for an attribute uses a package; `inspect` asks all modules for some."""
+    return not name.startswith("__") or name in ("__all__", "__path__", "__version__")
+
+
+@contextmanager
+def lazily(*packages: str) -> Iterator[None]:
+    """Within this context, modules of these packages are imported without the packages' own code.
+
+    Afterwards a package runs as soon as one of its attributes is used or another of its modules
+    is imported. Packages that run already are left alone, and one that is not installed is
+    reported as usual.
+
+    Args:
+        packages: names of top-level packages.
+    """
+    for name in packages:
+        if name not in sys.modules and (spec := find_spec(name)) is not None:
+            package = module_from_spec(spec)
+            package.__class__ = LazyPackage
+            sys.modules[name] = package
+    waiting = [p for name in packages if isinstance(p := sys.modules.get(name), LazyPackage)]
+    for package in waiting:
+        _open(package)
+    try:
+        yield
+    finally:
+        for package in waiting:
+            if isinstance(package, LazyPackage):  # it has not run meanwhile
+                del package.__path__  # so that the import of a module runs the package first
+
+
+def _open(package: ModuleType) -> None:
+    """Let modules of the package be found."""
+    assert package.__spec__ is not None
+    package.__path__ = package.__spec__.submodule_search_locations or []
