@@ -134,3 +134,8 @@ def test_a_drag_of_a_brow_with_left_and_right_moves_both(
     QApplication.processEvents()
     drag_curve(window, CONTROL_INDEX[BROW], 1.0, 10)
     assert session.edits[0].controls == OPTIONAL_CONTROLS[:2]
+
+
+def test_the_head_is_no_window_of_its_own(window: MainWindow) -> None:
+    """One would take the keyboard from the window."""
+    assert {w for w in QApplication.topLevelWidgets() if w.isVisible()} == {window}

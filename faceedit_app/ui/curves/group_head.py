@@ -6,7 +6,6 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QFontMetricsF, QKeyEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QAbstractButton, QSizePolicy, QWidget
 
-from faceedit_app.core.controls import CONTROLS
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.look.guard import guarded
 
@@ -33,7 +32,6 @@ class GroupHead(QAbstractButton):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setCursor(Qt.CursorShape.PointingHandCursor)
         self.show_missing("")
-        self.setVisible(any(control.optional for control in CONTROLS))
 
     def show_missing(self, why: str) -> None:
         """Disable the group and show why, or enable it if `why` is empty."""
