@@ -208,22 +208,25 @@ class Distances:
             moved: NDArray[Any] = weights @ self.gradients.reshape(k, c * 3)
             vectors: NDArray[Any] = self.offsets + moved.reshape(len(weights), c, 3)
             return vectors
-        parts = [
-            (weights @ gradients).reshape(len(weights), -1, 3) for gradients in self._groups[0]
-        ]
-        joined: NDArray[Any] = np.concatenate(parts, axis=1)[:, self._groups[1]]
-        joined += self.offsets
-        return joined
+        apart = np.empty((len(weights), c, 3), np.result_type(weights, self.gradients))
+        for rows, gradients in self._groups:
+            apart[:, rows] = (weights @ gradients).reshape(len(weights), -1, 3)
+        apart += self.offsets
+        return apart
 
     @cached_property
-    def _groups(self) -> tuple[tuple[Floats, Floats], Indices] | None:
-        """The gradients (K, 3 C') of either group, and the order of both; None if there is one."""
+    def _groups(self) -> list[tuple[slice | Indices, Floats]] | None:
+        """Of either group the pairs and the gradients (K, 3 C'); None if there is one group."""
         if self.apart is None or self.apart.all() or not self.apart.any():
             return None
-        groups = np.flatnonzero(~self.apart), np.flatnonzero(self.apart)
-        k = len(self.gradients)
-        first, second = (self.gradients[:, rows].reshape(k, -1) for rows in groups)
-        return (first, second), np.argsort(np.concatenate(groups))
+        groups: list[tuple[slice | Indices, Floats]] = []
+        for rows in (np.flatnonzero(~self.apart), np.flatnonzero(self.apart)):
+            gradients = np.ascontiguousarray(self.gradients[:, rows]).reshape(
+                len(self.gradients), -1
+            )
+            first, stop = int(rows[0]), int(rows[-1]) + 1
+            groups.append((slice(first, stop) if stop - first == len(rows) else rows, gradients))
+        return groups
 
     def signed(self, weights: Floats) -> Floats:
         """Weights (T, K) -> lengths (T, C) float32, mm; negative once a pair has passed."""
