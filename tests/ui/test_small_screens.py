@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
+
 import pytest
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QScreen
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QMenu, QWidget
 from pytestqt.qtbot import QtBot
+from support.windows import Bench
 
 from faceedit_app.ui.character.checklist import CharacterChecklist
 from faceedit_app.ui.commands.help import about_dialog
@@ -22,3 +26,21 @@ def test_a_dialog_is_no_larger_than_the_screen(
     dialog = CharacterChecklist(parent) if kind == "checklist" else about_dialog(parent, "")
     assert dialog.width() <= 500
     assert dialog.height() < 480
+
+
+def test_every_menu_is_one_column_on_a_small_laptop(bench: Bench) -> None:
+    """1920 x 1080 at twice the size are 540 pixels; a menu that is higher becomes two columns."""
+    window = bench.window()
+    menus = window.menuBar().findChildren(QMenu)
+    assert len(menus) > 8
+    for menu in menus:
+        assert menu.sizeHint().height() <= 540, menu.title()
+
+
+def test_no_letter_opens_two_entries_of_a_menu(bench: Bench) -> None:
+    twice = {}
+    for menu in bench.window().menuBar().findChildren(QMenu):
+        texts = [action.text().split("\t")[0] for action in menu.actions()]
+        letters = Counter(found for text in texts for found in re.findall("&([^&])", text.lower()))
+        twice[menu.title()] = [letter for letter, count in letters.items() if count > 1]
+    assert not any(twice.values()), twice

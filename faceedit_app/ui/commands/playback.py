@@ -112,7 +112,7 @@ MENU: Menu[PlaybackCommands] = Menu("&Playback", (
             "Go one second back"),
     Command("second_forward", "Second forward", lambda do: do.step_seconds(1), ("Shift+Right",),
             "Go one second forward"),
-    Command("start", "Go to &start", PlaybackCommands.go_to_start, ("Home",),
+    Command("start", "Go to star&t", PlaybackCommands.go_to_start, ("Home",),
             "Go to the first frame", "start"),
     Command("end", "Go to &end", PlaybackCommands.go_to_end, ("End",), "Go to the last frame",
             "end"),

@@ -205,7 +205,7 @@ MENU: Menu[TakeCommands] = Menu("&Take", (
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
             tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
             starts_group=True),
-    Command("remove_film", "Remove &film", TakeCommands.remove_film,
+    Command("remove_film", "Remo&ve film", TakeCommands.remove_film,
             tip="Remove the film from the take", enabled=lambda do: do.has_film),
     Command("words", "&Words…", lambda do: do.words.ask(),
             tip="Say which words are spoken; they appear under the waveform",

@@ -76,7 +76,7 @@ MENU: Menu[ToolCommands] = Menu("T&ools", (
             "Edit both sides of the face together; hold Alt, or Ctrl and Shift, to edit one side",
             "link",
             checked=lambda do: do.linked, starts_group=True),
-    Command("choose_curve", "Edit with &others", ToolCommands.choose_curve,
+    Command("choose_curve", "Edi&t with others", ToolCommands.choose_curve,
             tip="Edit the focused curve with the other chosen ones; or Ctrl-click its name",
             checked=lambda do: do.is_curve_chosen),
     Command("raise", "&Raise the curve", lambda do: do.nudge(STEP), ("Ctrl+Up",),
