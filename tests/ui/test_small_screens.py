@@ -44,3 +44,16 @@ def test_no_letter_opens_two_entries_of_a_menu(bench: Bench) -> None:
         letters = Counter(found for text in texts for found in re.findall("&([^&])", text.lower()))
         twice[menu.title()] = [letter for letter, count in letters.items() if count > 1]
     assert not any(twice.values()), twice
+
+
+def test_the_window_fits_1080_lines_at_twice_the_size(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(QScreen, "availableSize", lambda _: QSize(960, 540))
+    window = bench.editing()
+    window.resize(960, 510)
+    bench.qtbot.waitUntil(lambda: window.width() <= 960)
+    assert window.height() <= 540
+    assert window.editor is not None
+    bottom = window.editor.transport.mapTo(window, window.editor.transport.rect().bottomLeft())
+    assert bottom.y() < window.height()

@@ -94,6 +94,7 @@ class EditsPanel(QWidget):
         empty.setObjectName("caption")
         empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         empty.setWordWrap(True)
+        empty.setContentsMargins(MARGIN, 0, MARGIN, 0)
         self._pages.addWidget(empty)
         self._pages.addWidget(view)
         self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
