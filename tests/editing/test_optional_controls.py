@@ -271,6 +271,8 @@ def test_edits_of_them_are_named_written_and_read() -> None:
     raised = edit(BOTH, 2.0)
     assert describe(raised) == "Brow height +2.0 mm"
     assert describe(edit((SIDE,), -3.0)) == "Jaw to the side −3.0 mm"
+    assert describe(edit((SIDE,), -0.01, Op.SET)) == "Jaw to the side to 0.0 mm"
+    assert describe(edit((SIDE,), -2.0, Op.SET)) == "Jaw to the side to −2.0 mm"
     assert from_json(to_json(raised)) == raised
     for controls in (MAIN_CONTROLS, CONTROL_IDS):
         assert describe(Edit(controls, Op.SMOOTH, 0, 1, 0, 0.04)) == "Smooth all curves (40 ms)"

@@ -10,6 +10,7 @@ from support.curves import LEFT
 from support.windows import Bench, bench, drag_curve
 
 from faceedit_app.core.controls import CONTROL_INDEX, MAIN_CONTROLS, OPTIONAL_CONTROLS
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.start.window import MainWindow
@@ -139,3 +140,13 @@ def test_a_drag_of_a_brow_with_left_and_right_moves_both(
 def test_the_head_is_no_window_of_its_own(window: MainWindow) -> None:
     """One would take the keyboard from the window."""
     assert {w for w in QApplication.topLevelWidgets() if w.isVisible()} == {window}
+
+
+def test_a_value_below_zero_has_a_minus_sign_and_zero_has_none(
+    window: MainWindow, panel: CurvesPanel, session: EditSession
+) -> None:
+    QTest.mouseClick(panel.group_head, LEFT)
+    header = panel.headers[CONTROL_INDEX[JAW]]
+    for asked, shown in ((-2.0, "−2.0 mm"), (-0.01, "0.0 mm"), (2.0, "2.0 mm")):
+        session.put((Edit((JAW,), Op.SET, 0.0, 3.0, 0.0, asked),))
+        assert header.value == shown

@@ -38,7 +38,7 @@ def describe(edit: Edit) -> str:
     what = describe_controls(edit.controls)
     match edit.op:
         case Op.OFFSET:
-            return f"{what} {edit.value:+.1f} mm".replace("-", "−")
+            return f"{what} {signed(edit.value)} mm"
         case Op.SET:
             return _describe_set(edit, what)
         case Op.SCALE:
@@ -56,6 +56,16 @@ def describe(edit: Edit) -> str:
             return "Fill" if whole else f"Fill {_lower(what)}"
         case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
             raise ValueError(f"{edit.op} is for channels")
+
+
+def one_decimal(value: float) -> str:
+    """A number as people write it: with a minus sign, and none before zero."""
+    return f"{value:z.1f}".replace("-", "−")
+
+
+def signed(value: float) -> str:
+    """The same with a plus sign above zero."""
+    return f"{value:+z.1f}".replace("-", "−")
 
 
 def _describe_channels(edit: Edit) -> str:
@@ -120,7 +130,7 @@ def _describe_set(edit: Edit, what: str) -> str:
         if len(edit.controls) == sum(control.closes is part for control in CONTROLS):
             return f"Close {part}"
         return f"Close {_lower(what).removesuffix(' opening')}"
-    return f"{what} to {edit.value:.1f} mm"
+    return f"{what} to {one_decimal(edit.value)} mm"
 
 
 def describe_controls(controls: Sequence[str]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from faceedit_app.editing.edits.describe import one_decimal
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import span_at
@@ -70,7 +71,7 @@ class Readout:
             plot.show_marks(marks, timeline.time, handle, face)
             low, high = limits[i]
             share = f"{100 * (face - low) / (high - low):.0f} %" if high > low else ""
-            header.show_value(f"{face:.1f} mm", note_on(tracked, asked, face), share)
+            header.show_value(f"{one_decimal(face)} mm", note_on(tracked, asked, face), share)
             header.show_active(here or plot.shows_focus)
         fades = timeline.own_falloffs
         span = span or span_at(timeline.time, timeline.own_selection, *fades)
@@ -87,7 +88,7 @@ class Readout:
         if drag is None or not drag.moving:
             return Handle(time, asked, held=drag is not None)
         face = float(session.achieved[frame, control])
-        words = drag.words, f"asked {asked:.1f} · face {face:.1f}"
+        words = drag.words, f"asked {one_decimal(asked)} · face {one_decimal(face)}"
         return Handle(time, asked, True, words)
 
     def _hint(self) -> str:
