@@ -1,8 +1,9 @@
-"""Writes the pictures of README.md and docs/guide.md, and docs/shortcuts.md, from the real window.
+"""Writes the pictures of README.md, docs/guide.md and docs/film.md, and docs/shortcuts.md.
 
     python docs/make_screenshots.py
 
-Needs no display: the window is drawn offscreen, on the demo take, and driven as a user would.
+They are taken from the real window, which is driven as a user would. Needs no display: it is drawn
+offscreen, on the demo take, and on a film of the character.
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ from __future__ import annotations
 import os
 import tempfile
 import time
+from collections.abc import Callable, Iterator
 from itertools import groupby
 from pathlib import Path
+from unittest.mock import patch
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
@@ -22,12 +25,22 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
+from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
+from faceedit_app.core.resources import DEMO_TAKE, shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.opening import shipped_rig
+from faceedit_app.formats.opening import open_take
+from faceedit_app.lab.evaluation.film_file import write_film
+from faceedit_app.media.film import Film as OpenFilm
 from faceedit_app.render import Camera, default_camera
+from faceedit_app.render.renderer import open_renderer
 from faceedit_app.render.snapshot import snapshot
+from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
+from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import help_rows
+from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.application import application
 from faceedit_app.ui.start.window import MainWindow
@@ -41,6 +54,8 @@ FILM_SIZE = (1080, 660)  # of the window
 FILM_WIDTH = 900  # pixels
 FRAME_MS = 80
 CLOSE_UP = 300  # pixels
+FILM_RATE, PICTURES_OF_FILM = 25.0, 75
+CUP = range(44, 54)  # pictures that show it
 POINTER = ((0, 0), (0, 18), (4, 14), (7, 20), (10, 19), (7, 13), (12, 13))
 
 
@@ -65,6 +80,11 @@ def main() -> None:
         film.open_demo_now()
         Film(film).shoot("drag")
         film.leave()
+        tracked = MainWindow(Preferences(settings))
+        tracked.resize(*SIZE)
+        tracked.show()
+        track(tracked, Path(folder))
+        tracked.leave()
 
 
 def close_ups(rig: Rig) -> Image.Image:
@@ -139,6 +159,57 @@ def walk(window: MainWindow) -> None:
     picture(window, "guide_difference")
     do(window, "show_difference")
     do(window, "show_edited")
+
+
+def track(window: MainWindow, folder: Path) -> None:
+    """From a film to a take, and to film and faces side by side."""
+    film, take = folder / "performance.mp4", folder / "performance.csv"
+    rig = shipped_rig()
+    write_film(film, performance(rig), np.arange(PICTURES_OF_FILM) / FILM_RATE, FILM_RATE)
+    with patch.object(dialogs, "ask_save_take", return_value=take):
+        window.commands.file.track(film)
+    dialog = window.findChildren(TrackingDialog)[-1]
+    wait_until(lambda: dialog.bar.value() > PICTURES_OF_FILM // 2)
+    dialog.grab().save(str(PICTURES / "film_tracking.png"))
+    wait_until(lambda: window.media.film is not None and window.media.overlay.stored is not None)
+    editor, line = window.editor, window.timeline
+    assert editor is not None
+    session = window.document.session
+    assert session is not None
+    line.go_to_time(0.9)
+    editor.problems.search()
+    picture(window, "film_open")
+    session.add(Edit((MOUTH_WIDTH,), Op.OFFSET, 0.2, 2.6, 0.3, 9.0))
+    stored, pictures = window.media.overlay.stored, window.media.film
+    assert stored is not None
+    assert pictures is not None
+    shown = Shown.of_take(
+        OpenFilm(film), stored, session.take.clip, pictures.offset, session.weights
+    )
+    write_side_by_side(folder / "both.mp4", shown, rig)
+    both = Image.open(folder / "both.png")
+    both.resize((900, round(900 * both.height / both.width)), Image.Resampling.LANCZOS).save(
+        PICTURES / "film_side_by_side.webp", quality=82
+    )
+
+
+def performance(rig: Rig) -> Iterator[Pixels]:
+    """Pictures of the character playing the demo take, with a cup before its mouth for a moment."""
+    clip = open_take(shipped(DEMO_TAKE)).clip
+    weights = clip.arkit_weights()
+    renderer = open_renderer(rig, 640, 640)
+    down, across = np.mgrid[:640, :640]
+    cup = np.hypot((across - 320) / 90, (down - 430) / 110)[..., None]
+    try:
+        for number in range(PICTURES_OF_FILM):
+            frame = clip.frame_at(4.0 + number / FILM_RATE)
+            vertices = rig.vertices(rig.from_arkit(weights[frame]))
+            drawn = renderer.draw(vertices, default_camera(rig))[..., 2::-1]
+            if number in CUP:
+                drawn = np.where(cup < 1, np.array([70, 96, 120]) * (1.3 - 0.5 * cup), drawn)
+            yield drawn.astype(np.uint8)
+    finally:
+        renderer.close()
 
 
 class Film:
@@ -236,6 +307,14 @@ def drag(widget: QWidget, start: QPoint, by: QPoint, release: bool = True) -> No
         wait(0.03)
     if release:
         QTest.mouseRelease(widget, LEFT, pos=start + by)
+
+
+def wait_until(done: Callable[[], bool]) -> None:
+    """Let the window do its work until something is done."""
+    until = time.monotonic() + 120
+    while not done():
+        assert time.monotonic() < until
+        wait(0.02)
 
 
 def wait(seconds: float) -> None:

@@ -32,6 +32,7 @@ from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Alone, find_preset
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems
+from faceedit_app.editing.help.retime import by_pins
 from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.channel_edits import missing_channels
@@ -206,6 +207,28 @@ class Take:
         self.session.add(edit)
         return self
 
+    def retime(
+        self,
+        pins: Iterable[tuple[float, float]],
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Take:
+        """Show moments of the take at other times; sound, film and all that follows keep theirs.
+
+        Args:
+            pins: (was, is) seconds, in order of time, such as `[(1.2, 1.2), (1.85, 2.05)]`.
+            start, end: seconds between which the take makes up for it; None = as far beyond the
+                pins as it takes.
+
+        Returns:
+            The take, so that calls can follow each other.
+
+        Raises:
+            FaceEditError: the pins cross, or lie outside the range or the take.
+        """
+        self.session.add(by_pins(self.session.take.clip, tuple(pins), start, end))
+        return self
+
     def make_neutral(self, at: float) -> Take:
         """Take the pose at a time away from the whole take; blinks and words keep their height.
 
@@ -313,6 +336,7 @@ class Take:
         fps: float | None = None,
         compact: bool = False,
         overwrite: bool = False,
+        follow_head: bool = False,
     ) -> exporting.Exported:
         """Export the edited take: as it came, in another format, or as a character that plays it.
 
@@ -322,13 +346,14 @@ class Take:
             fps: frames per second; None = the take's own.
             compact: store weights in 16 bits, for GLB.
             overwrite: allow a recording to be replaced; a copy of it is kept.
+            follow_head: turn a character's head as it was recorded.
 
         Raises:
             FaceEditError: it cannot be written.
         """
         path = Path(path)
         form = exporting.choose(path, format, self.session.take if fps is None else None)
-        options = exporting.Options(fps, self._character, compact, overwrite)
+        options = exporting.Options(fps, self._character, compact, overwrite, follow_head)
         return exporting.export_session(self.session, path, form, options)
 
     def film(
@@ -337,14 +362,17 @@ class Take:
         view: str = "face",
         size: tuple[int, int] = (1080, 1080),
         fps: float | None = None,
+        follow_head: bool = False,
     ) -> filming.Filmed:
         """Film the edited take, with the sound found beside it.
 
         Args:
             path: a file that ends in `.mp4` or `.webm`.
-            view: `face`, `both` (tracked and edited) or `film` (the take's film and the face).
+            view: `face`, `both` (tracked and edited), `film` (the take's film beside the face),
+                `film-above` or `film-below`.
             size: width and height, pixels.
             fps: pictures per second; None = the take's frame rate.
+            follow_head: turn the head as it was recorded.
 
         Raises:
             FaceEditError: it cannot be written, or this computer offers no OpenGL.
@@ -353,7 +381,7 @@ class Take:
             raise FaceEditError(f"{view}: must be {', '.join(filming.View)}")
         self.session.live.work()
         take = self.session.take
-        shot = filming.Shot(filming.View(view), size, fps)
+        shot = filming.Shot(filming.View(view), size, fps, follows_head=follow_head)
         filmed = filming.film_take(
             take,
             self.session.weights,
@@ -361,6 +389,7 @@ class Take:
             filming.media_of(take),
             Path(path),
             shot,
+            rotations=self.session.rotations,
         )
         assert filmed is not None  # nothing stops it
         return filmed

@@ -26,6 +26,7 @@ from faceedit_app.core.texts import say
 from faceedit_app.options import (
     CharacterOption,
     EditsOption,
+    FollowHeadOption,
     FpsOption,
     JsonOption,
     ModelsOption,
@@ -113,6 +114,7 @@ def apply(
     character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
+    follow_head: FollowHeadOption = False,
     overwrite: OverwriteOption = False,
 ) -> None:
     """Apply edits to a take and export it as it came, or in the format of the output's ending.
@@ -141,7 +143,9 @@ def apply(
     if form is None:
         session.export(output, overwrite)
     else:
-        options = exporting.Options(character=character, overwrite=overwrite)
+        options = exporting.Options(
+            character=character, overwrite=overwrite, follows_head=follow_head
+        )
         exporting.export_session(session, output, form, options)
     say(
         f"{output}: {counted(len(session.edits), 'edit')}, "
@@ -160,7 +164,10 @@ def render(
     size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
     view: Annotated[
         str,
-        typer.Option(help="For a film: face, both (tracked, edited), or film (beside the face)."),
+        typer.Option(
+            help="For a film: face, both (tracked, edited), film (beside the face), film-above or "
+            "film-below."
+        ),
     ] = "face",
     film_fps: Annotated[
         Optional[float],  # noqa: UP045
@@ -181,11 +188,11 @@ def render(
     silent: Annotated[bool, typer.Option("--silent", help="A film without sound.")] = False,
     edits: EditsOption = None,
     character: CharacterOption = None,
+    follow_head: FollowHeadOption = False,
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take, or film the whole take."""
-    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.formats.opening import checked_rate
     from faceedit_app.render.snapshot import snapshot, write_png
 
@@ -194,25 +201,21 @@ def render(
         raise FaceEditError(
             f"{output}: must end in .png for a picture, or in .mp4 or .webm for a film"
         )
-    rig = shipped_rig()
-    engine = load_engine(rig, models) if edits else None
-    session = open_session(take, rig, engine, fps)
+    session = export_commands.edited_session(take, fps, edits, models, character)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
-    if character:
-        session.use_character(character_commands.rig_of(character))
-    if edits:
-        session.load_edits(edits)
-    shown = session.shown_rig
     if form is not None or output.suffix.lower() != ".png":
         if film_fps is not None:
             film_fps = checked_rate(output, film_fps)
-        shot = (view, (width, height), film_fps, form, not silent)
+        shot = (view, (width, height), film_fps, form, not silent, follow_head)
         export_commands.film(session, output, shot, sound, film)
         return
     frame = session.take.clip.frame_at(time)
-    write_png(output, snapshot(shown, session.weights[frame], width, height))
+    turns = session.rotations if follow_head else None
+    rotation = None if turns is None else turns[frame]
+    weights, shown = session.weights[frame], session.shown_rig
+    write_png(output, snapshot(shown, weights, width, height, rotation=rotation))
     say(f"{output}: frame {frame} of {take}")
 
 

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
+from faceedit_app import character_commands
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 from faceedit_app.options import (
     CharacterOption,
     EditsOption,
+    FollowHeadOption,
     FpsOption,
     ModelsOption,
     OverwriteOption,
@@ -22,6 +24,8 @@ from faceedit_app.options import (
 )
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
 
@@ -45,6 +49,7 @@ def convert(
     compact: Annotated[
         bool, typer.Option("--compact", help="For glb: weights in 16 bits, without zeros.")
     ] = False,
+    follow_head: FollowHeadOption = False,
     overwrite: OverwriteOption = False,
 ) -> None:
     """Write a take in another format, or at another frame rate.
@@ -61,7 +66,7 @@ def convert(
     opened = _opened(take, take_fps, fps)
     keeps_layout = fps is None and character is None
     chosen = exporting.choose(output, form, opened if keeps_layout else None)
-    options = exporting.Options(fps, character, compact, overwrite)
+    options = exporting.Options(fps, character, compact, overwrite, follow_head)
     written = exporting.export_take(opened, opened.clip, output, chosen, options)
     clip = written.clip
     say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
@@ -101,9 +106,6 @@ def batch(
     Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
     With --character, lips and lids also close on that character.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from faceedit_app import batch as batches
     from faceedit_app import batch_report
 
@@ -118,10 +120,9 @@ def batch(
         models=None if models is None else str(models.absolute()),
     )
     tasks = batches.plan(source, output, recipe)
-    console = Console(stderr=True)
     log = batches.Log(output)
     try:
-        with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        with _progress() as bar:
             shown = bar.add_task(source.name, total=len(tasks))
 
             def report(outcome: batches.Outcome, done: int, of: int) -> None:
@@ -136,6 +137,34 @@ def batch(
     say(f"{batch_report.summary(outcomes)}; see {page}")
     if any(outcome.error for outcome in outcomes):
         raise typer.Exit(1)
+
+
+def _progress() -> Progress:
+    """A bar on standard error that goes when it is done; none if that is no terminal."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    return Progress(console=console, transient=True, disable=not console.is_terminal)
+
+
+def edited_session(
+    take: Path,
+    fps: float | None,
+    edits: Path | None,
+    models: Path | None,
+    character: Path | None = None,
+) -> EditSession:
+    """Open a take with the edits of a file; the networks are loaded only if there are any."""
+    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+
+    rig = shipped_rig()
+    session = open_session(take, rig, load_engine(rig, models) if edits else None, fps)
+    if character is not None:
+        session.use_character(character_commands.rig_of(character))
+    if edits is not None:
+        session.load_edits(edits)
+    return session
 
 
 def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
@@ -154,34 +183,31 @@ def _opened(path: Path, take_fps: float | None, fps: float | None) -> Take:
 def film(
     session: EditSession,
     output: Path,
-    shot: tuple[str, tuple[int, int], float | None, str | None, bool],
+    shot: tuple[str, tuple[int, int], float | None, str | None, bool, bool],
     sound: Path | None,
     pictures: Path | None,
 ) -> None:
     """Film a take, and say how far it is.
 
     Args:
-        shot: view, size, rate, format, and whether to add the sound.
+        shot: view, size, rate, format, whether to add the sound, and whether to turn the head.
         sound, pictures: the take's sound and film; None = those found beside it.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from faceedit_app.editing.filming import Shot, View, film_take, media_of
     from faceedit_app.formats.timing import format_rate
 
-    view, size, rate, form, has_sound = shot
+    view, size, rate, form, has_sound, follows_head = shot
     if view not in list(View):
         raise FaceEditError(f"--view {view}: must be {', '.join(View)}")
     media = media_of(session.take, sound, pictures)
     session.live.work()
-    chosen = Shot(View(view), size, rate, form, has_sound=has_sound)
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+    chosen = Shot(View(view), size, rate, form, has_sound=has_sound, follows_head=follows_head)
+    with _progress() as bar:
         task = bar.add_task(output.name, total=None)
         filmed = film_take(
             session.take, session.weights, session.shown_rig, media, output, chosen,
             lambda done, of: bar.update(task, completed=done, total=of),
+            rotations=session.rotations,
         )  # fmt: skip
     assert filmed is not None  # nothing stops it
     rate = filmed.rate
@@ -200,25 +226,22 @@ def live(
     ] = "livelink",
     edits: EditsOption = None,
     loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end.")] = False,
+    follow_head: FollowHeadOption = False,
     fps: FpsOption = None,
     models: ModelsOption = None,
 ) -> None:
     """Play a take into another program, in real time; Ctrl+C stops it."""
-    from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
     from faceedit_app.editing.streaming import play
     from faceedit_app.live.protocols import Sender, find_protocol
 
     chosen = find_protocol(protocol, sends=True)
-    rig = shipped_rig()
-    session = open_session(take, rig, load_engine(rig, models) if edits else None, fps)
-    if edits:
-        session.load_edits(edits)
+    session = edited_session(take, fps, edits, models)
     session.live.work()
     sender = Sender(chosen, host, chosen.port if port is None else port)
     try:
         say(f"Sending {take.name} as {chosen.name} to {host}:{sender.address[1]}")
         say(f"  {chosen.hints[0]}.")
-        play(session, sender, loop)
+        play(session, sender, loop, follows_head=follow_head)
     finally:
         sender.close()
 

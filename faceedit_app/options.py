@@ -34,3 +34,7 @@ OverwriteOption = Annotated[
     bool,
     typer.Option("--overwrite", help="Allow replacing a recording; it is kept as NAME.bak."),
 ]
+FollowHeadOption = Annotated[
+    bool,
+    typer.Option("--follow-head", help="Turn the head as it was recorded; it is straight if not."),
+]

@@ -103,12 +103,14 @@ def _track_one(
     place: tuple[float, float] | None,
     line: _Line | None,
 ) -> Tracked:
+    from faceedit_app.tracking.landmark_file import write_landmarks
     from faceedit_app.tracking.tracker import track_film, write_take
 
     tracked = track_film(path, rig, line or (lambda progress: None), face=place)
     if line is not None:
         line.clear()
     backup = write_take(tracked, take, fps)
+    write_landmarks(tracked, take)
     if backup is not None:
         print(f"{take}: the file that was there is now {backup}", file=sys.stderr)
     return tracked

@@ -21,6 +21,7 @@ from faceedit_app.options import (
 )
 
 if TYPE_CHECKING:
+    from faceedit_app.editing.help.dubbing import Match
     from faceedit_app.editing.help.spoken import Closure
     from faceedit_app.editing.session import EditSession
     from faceedit_app.media.sound import Sound
@@ -52,9 +53,27 @@ def words(
     fix: Annotated[
         bool, typer.Option("--fix", help="Close the lips at each m, b and p that stays open.")
     ] = False,
+    retime_to: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(
+            metavar="SOUND|FILE",
+            help="Retime the take to another sound, or to a file with the times of its words.",
+        ),
+    ] = None,
+    their_text: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="With --retime-to SOUND: what it says, if it is not the same."),
+    ] = None,
+    their_start: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(
+            help="With --retime-to: when the other sound begins, in seconds of the take; "
+            "default: where the words are nearest to each other."
+        ),
+    ] = None,
     output: Annotated[
         Optional[Path],  # noqa: UP045
-        typer.Option("-o", "--output", help="With --fix: the fixed take."),
+        typer.Option("-o", "--output", help="With --fix or --retime-to: the edited take."),
     ] = None,
     character: CharacterOption = None,
     fps: FpsOption = None,
@@ -63,7 +82,8 @@ def words(
 ) -> None:
     """Find when each word was said, and whether the lips close on m, b and p.
 
-    With --character, the lips are measured, and close, on that character.
+    With --retime-to, the take says its words when another sound does. With --character, the lips
+    are measured, and close, on that character.
     """
     from faceedit_app.media import is_media
     from faceedit_app.words.aligning import NOISY, Line
@@ -71,15 +91,17 @@ def words(
 
     if (text is None) == (file is None):
         raise FaceEditError("words needs what is said: --text TEXT, or --words FILE")
-    if fix != (output is not None):
-        raise FaceEditError("--fix and -o belong together: give both or neither")
+    if (fix or retime_to is not None) != (output is not None):
+        raise FaceEditError("-o belongs to --fix or --retime-to: give both or neither")
+    if retime_to is None and (their_text is not None or their_start is not None):
+        raise FaceEditError("--their-text and --their-start belong to --retime-to")
 
     said = read_words(file) if file is not None else Imported((Line(text or ""),))
     spellings = _spellings(sounds_like or [])
     report: dict[str, Any] = {}
     if is_media(source):
-        if fix:
-            raise FaceEditError(f"{source}: is a sound; --fix needs a take")
+        if output is not None:
+            raise FaceEditError(f"{source}: is a sound; --fix and --retime-to need a take")
         transcript, seconds = _words_of_sound(source, said, spellings)
         report = {**as_tables(transcript), "closures": []}
     else:
@@ -87,8 +109,13 @@ def words(
         seconds = session.take.clip.duration
         if character is not None:
             session.use_character(character_commands.rig_of(character))
-        closures = _closures(session, output, models, overwrite)
-        report = {**as_tables(transcript), "closures": closures}
+        if retime_to is not None:
+            their = said.lines[0].text if their_text is None and text is not None else their_text
+            found = _match(session, transcript, retime_to, their, spellings, their_start)
+            report = {"retime": _matched(found)}
+            transcript = found.words
+        closures = _closures(session, fix, output, models, overwrite)
+        report = {**as_tables(transcript), "closures": closures, **report}
     report["noise_db"] = transcript.noise
     if transcript.noise is not None and transcript.noise < NOISY:
         say(f"faceedit: warning: {_NOISY.format(transcript.noise)}", to=sys.stderr)
@@ -156,17 +183,60 @@ def _aligned(
         raise FaceEditError(f"{sound.path}: {error}") from error
 
 
+def _match(
+    session: EditSession,
+    ours: Transcript,
+    path: Path,
+    text: str | None,
+    spellings: dict[str, str],
+    start: float | None,
+) -> Match:
+    """Retime a take to another sound, or to a file with the times of its words."""
+    from faceedit_app.editing.help.dubbing import keep, match
+    from faceedit_app.media import is_media
+    from faceedit_app.words.aligning import Line
+    from faceedit_app.words.files import Imported, read_words, spread
+
+    if is_media(path):
+        if text is None:
+            raise FaceEditError("--retime-to SOUND needs what it says: --their-text TEXT")
+        theirs, _ = _words_of_sound(path, Imported((Line(text),)), spellings)
+    else:
+        said = read_words(path)
+        if said.transcript is None and any(line.end is None for line in said.lines):
+            raise FileError(path, "does not say when its words are said", "give the sound instead")
+        theirs = said.transcript or spread(said.lines, 0.0)
+    try:
+        found = match(session.take.clip, ours, theirs, start)
+    except FaceEditError as error:
+        raise FaceEditError(f"{path}: {error}") from error
+    keep(session, found)
+    return found
+
+
+def _matched(found: Match) -> dict[str, Any]:
+    return {
+        "matched": found.matched,
+        "phonemes": found.total,
+        "unmatched": list(found.unmatched),
+        "their_start": found.offset,
+        "limited": [list(stretch) for stretch in found.limited],
+        "message": found.message,
+    }
+
+
 def _closures(
-    session: EditSession, output: Path | None, models: Path | None, overwrite: bool
+    session: EditSession, fix: bool, output: Path | None, models: Path | None, overwrite: bool
 ) -> list[dict[str, Any]]:
-    """Each m, b and p; with an output, the take is written with those that were open closed."""
+    """Each m, b and p; the take is written to an output, with those that were open closed."""
     from faceedit_app.editing.help.spoken import closing_edits, closures_of
     from faceedit_app.editing.opening import load_engine
 
     before = after = closures_of(session)
     if output is not None:
         session.use_engine(load_engine(session.rig, models))
-        session.add(*closing_edits(session), name="Close lips")
+        if fix:
+            session.add(*closing_edits(session), name="Close lips")
         session.export(output, overwrite)
         after = closures_of(session)
     return [_entry(*pair) for pair in zip(before, after, strict=True)]
@@ -185,6 +255,8 @@ def _entry(before: Closure, after: Closure) -> dict[str, Any]:
 
 def _text(report: dict[str, Any]) -> str:
     lines = [f"{w['start']:8.2f} {w['end']:8.2f}  {w['text']}" for w in report["words"]]
+    if "retime" in report:
+        lines.append(report["retime"]["message"])
     closures = report["closures"]
     if closures:
         lines.append(f"{len(closures)} times lips should meet (m, b, p):")

@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-MOST_LINES = 450
+MOST_LINES = 400
+LONGER = {"faceedit_app/editing/solving/solver.py": 450}  # still to be divided
 FOR_DEVELOPERS = ("dev", "packaging")
 
 
@@ -115,9 +116,10 @@ def test_only_the_document_passes_on_what_the_session_announces() -> None:
     assert not [path for path in files if says.search(path.read_text(encoding="utf-8"))]
 
 
-def test_no_file_of_the_application_is_long() -> None:
-    files = sorted((ROOT / "faceedit_app").rglob("*.py"))
-    assert len(files) > 40
+def test_no_file_is_long() -> None:
+    files = [path for room in ("faceedit_app", "tests") for path in (ROOT / room).rglob("*.py")]
+    assert len(files) > 400
     lengths = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files}
-    long = {str(path): count for path, count in lengths.items() if count > MOST_LINES}
+    most = {ROOT / name: lines for name, lines in LONGER.items()}
+    long = {str(path): n for path, n in lengths.items() if n > most.get(path, MOST_LINES)}
     assert not long

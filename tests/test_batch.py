@@ -38,7 +38,7 @@ def takes(tmp_path: Path) -> Path:
     folder = tmp_path / "takes"
     (folder / "day 2").mkdir(parents=True)
     make_livelink_csv(folder / "a.csv")
-    (folder / "bad.csv").write_text("jawOpen\nmany\n")
+    (folder / "bad.csv").write_text("jawOpen\n0.1\nmany\n")
     make_plain_csv(folder / "day 2" / "b.csv")
     (folder / "notes.json").write_text("{}")
     return folder
@@ -67,7 +67,7 @@ def test_one_bad_file_stops_nothing(
     assert command(edits_in(tmp_path), takes, out, models) == 1
     said = capfd.readouterr().out
     assert "3 takes: 2 written, 1 failed" in said
-    assert "bad.csv, line 2" in said
+    assert "bad.csv, line 3" in said
     for name in ("a.csv", "day 2/b.csv"):
         before, after = open_take(takes / name).clip, open_take(out / name).clip
         assert before.channels == after.channels
@@ -79,7 +79,7 @@ def test_one_bad_file_stops_nothing(
     assert int(rows["a.csv"]["changed"]) > 0
     page = (out / "faceedit_report.html").read_text()
     assert page.count('<polyline class="new" points="1') == 2
-    assert "bad.csv, line 2" in page
+    assert "bad.csv, line 3" in page
 
 
 def test_what_is_done_is_not_done_again(

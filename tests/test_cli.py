@@ -17,6 +17,9 @@ from support.takes import make_livelink_csv
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.editing.edits.edit import from_json as edit_from_json
+from faceedit_app.editing.help.retime import moved, stretched
+from faceedit_app.editing.opening import load_engine, open_session
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.start import display
 
@@ -123,6 +126,20 @@ def test_apply_fills_a_range_with_other_motion_of_the_take(take: Path, models: s
     inside = (before.times > 0.79) & (before.times < 1.21)
     assert changed[inside].mean() > 0.8
     assert not changed[~inside].any()
+
+
+def test_apply_retimes_as_the_window_does(take: Path, models: str) -> None:
+    rig = shipped_rig()
+    session = open_session(take, rig, load_engine(rig, Path(models)))
+    session.add(edit_from_json(EDIT))
+    session.preview(moved(session.take.clip, (0.7, 1.0), 0.1))
+    session.preview(stretched(session.take.clip, (0.7, 1.0), 1.2))
+    session.commit()
+    shown, edits, out = (take.parent / name for name in ("shown.csv", "edits.json", "out.csv"))
+    session.export(shown)
+    session.save_edits(edits)
+    assert main(["apply", str(take), str(edits), "-o", str(out), "--models", models]) == 0
+    assert out.read_bytes() == shown.read_bytes() != take.read_bytes()
 
 
 def test_apply_of_a_reset_alone_changes_nothing(take: Path, models: str) -> None:

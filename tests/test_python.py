@@ -51,6 +51,21 @@ def test_an_edit_is_that_of_the_window(take: faceedit_app.Take) -> None:
     np.testing.assert_array_equal(take.weights, take.tracked)
 
 
+def test_a_retime_keeps_the_number_of_frames_and_all_that_follows(
+    take: faceedit_app.Take, tmp_path: Path
+) -> None:
+    take.retime([(0.6, 0.6), (0.8, 0.9)], end=1.2)
+    [edit] = take.edits
+    assert (edit.op, edit.end, edit.pins) == (Op.RETIME, 1.2, ((0.6, 0.6), (0.8, 0.9)))
+    outside = (take.times <= 0.6) | (take.times >= 1.2)
+    np.testing.assert_array_equal(take.weights[outside], take.tracked[outside])
+    assert not np.array_equal(take.weights, take.tracked)
+    take.export(tmp_path / "out.csv")
+    assert len(open_take(tmp_path / "out.csv").clip) == len(take.times)
+    with pytest.raises(FaceEditError, match="cross"):
+        take.retime([(0.6, 0.8), (0.7, 0.7)])
+
+
 def test_what_is_exported_is_what_the_take_holds(take: faceedit_app.Take, tmp_path: Path) -> None:
     take.edit(["left_eyelid", "right_eyelid"], to=0.0, start=0.9, end=1.0)
     take.export(tmp_path / "out.csv")

@@ -64,7 +64,10 @@ def test_a_folder_is_tracked_and_what_fails_is_reported(
     assert facts["frames"] == FRAMES
     assert facts["lost"] == 0
     assert "b.mp4: shows no face" in said.err
-    assert [path.name for path in (tmp_path / "takes").iterdir()] == ["a_tracked.csv"]
+    assert sorted(path.name for path in (tmp_path / "takes").iterdir()) == [
+        "a_tracked.csv",
+        "a_tracked.landmarks.npz",
+    ]
 
 
 def test_a_report_shows_edits(

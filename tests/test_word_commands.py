@@ -7,14 +7,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from support.films import make_wav
-from support.speech import SENTENCE, mumbling_take, needs_espeak, speak
+from support.speech import SENTENCE, mumbling_clip, mumbling_take, needs_espeak, said, speak
 from support.takes import make_livelink_csv
 
 from faceedit_app.cli import main
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.formats.opening import open_take
-from faceedit_app.words.files import read_words
+from faceedit_app.words.files import read_words, write_words
+from faceedit_app.words.transcript import Transcript
 
 Run = Callable[..., dict[str, Any]]
 
@@ -119,3 +122,71 @@ def test_wrong_usage_and_bad_input_are_reported(
     assert "cannot be said" in complaint(sound, "--text", "word " * 50)
     assert "none.srt" in complaint(take, "--words", tmp_path / "none.srt")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["beep.wav", "take.csv"]
+
+
+def flat_take(folder: Path, words: Transcript) -> Path:
+    """A take without a sound whose mouth says some words."""
+    clip = mumbling_clip(words, 4.0)
+    lines = [",".join(["time_s", *ARKIT_CHANNELS])]
+    for seconds, row in zip(clip.times, clip.weights, strict=True):
+        lines.append(",".join([f"{seconds:.4f}", *(f"{weight:.5f}" for weight in row)]))
+    path = folder / "flat.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="")
+    return path
+
+
+def test_a_take_is_retimed_to_the_times_in_a_file(tmp_path: Path, run: Run) -> None:
+    pairs = (("map", "M AE P"), ("boom", "B UW M"), ("fish", "F IH SH"))
+    ours, theirs = said(*pairs, start=0.6), said(*pairs, start=1.0, each=0.15)
+    take, out = flat_take(tmp_path, ours), tmp_path / "out.csv"
+    for name, transcript in (("ours", ours), ("theirs", theirs)):
+        write_words(tmp_path / f"{name}.TextGrid", transcript, 4.0)
+    files = ("--words", tmp_path / "ours.TextGrid", "--retime-to", tmp_path / "theirs.TextGrid")
+    found = run(take, *files, "--their-start", "0.1", "-o", out)
+    assert (found["retime"]["matched"], found["retime"]["phonemes"]) == (9, 9)
+    assert found["retime"]["their_start"] == 0.1
+    assert found["words"][0]["start"] == pytest.approx(1.1, abs=1e-3)
+    before, after = open_take(take).clip, open_take(out).clip
+    middles = [
+        [round(30 * (p.start + p.end + 2 * shift)) for _, p in side.phonemes()]
+        for side, shift in ((ours, 0.0), (theirs, 0.1))
+    ]
+    jaw = before.channels.index("jawOpen")
+    assert after.weights[middles[1], jaw] == pytest.approx(
+        before.weights[middles[0], jaw], abs=0.03
+    )
+    assert np.array_equal(after.weights[-30:], before.weights[-30:])
+    assert len(after) == len(before)
+
+
+@needs_espeak
+def test_a_take_is_retimed_to_another_sound(tmp_path: Path, run: Run) -> None:
+    take, words = mumbling_take(tmp_path)
+    (tmp_path / "other").mkdir()
+    slower = speak(tmp_path / "other" / "dub.wav", SENTENCE, pace=120)
+    out = tmp_path / "out.csv"
+    found = run(take, "--text", SENTENCE, "--retime-to", slower, "--fix", "-o", out)
+    assert found["retime"]["matched"] == len(list(words.phonemes()))
+    assert all(closure["gap_after_mm"] <= 0.5 for closure in found["closures"])
+    assert len(open_take(out).clip) == len(open_take(take).clip)
+
+
+def test_what_cannot_be_retimed_is_one_line(tmp_path: Path, complaint: Callable[..., str]) -> None:
+    ours = said(("map", "M AE P"), ("boom", "B UW M"), start=0.6)
+    take, out = flat_take(tmp_path, ours), tmp_path / "out.csv"
+    grid, other, lines = (tmp_path / name for name in ("a.TextGrid", "b.TextGrid", "c.txt"))
+    write_words(grid, ours, 4.0)
+    write_words(other, said(("sky", "S K AY"), ("green", "G R IY N")), 4.0)
+    lines.write_text("map boom")
+    mine = (take, "--words", grid)
+    assert "-o" in complaint(*mine, "--retime-to", grid)
+    assert "--their-start" in complaint(*mine, "--their-start", "1", "--fix", "-o", out)
+    assert f"{other}: Only" in complaint(*mine, "--retime-to", other, "-o", out)
+    assert f"{lines}: does not say when" in complaint(*mine, "--retime-to", lines, "-o", out)
+    sound = make_wav(tmp_path / "beep.wav")
+    assert "--their-text" in complaint(*mine, "--retime-to", sound, "-o", out)
+    assert "need a take" in complaint(sound, "--text", "a", "--retime-to", grid, "-o", out)
+    assert "none.wav" in complaint(
+        *mine, "--retime-to", tmp_path / "none.wav", "--their-text", "a", "-o", out
+    )
+    assert not out.exists()

@@ -7,12 +7,14 @@ another open.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, Closes
+from faceedit_app.core.levels import Levels
 from faceedit_app.core.rig import Distances, Rig
 
 # The controls that touch at 0: lips, then lids.
@@ -22,7 +24,12 @@ ARE_LIPS = np.array([c.closes is Closes.LIPS for c in CONTROLS if c.closes is no
 SHUT = np.where(ARE_LIPS, 2.0, 1.5)
 CLOSE_ENOUGH = 0.5  # mm
 _PARTED_AT_REST = 1.5  # mm; a mouth that rests more open than this can be closed farther
+# A shape that closes an eye need not bring two vertices together: lids that it leaves apart by this
+# share of the open eye are as closed as their artist made them.
+_LID_SLACK = 0.05
 _FLAT = 0.05  # mm; the least difference in height that shows which of two vertices is above
+_BLINK = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
+_BLINK[0, [ARKIT_INDEX["eyeBlinkLeft"], ARKIT_INDEX["eyeBlinkRight"]]] = 1.0
 
 
 @dataclass(frozen=True)
@@ -30,7 +37,9 @@ class Gaps:
     """How far apart lips and lids are on a character.
 
     Attributes:
-        distances: the controls of `CLOSING`, as a function of weights in ARKit's order.
+        distances: the controls of `CLOSING`, as a function of weights as the character shows
+            them, in ARKit's order.
+        levels: how strongly the character answers each channel.
         touching: (3,) mm between their vertices when they touch, which are side by side.
         has: (3,) whether the character has each of them.
     """
@@ -38,26 +47,40 @@ class Gaps:
     distances: Distances
     touching: Doubles
     has: Bools
+    levels: Levels = field(default_factory=Levels)
 
     @classmethod
     def of(cls, rig: Rig) -> Gaps:
         """Make the gaps of a character."""
         rows = [CONTROL_INDEX[name] for name in CLOSING]
-        distances = rig.arkit_distances.select(rows)
+        distances = _without_sliding(rig.arkit_distances.select(rows))
         rest = np.linalg.norm(distances.offsets, axis=1).astype(np.float64)
         # Lips and lids can pass each other. If two vertices coincide at rest, the upper one counts
         # as slightly higher.
         offsets = distances.offsets.copy()
         offsets[np.abs(offsets[:, 1]) < _FLAT, 1] = -_FLAT
         distances = replace(distances, offsets=offsets, shuts=np.ones(len(rows), np.bool_))
-        touching = np.where(ARE_LIPS, np.minimum(rest, _PARTED_AT_REST), 0.0)
-        return cls(distances, touching, rig.has_control[rows])
+        shut = distances.measure(rig.levels.applied(_BLINK))[0].astype(np.float64)
+        touching = np.where(
+            ARE_LIPS,
+            np.minimum(rest, _PARTED_AT_REST),
+            np.where(shut > CLOSE_ENOUGH, np.minimum(shut, _LID_SLACK * rest), 0.0),
+        )
+        return cls(distances, touching, rig.has_control[rows], rig.levels)
 
     def measure(self, weights: Floats) -> Doubles:
         """(T, 52) weights in ARKit's order -> (T, 3) mm beyond touching, 0 or more."""
-        lengths = self.distances.measure(weights).astype(np.float64)
+        lengths = self.distances.measure(self.levels.applied(weights)).astype(np.float64)
         gaps: Doubles = np.maximum(lengths - self.touching, 0.0)
         return gaps
+
+
+def _without_sliding(distances: Distances) -> Distances:
+    """The distances, of lips only in height and depth: in a crooked smile they slide sideways."""
+    offsets, gradients = distances.offsets.copy(), distances.gradients.copy()
+    offsets[ARE_LIPS, 0] = 0.0
+    gradients[:, ARE_LIPS, 0] = 0.0
+    return replace(distances, offsets=offsets, gradients=gradients)
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Find the place, size and orientation of a character's face from its shapes.
 
-Files may be in any unit, with any axis up. The shapes that close the eyes show where the eyes are,
-and those of the mouth show the mouth: the eyes are 63 mm apart, up is from the mouth to the eyes,
-and forward is from inside the head to the mouth.
+Files may be in any unit, with any axis up. The shapes that close the eyes show where the eyes are
+(the eyeballs, if there are none), and those of the mouth show the mouth: the eyes are 63 mm apart,
+up is from the mouth to the eyes, and forward is from inside the head to the mouth.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character
+from faceedit_app.characters.eyeballs import find_eyeballs
 from faceedit_app.characters.names import Half, Share
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.errors import FileError
@@ -84,11 +85,16 @@ def find_frame(
         return total
 
     parts = range(len(character.parts))
-    _need_eyes(path, shares)
-    left, right = (amount([channel]) for channel in _EYES)
     mouth = amount([c for c in _MOUTH if c in shares])
     if not mouth.any():
         mouth = amount(["jawOpen"])
+    if not any(shares.get(channel) for channel in _EYES) and mouth.any():
+        eyes = find_eyeballs(character, _centre(points, mouth))
+        if eyes is not None:
+            kept = _each_once(points, mouth > 0)
+            return _frame(path, points[kept], eyes, _centre(points[kept], mouth[kept]), named=False)
+    _need_eyes(path, shares)
+    left, right = (amount([channel]) for channel in _EYES)
     for name, moved in (("left eye", left), ("right eye", right), ("mouth", mouth)):
         if not moved.any():
             raise FileError(path, f"its shapes for the {name} move nothing", "export them again")

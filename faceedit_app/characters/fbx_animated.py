@@ -1,20 +1,26 @@
 """FBX 7.4 with a character, its blendshapes, and the animation of a take.
 
-One mesh in centimetres with vertex colours, materials and texture coordinates; a blendshape
-channel for each shape, and a curve in percent for each channel. Textures are left out.
+One mesh in centimetres with vertex colours, materials and their textures, which are embedded; a
+blendshape channel for each shape, and a curve in percent for each channel.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import count
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
+from faceedit_app.characters.base_colors import material_color, png_of, srgb
+from faceedit_app.characters.fbx_joints import bone_children, cluster_children
 from faceedit_app.characters.fbx_records import FILE_ID, fbx_content
+from faceedit_app.characters.fbx_textures import texture_children, video_children
 from faceedit_app.characters.fbx_tree import Record
 from faceedit_app.characters.scene import Scene
-from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.characters.turning import HEAD_JOINT
+from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.core.rig import Rig
 
 _TICKS = 46_186_158_000  # of KTime in a second
@@ -67,7 +73,8 @@ class _Writer:
     def records(self) -> list[Record]:
         """The top-level records."""
         geometry = self._mesh()
-        self._animate(self._shapes(geometry))
+        channels, bone = self._shapes(geometry), self._skin(geometry)
+        self._animate(channels, bone)
         return [*self._head(), *self._body()]
 
     def _add(self, kind: str, label: str, form: str, *children: Record) -> _Id:
@@ -109,9 +116,9 @@ class _Writer:
             *_layers(rig),
         )
         self._connect(geometry, model)
+        pictures = [self._picture(k, picture) for k, picture in enumerate(rig.textures)]
         for material in rig.materials:
-            shade = _srgb(rig.colors[rig.faces[material.start : material.stop], :3])
-            mean = shade.reshape(-1, 3).mean(axis=0) if shade.size else np.full(3, 0.8)
+            mean = srgb(material_color(rig, material))
             number = self._add(
                 "Material",
                 _named(material.name, "Material"),
@@ -124,7 +131,20 @@ class _Writer:
                 ),
             )
             self._connect(number, model)
+            if material.texture is not None:
+                self._connect(pictures[material.texture], number, "DiffuseColor")
         return geometry
+
+    def _picture(self, k: int, picture: Pixels) -> _Id:
+        """Add a picture; returns its texture."""
+        name = f"texture{k + 1}"
+        file = f"{name}.png"
+        texture = self._add("Texture", _named(name, "Texture"), "", *texture_children(file))
+        video = self._add(
+            "Video", _named(file, "Video"), "Clip", *video_children(file, png_of(picture))
+        )
+        self._connect(video, texture)
+        return texture
 
     def _shapes(self, geometry: _Id) -> list[_Id]:
         """Add the blendshapes; returns their channels."""
@@ -160,9 +180,39 @@ class _Writer:
             channels.append(channel)
         return channels
 
+    def _skin(self, geometry: _Id) -> _Id | None:
+        """Add the joints of the body and the head, if the head turns; returns the head's."""
+        turning = self._scene.turning
+        if turning is None:
+            return None
+        skin = self._add(
+            "Deformer", _named("Skin", "Deformer"), "Skin",
+            _record("Version", 101), _record("Link_DeformAcuracy", 50.0),
+        )  # fmt: skip
+        self._connect(skin, geometry)
+        share = turning.share.astype(np.float64)
+        body = self._joint(skin, "body", np.zeros(3), 1.0 - share)
+        head = self._joint(skin, HEAD_JOINT, turning.pivot * _CENTIMETRES, share)
+        self._connect(body, _Id(0))
+        self._connect(head, body)
+        return head
+
+    def _joint(self, skin: _Id, name: str, place: Doubles, share: Doubles) -> _Id:
+        """Add a joint at a place (3,) in centimetres, which vertices follow by their share."""
+        bone = self._add("Model", _named(name, "Model"), "LimbNode", *bone_children(place))
+        limb = _record("TypeFlags", "Skeleton")
+        self._connect(
+            self._add("NodeAttribute", _named(name, "NodeAttribute"), "LimbNode", limb), bone
+        )
+        children = cluster_children(place, share)
+        cluster = self._add("Deformer", _named(name, "SubDeformer"), "Cluster", *children)
+        self._connect(cluster, skin)
+        self._connect(bone, cluster)
+        return bone
+
     # --- the animation -----------------------------------------------------------------------
 
-    def _animate(self, channels: list[_Id]) -> None:
+    def _animate(self, channels: list[_Id], bone: _Id | None) -> None:
         spans = [
             _property(f"{when}{edge}", "KTime", "Time", "", at)
             for when in ("Local", "Reference")
@@ -175,28 +225,41 @@ class _Writer:
         self._connect(layer, stack)
         percent = _PERCENT * self._scene.weights
         for channel, values in zip(channels, percent.T, strict=True):
-            first = float(values[0])
-            node = self._add(
-                "AnimationCurveNode",
-                _named("DeformPercent", "AnimCurveNode"),
-                "",
-                _properties(_property("d|DeformPercent", "Number", "", "A", first)),
-            )
+            parts = {"DeformPercent": values}
+            self._animate_property(layer, channel, "DeformPercent", "DeformPercent", parts)
+        if bone is not None and self._scene.turning is not None:
+            angles = Rotation.from_matrix(self._scene.turning.matrices).as_euler("xyz")
+            angles = np.degrees(np.unwrap(angles, axis=0))
+            parts = dict(zip("XYZ", angles.T, strict=True))
+            self._animate_property(layer, bone, "Lcl Rotation", "R", parts)
+
+    def _animate_property(
+        self, layer: _Id, owner: _Id, target: str, label: str, parts: Mapping[str, Doubles | Floats]
+    ) -> None:
+        """Add a curve for each part (T,) of a property of an object."""
+        values = [
+            _property(f"d|{part}", "Number", "", "A", float(curve[0]))
+            for part, curve in parts.items()
+        ]
+        node = self._add(
+            "AnimationCurveNode", _named(label, "AnimCurveNode"), "", _properties(*values)
+        )
+        self._connect(node, layer)
+        self._connect(node, owner, target)
+        for part, keys in parts.items():
             curve = self._add(
                 "AnimationCurve",
                 _named("", "AnimCurve"),
                 "",
-                _record("Default", first),
+                _record("Default", float(keys[0])),
                 _record("KeyVer", 4009),
                 _record("KeyTime", self._ticks),
-                _record("KeyValueFloat", values.astype("<f4")),
+                _record("KeyValueFloat", keys.astype("<f4")),
                 _record("KeyAttrFlags", np.array([_LINEAR], np.int32)),
                 _record("KeyAttrDataFloat", np.zeros(4, np.float32)),
-                _record("KeyAttrRefCount", np.array([len(values)], np.int32)),
+                _record("KeyAttrRefCount", np.array([len(keys)], np.int32)),
             )
-            self._connect(node, layer)
-            self._connect(node, channel, "DeformPercent")
-            self._connect(curve, node, "d|DeformPercent")
+            self._connect(curve, node, f"d|{part}")
 
     # --- the frame around them ---------------------------------------------------------------
 
@@ -280,7 +343,7 @@ def _layers(rig: Rig) -> list[Record]:
     materials = np.zeros(len(rig.faces), np.int32)
     for number, material in enumerate(rig.materials):
         materials[material.start : material.stop] = number
-    colors = np.concatenate([_srgb(rig.colors[:, :3]), rig.colors[:, 3:]], axis=1)
+    colors = np.concatenate([srgb(rig.colors[:, :3]), rig.colors[:, 3:]], axis=1)
     layers = {
         "Smoothing": ("ByPolygon", "Direct", [("Smoothing", np.ones(len(rig.faces), np.int32))]),
         "Color": (
@@ -323,11 +386,3 @@ def _flat(points: Floats) -> Doubles:
     """Points (N, 3) in metres as FBX lists them."""
     flat: Doubles = points.astype("<f8").ravel() * _CENTIMETRES
     return flat
-
-
-def _srgb(linear: Floats) -> Doubles:
-    """Linear colours as programs expect them in FBX."""
-    linear = linear.clip(0, 1).astype(np.float64)
-    low, high = 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
-    result: Doubles = np.where(linear <= 0.0031308, low, high)
-    return result

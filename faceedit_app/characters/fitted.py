@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +23,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
 from faceedit_app.core.arrays import Bools, Pixels
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.levels import UNCHANGED, Level, Levels
 from faceedit_app.core.rig import Material, Rig
 
 # The kind of a surface, by a word in the name of its part or material; the first match counts.
@@ -83,10 +84,20 @@ class FittedCharacter:
         found = {c: tuple(self.match.shares.get(name, ())) for c, name in named.items()}
         return {channel: shares for channel, shares in found.items() if shares}
 
+    def with_level(self, channel: str, level: Level) -> FittedCharacter:
+        """The same character with another strength of one channel."""
+        levels = {**self.mapping.levels, channel: level}
+        levels = {name: one for name, one in levels.items() if one != UNCHANGED}
+        return replace(
+            self,
+            rig=replace(self.rig, levels=Levels(levels)),
+            mapping=replace(self.mapping, levels=levels),
+        )
+
     @property
     def whole_map(self) -> CharacterMap:
         """A map with every entry filled in, to be edited by hand."""
-        return CharacterMap(dict(self.match.shares), dict(self.places))
+        return CharacterMap(dict(self.match.shares), dict(self.places), dict(self.mapping.levels))
 
 
 def open_character(path: Path | str) -> FittedCharacter:
@@ -120,6 +131,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     welded = weld(assembly)
     face = Face.of(assembly, welded)
     found, problems = find_points(face)
+    problems = [*_absent_shapes(character, mapping), *problems]
     known = {name: p for name, p in character.points.items() if name not in mapping.points}
     found |= _placed(character, known, assembly, welded, strict=False)
     found |= _placed(character, mapping.points, assembly, welded)
@@ -128,6 +140,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     if frame.swapped:
         remarks.append("left and right of its shapes were reversed and have been swapped")
     rig, faults = _rig(character, assembly, welded, face, found)
+    rig = replace(rig, levels=Levels(mapping.levels))
     checklist = make_checklist(match, face, found, problems, [*remarks, *faults])
     points = {name: int(welded.first[number]) for name, number in found.items()}
     places = {
@@ -153,7 +166,8 @@ def _need_shapes(character: Character) -> None:
         raise FileError(
             character.path,
             "has no blendshapes",
-            "export it with its morph targets (shape keys)",
+            "export it with its morph targets (shape keys), or make some: File > Character > Make "
+            "from a scan, or faceedit character make",
         )
 
 
@@ -167,6 +181,17 @@ def _need_match(character: Character, match: Match) -> None:
         f"none of its {len(names)} shapes has a name that FaceEdit knows ({shown})",
         f"rename them as in ARKit, or map them in {map_path(character.path).name}",
     )
+
+
+def _absent_shapes(character: Character, mapping: CharacterMap) -> list[str]:
+    """Sentences about shapes that the map names and the file lacks."""
+    has = set(character.targets)
+    return [
+        f"the map makes {channel} of {share.name[:60]}, which the file does not have"
+        for channel, shares in mapping.channels.items()
+        for share in shares
+        if share.name not in has
+    ]
 
 
 def _placed(

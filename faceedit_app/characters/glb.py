@@ -56,11 +56,18 @@ def _rig(document: Document, fallback_name: str) -> Rig:
         faces.append(triangles)
         start = stop
     controls, shade = extras["controls"], attributes.get(SHADE)
+    neutral = document.array(attributes["POSITION"]).astype(np.float32)
+    deltas = np.empty((len(targets), *neutral.shape), np.float32)
+    for delta, target in zip(deltas, targets, strict=True):
+        moved = document.array(target["POSITION"])
+        if moved.shape != neutral.shape:
+            raise Damaged("a morph target has another number of vertices than its mesh")
+        delta[:] = moved
     return Rig(
-        neutral=document.array(attributes["POSITION"]).astype(np.float32),
+        neutral=neutral,
         faces=np.concatenate(faces),
         channels=tuple(extras["targetNames"]),
-        deltas=np.stack([document.array(target["POSITION"]) for target in targets]),
+        deltas=deltas,
         colors=document.array(attributes["COLOR_0"]).astype(np.float32),
         materials=tuple(materials),
         control_pairs=np.array([controls.get(name, _MISSING) for name in CONTROL_IDS], np.int32),

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.characters.glb_turning import HeadTurns, turning_node
 from faceedit_app.characters.glb_writing import rig_content
 from faceedit_app.characters.scene import Scene
 from faceedit_app.core.arrays import Floats, Times
@@ -35,8 +36,10 @@ def scene_glb(scene: Scene, name: str, compact: bool = False) -> bytes:
         compact: store the weights as 16-bit integers.
     """
     weights = dict(zip(scene.shapes, scene.weights.T, strict=True))
-    content = rig_content(replace(scene.rig, shade=None), scene.shapes)  # FaceEdit's alone
-    return _animated(content, weights, scene.times, name, compact)
+    rig, turning = replace(scene.rig, shade=None), scene.turning  # the shade is FaceEdit's alone
+    content = rig_content(rig, scene.shapes, turning)
+    turns = None if turning is None else HeadTurns(turning.pivot, turning.matrices)
+    return _animated(content, weights, scene.times, name, compact, turns=turns)
 
 
 def animate_glb(
@@ -46,6 +49,7 @@ def animate_glb(
     times: Times,
     name: str,
     compact: bool = False,
+    turns: HeadTurns | None = None,
 ) -> bytes:
     """A character's GLB with an animation added, and nothing else changed.
 
@@ -56,6 +60,7 @@ def animate_glb(
         times: (T,) seconds.
         name: of the animation.
         compact: store the weights as 16-bit integers.
+        turns: how the head turns; without a joint of the head, the scene is put below a new node.
 
     Raises:
         FileError: it cannot be read, or none of its meshes has these shapes.
@@ -66,7 +71,7 @@ def animate_glb(
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     try:
-        return _animated(content, weights, times, name, compact, alike)
+        return _animated(content, weights, times, name, compact, alike, turns)
     except _DAMAGE:
         raise FileError(path, "is damaged", "export it again") from None
 
@@ -87,6 +92,7 @@ def _animated(
     name: str,
     compact: bool,
     alike: Mapping[str, Sequence[str]] | None = None,
+    turns: HeadTurns | None = None,
 ) -> bytes:
     document, (start, stop) = split_glb(content)
     out = _Writer(document, content[start:stop])
@@ -112,6 +118,11 @@ def _animated(
         samplers.append({"input": clock, "output": output, "interpolation": "LINEAR"})
     if not channels:
         raise ValueError("no mesh has these shapes")
+    if turns is not None:
+        node, rotations = turning_node(document, turns)
+        channels.append({"sampler": len(samplers), "target": {"node": node, "path": "rotation"}})
+        output = out.add_rotations(rotations)
+        samplers.append({"input": clock, "output": output, "interpolation": "LINEAR"})
     animation = {"name": name, "samplers": samplers, "channels": channels}
     # In front of others, because programs play the first.
     document["animations"] = [animation, *document.get("animations", [])]
@@ -183,6 +194,13 @@ class _Writer:
             "values": {"bufferView": self._view(numbers[moved])},
         }
         return self._accessor(**common, sparse=sparse)
+
+    def add_rotations(self, rotations: Floats) -> int:
+        """Add rotations (T, 4) x, y, z, w; returns the accessor's index."""
+        view = self._view(rotations.astype("<f4"))
+        return self._accessor(
+            bufferView=view, componentType=_FLOAT, count=len(rotations), type="VEC4"
+        )
 
     def content(self) -> bytes:
         """The whole file."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,13 +10,15 @@ import numpy as np
 import pygltflib as gltf
 from numpy.typing import NDArray
 
+from faceedit_app.characters.base_colors import png_of
 from faceedit_app.characters.glb import SHADE
+from faceedit_app.characters.turning import HEAD_JOINT, Turning
 from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.rig import Rig
 
-_FLOAT, _UINT = gltf.FLOAT, gltf.UNSIGNED_INT
+_FLOAT, _UINT, _UBYTE = gltf.FLOAT, gltf.UNSIGNED_INT, gltf.UNSIGNED_BYTE
 
 
 class _Writer:
@@ -78,11 +79,7 @@ class _Writer:
 
     def add_texture(self, picture: Pixels) -> int:
         """Add a picture (H, W, 4) as a texture; returns its index."""
-        from PIL import Image  # only characters of other makers have textures
-
-        buffer = io.BytesIO()
-        Image.fromarray(picture).save(buffer, "PNG")
-        view = self._view(buffer.getvalue(), None)
+        view = self._view(png_of(picture), None)
         self.document.images.append(gltf.Image(bufferView=view, mimeType="image/png"))
         self.document.textures.append(gltf.Texture(source=len(self.document.images) - 1))
         return len(self.document.textures) - 1
@@ -97,7 +94,9 @@ def write_rig(path: Path | str, rig: Rig) -> None:
     write_atomically(path, rig_content(rig))
 
 
-def rig_content(rig: Rig, shapes: Sequence[str] | None = None) -> bytes:
+def rig_content(
+    rig: Rig, shapes: Sequence[str] | None = None, turning: Turning | None = None
+) -> bytes:
     """A rig as GLB; the same rig always gives the same bytes.
 
     glTF cannot hold everything: materials without faces are left out, and colours are clipped to
@@ -105,6 +104,7 @@ def rig_content(rig: Rig, shapes: Sequence[str] | None = None) -> bytes:
 
     Args:
         shapes: the names of its blendshapes in the file; None = those of its channels.
+        turning: adds the joint `HEAD_JOINT`, about which the head can turn.
     """
     out = _Writer()
     attributes = gltf.Attributes(
@@ -116,6 +116,8 @@ def rig_content(rig: Rig, shapes: Sequence[str] | None = None) -> bytes:
     if rig.shade is not None:
         shade = out.add(rig.shade.astype("<f4"), "SCALAR", _FLOAT, gltf.ARRAY_BUFFER)
         setattr(attributes, SHADE, shade)
+    if turning is not None:
+        _add_skin(out, attributes, turning)
     for picture in rig.textures:
         out.add_texture(picture)
     targets = [{"POSITION": out.add_sparse(d.astype("<f4"))} for d in rig.deltas]
@@ -161,7 +163,28 @@ def rig_content(rig: Rig, shapes: Sequence[str] | None = None) -> bytes:
     document.meshes = [mesh]
     document.nodes = [gltf.Node(name=rig.name, mesh=0)]
     document.scenes = [gltf.Scene(nodes=[0])]
+    if turning is not None:
+        document.nodes[0].skin = 0
+        document.nodes += [
+            gltf.Node(name="body", children=[2]),
+            gltf.Node(name=HEAD_JOINT, translation=turning.pivot.tolist()),
+        ]
+        document.scenes[0].nodes = [0, 1]
     document.scene = 0
     document.buffers = [gltf.Buffer(byteLength=len(out.blob))]
     document.set_binary_blob(bytes(out.blob))
     return b"".join(document.save_to_bytes())
+
+
+def _add_skin(out: _Writer, attributes: gltf.Attributes, turning: Turning) -> None:
+    """Add a skin of two joints, nodes 1 (body) and 2 (head)."""
+    count = len(turning.share)
+    joints = np.tile(np.array([1, 0, 0, 0], np.uint8), (count, 1))
+    weights = np.zeros((count, 4), "<f4")
+    weights[:, 0], weights[:, 1] = turning.share, 1.0 - turning.share
+    attributes.JOINTS_0 = out.add(joints, "VEC4", _UBYTE, gltf.ARRAY_BUFFER)
+    attributes.WEIGHTS_0 = out.add(weights, "VEC4", _FLOAT, gltf.ARRAY_BUFFER)
+    binds = np.tile(np.eye(4, dtype="<f4"), (2, 1, 1))
+    binds[1, 3, :3] = -turning.pivot  # column by column
+    matrices = out.add(binds.reshape(2, 16), "MAT4", _FLOAT, None)
+    out.document.skins = [gltf.Skin(joints=[1, 2], skeleton=1, inverseBindMatrices=matrices)]

@@ -87,7 +87,7 @@ class Scene:
     def __init__(self, document: Document) -> None:
         self.document = document
         self.nodes = document.all("nodes")
-        self.places = _places(self.nodes)
+        self.places = node_places(self.nodes)
         self._surfaces: dict[int, Surface] = {}
 
     def primitives(self) -> list[Placed]:
@@ -250,13 +250,13 @@ def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, 
     return tuple(found)
 
 
-def _places(nodes: list[Any]) -> list[Doubles]:
+def node_places(nodes: list[Any]) -> list[Doubles]:
     """(4, 4) local to world of every node."""
     parents: dict[int, int] = {}
     for number, node in enumerate(nodes):
         for child in node.get("children") or []:
             parents[whole(child, "the number of a node", len(nodes) - 1)] = number
-    own = [_own_place(node) for node in nodes]
+    own = [own_place(node) for node in nodes]
     places: list[Doubles | None] = [None] * len(nodes)
     for number in range(len(nodes)):
         chain = []
@@ -272,7 +272,7 @@ def _places(nodes: list[Any]) -> list[Doubles]:
     return [place for place in places if place is not None]
 
 
-def _own_place(node: Json) -> Doubles:
+def own_place(node: Json) -> Doubles:
     """(4, 4) a node's own transform."""
     if node.get("matrix") is not None:
         return finite(np.array(node["matrix"], np.float64).reshape(4, 4).T, "a node's matrix")

@@ -16,9 +16,11 @@ from faceedit_app.characters.points import POINTS
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.levels import STRONGEST_LEVEL, UNCHANGED, Level, is_level
 
 ENDING = ".map.json"
 _VERSION = 1
+_LEVEL = ("multiplier", "offset", "limit")
 _LARGEST = 4 << 20  # bytes
 _REMEDY = "correct it, or delete it to have the shapes matched by their names"
 
@@ -30,10 +32,12 @@ class CharacterMap:
     Attributes:
         channels: the shapes of a channel, instead of those found by name; () is no shape.
         points: the places of control points.
+        levels: how strongly the character answers channels.
     """
 
     channels: Mapping[str, tuple[Share, ...]] = field(default_factory=dict)
     points: Mapping[str, Place] = field(default_factory=dict)
+    levels: Mapping[str, Level] = field(default_factory=dict)
 
     def applied(self, match: Match) -> Match:
         """A match with the user's channels applied."""
@@ -76,6 +80,11 @@ def write_map(path: Path, mapping: CharacterMap) -> None:
     channels = {c: [_stored(share) for share in shares] for c, shares in mapping.channels.items()}
     points = {n: {"part": p.part, "vertex": p.vertex} for n, p in mapping.points.items()}
     document = {"faceedit_character_map": _VERSION, "channels": channels, "points": points}
+    if mapping.levels:
+        document["strength"] = {
+            channel: dict(zip(_LEVEL, level, strict=True))
+            for channel, level in mapping.levels.items()
+        }
     text = json.dumps(document, indent=2, ensure_ascii=False)
     write_atomically(path, text.encode("utf-8", "replace") + b"\n")
 
@@ -100,8 +109,8 @@ def _parsed(path: Path, stored: Any) -> CharacterMap:
     for channel, shares in stored.get("channels", {}).items():
         if channel not in ARKIT_INDEX:
             raise FileError(path, f"names the channel {channel[:60]}, which ARKit lacks", _REMEDY)
-        given = [shares] if isinstance(shares, (str, dict)) else list(shares or ())
-        channels[channel] = tuple(_share(path, share) for share in given)
+        parts = [shares] if isinstance(shares, (str, dict)) else list(shares or ())
+        channels[channel] = tuple(_share(path, share) for share in parts)
     points = {}
     for name, place in stored.get("points", {}).items():
         if name not in POINTS:
@@ -111,7 +120,25 @@ def _parsed(path: Path, stored: Any) -> CharacterMap:
         if isinstance(vertex, bool) or not isinstance(vertex, int):
             raise ValueError(vertex)
         points[name] = Place(str(place["part"]), vertex)
-    return CharacterMap(channels, points)
+    given = stored.get("strength", {}).items()
+    levels = {channel: _level(path, channel, numbers) for channel, numbers in given}
+    return CharacterMap(channels, points, {c: n for c, n in levels.items() if n != UNCHANGED})
+
+
+def _level(path: Path, channel: str, stored: Any) -> Level:
+    if channel not in ARKIT_INDEX:
+        raise FileError(path, f"names the channel {channel[:60]}, which ARKit lacks", _REMEDY)
+    factor, offset, limit = (
+        float(stored.get(name, usual)) for name, usual in zip(_LEVEL, UNCHANGED, strict=True)
+    )
+    if not is_level((factor, offset, limit)):
+        raise FileError(
+            path,
+            f"has a strength of {channel} that is out of range",
+            f"use a multiplier of 0 to {STRONGEST_LEVEL:g}, an offset of -1 to 1 and a limit above "
+            "0, at most 1",
+        )
+    return factor, offset, limit
 
 
 def _share(path: Path, stored: Any) -> Share:

@@ -155,9 +155,11 @@ def _lips(face: Face, opened: Doubles) -> Points:
     places = face.places
     middle = np.zeros(0, np.intp)
     tolerance = 1.5
-    strong = face.skin & (face.lips > 0.35 * face.lips[face.skin].max()) & (places[:, 1] < -20)
+    below = np.where(face.skin & (places[:, 1] < -20), face.lips, 0.0)
     while len(middle) < 8 and tolerance < 9:
-        middle = np.flatnonzero(strong & (np.abs(places[:, 0] - face.middle) < tolerance))
+        # Compared on the midline: the corners move much more if there are few shapes.
+        near = np.where(np.abs(places[:, 0] - face.middle) < tolerance, below, 0.0)
+        middle = np.flatnonzero((near > 0.5 * near.max()) & (near > 0.0))
         tolerance *= 1.3
     if len(middle) < 4:
         raise NotFound("the lips cannot be found on the midline")

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.characters.names import Half, Share
+from faceedit_app.characters.turning import Turning
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.levels import Levels
 from faceedit_app.core.rig import Rig
 
 
@@ -24,6 +26,7 @@ class Scene:
         weights: (T, K) float32.
         times: (T,) seconds from 0.
         rate: nominal frames per second.
+        turning: how the head turns; None = it stays straight.
     """
 
     rig: Rig
@@ -31,12 +34,19 @@ class Scene:
     weights: Floats
     times: Times
     rate: float
+    turning: Turning | None = None
 
 
-def make_scene(rig: Rig, clip: Clip, shares: Mapping[str, Sequence[Share]] | None = None) -> Scene:
+def make_scene(
+    rig: Rig,
+    clip: Clip,
+    shares: Mapping[str, Sequence[Share]] | None = None,
+    follows_head: bool = False,
+) -> Scene:
     """Put a take on a rig; channels that the take lacks are 0.
 
     Args:
+        follows_head: turn the head as it was recorded, if the take has its rotations.
         shares: the shapes of the character's file that make each channel. A channel that is one
             whole shape is named like it, so that the file fits the character elsewhere.
     """
@@ -46,7 +56,9 @@ def make_scene(rig: Rig, clip: Clip, shares: Mapping[str, Sequence[Share]] | Non
     if len(set(shapes)) < len(shapes):  # two channels of one shape
         shapes = rig.channels
     weights = np.ascontiguousarray(rig.from_arkit(clip.arkit_weights()))
-    return Scene(rig, shapes, weights, clip.times, clip.rate)
+    turns = clip.rotations if follows_head else None
+    turning = None if turns is None else Turning.of(rig, turns)
+    return Scene(rig, shapes, weights, clip.times, clip.rate, turning)
 
 
 def _shape_name(channel: str, shares: Sequence[Share]) -> str:
@@ -55,13 +67,15 @@ def _shape_name(channel: str, shares: Sequence[Share]) -> str:
     return channel
 
 
-def shape_weights(clip: Clip, shares: Mapping[str, Sequence[Share]]) -> dict[str, Floats]:
+def shape_weights(
+    clip: Clip, shares: Mapping[str, Sequence[Share]], levels: Levels
+) -> dict[str, Floats]:
     """(T,) weights of each shape of a character's file.
 
     A shape of which channels use halves, such as a blink of both eyes, plays their mean: files
     hold it as a whole.
     """
-    column = dict(zip(ARKIT_CHANNELS, clip.arkit_weights().T, strict=True))
+    column = dict(zip(ARKIT_CHANNELS, levels.applied(clip.arkit_weights()).T, strict=True))
     halves: dict[str, list[Floats]] = {}
     none = np.zeros(len(clip), np.float32)
     weights: dict[str, Floats] = {}

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from faceedit_app.characters.fbx_animated import scene_fbx
 from faceedit_app.characters.fitted import FittedCharacter
 from faceedit_app.characters.glb_animated import animate_glb, is_glb, scene_glb
+from faceedit_app.characters.glb_turning import HeadTurns
 from faceedit_app.characters.scene import Scene, make_scene, shape_weights
-from faceedit_app.characters.usd_animated import scene_usda
+from faceedit_app.characters.usd_animated import scene_usda, scene_usdz
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.rig import Rig
 
@@ -74,6 +75,16 @@ SCENES: tuple[SceneFormat, ...] = (
         ),
         lambda scene, name, _compact: scene_usda(scene, name),
     ),
+    SceneFormat(
+        "usdz", "USD package with character", ".usdz", "Maya, Blender, Unreal, macOS",
+        (
+            ("Maya", "File > Import > USD, with Animation Data switched on"),
+            ("Unreal", "switch on the plug-in USD Importer; then File > Import Into Level"),
+            ("Blender", "set Output > Frame Rate to {rate} first; then File > Import > Universal "
+             "Scene Description"),
+        ),
+        lambda scene, name, _compact: scene_usdz(scene, name),
+    ),
 )
 # fmt: on
 
@@ -84,6 +95,7 @@ def scene_content(
     character: Rig | FittedCharacter,
     name: str,
     compact: bool = False,
+    follows_head: bool = False,
 ) -> bytes:
     """A take on a character, in a format.
 
@@ -96,14 +108,20 @@ def scene_content(
         character: FaceEdit's own, or one of another maker.
         name: of the animation.
         compact: store weights compactly, if the format can.
+        follows_head: turn the head as it was recorded, as the viewport does.
 
     Raises:
         FileError: the character's file cannot be read.
     """
     if isinstance(character, Rig):
-        return form.write(make_scene(character, clip), name, compact)
+        scene = make_scene(character, clip, follows_head=follows_head)
+        return form.write(scene, name, compact)
     path, shares = character.character.path, character.shares
     if form.ending == ".glb" and is_glb(path) and not character.character.format.startswith("VRM"):
-        weights = shape_weights(clip, shares)
-        return animate_glb(path, weights, character.match.alike, clip.times, name, compact)
-    return form.write(make_scene(character.rig, clip, shares), name, compact)
+        weights = shape_weights(clip, shares, character.rig.levels)
+        turns = None
+        if follows_head and clip.rotations is not None:
+            turns = HeadTurns.of(character.frame, character.rig, clip.rotations)
+        alike = character.match.alike
+        return animate_glb(path, weights, alike, clip.times, name, compact, turns)
+    return form.write(make_scene(character.rig, clip, shares, follows_head), name, compact)

@@ -1,7 +1,8 @@
 """USD text (`.usda`) with a character, its blendshapes, and the animation of a take.
 
 A SkelRoot with one mesh, a BlendShape for each shape, and a SkelAnimation with the weights
-(UsdSkel). Metres, Y up; vertex colours are the display colour; textures are left out.
+(UsdSkel). Metres, Y up; materials have their base colour. A package (`.usdz`) also has the
+textures; text has their colours at the vertices, as the display colour.
 """
 
 from __future__ import annotations
@@ -11,19 +12,36 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from faceedit_app.characters.base_colors import png_of, vertex_colors
 from faceedit_app.characters.scene import Scene
+from faceedit_app.characters.usd_materials import materials, package, picture_path, subsets
+from faceedit_app.characters.usd_turning import joints, numbers, skin, turns
 from faceedit_app.core.arrays import Floats
+from faceedit_app.core.rig import Rig
 
 _STILL = 1e-7  # metres
 
 
-def scene_usda(scene: Scene, name: str) -> bytes:
-    """A scene as USD text.
+def scene_usdz(scene: Scene, name: str) -> bytes:
+    """A scene as a USD package, with its textures.
 
     Args:
         name: of the animation, for the file's comment.
     """
+    pictures = scene.rig.textures
+    files = [(picture_path(k), png_of(picture)) for k, picture in enumerate(pictures)]
+    return package([("face.usda", scene_usda(scene, name, packed=True)), *files])
+
+
+def scene_usda(scene: Scene, name: str, packed: bool = False) -> bytes:
+    """A scene as USD text.
+
+    Args:
+        name: of the animation, for the file's comment.
+        packed: whether the textures are beside it in a package.
+    """
     rig = scene.rig
+    surfaces = _identifiers(material.name for material in rig.materials)
     tokens = _identifiers(scene.shapes)
     codes = scene.times * scene.rate
     whole = np.round(codes)
@@ -32,7 +50,7 @@ def scene_usda(scene: Scene, name: str) -> bytes:
         _blend_shape(token, moves) for token, moves in zip(tokens, rig.deltas, strict=True)
     )
     samples = "\n".join(
-        f"                    {code:.10g}: [{_numbers(row)}],"
+        f"                    {code:.10g}: [{numbers(row)}],"
         for code, row in zip(codes.tolist(), scene.weights, strict=True)
     )
     quoted = ", ".join(f'"{token}"' for token in tokens)
@@ -61,21 +79,24 @@ def SkelRoot "Face"
         int[] faceVertexIndices = [{", ".join(map(str, rig.faces.ravel().tolist()))}]
         point3f[] points = {_points(rig.neutral)}
         float3[] extent = {_points(np.stack([rig.neutral.min(0), rig.neutral.max(0)]))}
-        color3f[] primvars:displayColor = {_points(rig.colors[:, :3])} (
+        color3f[] primvars:displayColor = {_points(vertex_colors(rig))} (
             interpolation = "vertex"
         )
+{_texture_coordinates(rig)}        uniform token subsetFamily:materialBind:familyType = "partition"
         uniform token[] skel:blendShapes = [{quoted}]
         rel skel:blendShapeTargets = [{targets}]
         rel skel:skeleton = </Face/Skeleton>
-
+{skin(scene.turning)}
 {shapes}
+{subsets(rig, surfaces)}
     }}
 
+{materials(rig, surfaces, packed)}
     def Skeleton "Skeleton" (
         prepend apiSchemas = ["SkelBindingAPI"]
     )
     {{
-        uniform token[] joints = []
+{joints(scene.turning)}
         rel skel:animationSource = </Face/Skeleton/Animation>
 
         def SkelAnimation "Animation"
@@ -84,11 +105,23 @@ def SkelRoot "Face"
             float[] blendShapeWeights.timeSamples = {{
 {samples}
             }}
+{turns(scene.turning, codes)}
         }}
     }}
 }}
 """
     return text.encode()
+
+
+def _texture_coordinates(rig: Rig) -> str:
+    if rig.uv is None:
+        return ""
+    flipped = rig.uv.astype(np.float64) * [1, -1] + [0, 1]  # USD counts from the lower left corner
+    pairs = ", ".join(f"({u:.7g}, {v:.7g})" for u, v in flipped.tolist())
+    return f"""        texCoord2f[] primvars:st = [{pairs}] (
+            interpolation = "vertex"
+        )
+"""
 
 
 def _blend_shape(token: str, moves: Floats) -> str:
@@ -117,11 +150,6 @@ def _identifiers(names: Iterable[str]) -> list[str]:
 def _quoted(text: str) -> str:
     plain = "".join(c if c.isprintable() else "?" for c in text)
     return '"' + plain.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
-def _numbers(values: Floats) -> str:
-    """Numbers that read back as the same float32."""
-    return ", ".join(f"{value:.9g}" for value in values.tolist())
 
 
 def _points(points: Floats) -> str:

@@ -26,7 +26,10 @@ def split_glb(content: bytes) -> tuple[dict[str, Any], tuple[int, int]]:
         if stop > len(content):
             raise ValueError("a chunk is cut off")
         if kind == _JSON and document is None:
-            document = json.loads(content[start + 8 : stop])
+            try:
+                document = json.loads(content[start + 8 : stop])
+            except RecursionError as error:
+                raise ValueError("its JSON is nested too deeply") from error
         elif kind == _BIN and binary == (0, 0):
             binary = start + 8, stop
         start = stop

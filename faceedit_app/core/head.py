@@ -8,8 +8,8 @@ from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS
 from faceedit_app.core.rig import Rig
 
-# A skull turns on the neck below and behind the eyes; metres, for an adult's head.
-_BELOW, _BEHIND = 0.075, 0.095
+# A skull turns on the neck below and behind the eyes; metres from between them, for an adult.
+_PIVOT = (0.0, -0.075, -0.095)
 # The neck bends between these heights below the eyes; the chin is above it.
 _NECK = (0.125, 0.185)
 
@@ -19,14 +19,18 @@ class Head:
 
     Args:
         rig: the character.
+
+    Attributes:
+        pivot: (3,) metres, about which it turns.
+        share: (V,) in 0..1, how far each vertex follows.
     """
 
     def __init__(self, rig: Rig) -> None:
         eyes = _between_the_eyes(rig)
-        self._pivot = eyes - np.array([0.0, _BELOW, _BEHIND])
+        self.pivot: Doubles = eyes + np.array(_PIVOT)
         below = eyes[1] - rig.neutral[:, 1]
         left = np.clip((_NECK[1] - below) / (_NECK[1] - _NECK[0]), 0.0, 1.0)
-        self._share = (left * left * (3.0 - 2.0 * left))[:, None]  # (V, 1), how far each turns
+        self.share: Doubles = left * left * (3.0 - 2.0 * left)
 
     def turned(self, vertices: Floats, rotation: Floats) -> Floats:
         """Vertices (V, 3) after the head has turned.
@@ -36,9 +40,9 @@ class Head:
             rotation: yaw, pitch and roll in radians. Positive is to the person's right, down, and
                 tilted to the person's right, as Live Link Face writes them.
         """
-        around = vertices - self._pivot
+        around = vertices - self.pivot
         moved = around @ turn(*rotation[:3].astype(np.float64)).T - around
-        turned: Floats = (vertices + self._share * moved).astype(np.float32)
+        turned: Floats = (vertices + self.share[:, None] * moved).astype(np.float32)
         return turned
 
 

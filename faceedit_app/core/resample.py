@@ -94,9 +94,26 @@ def at_rate(times: Times, values: NDArray[Any], rate: float, own_rate: float) ->
     count = max(round((float(times[-1]) + 1 / own_rate) * rate), 1)
     if rate < 0.999 * own_rate:
         return to_grid(times, values, 0, count, rate)
+    return interpolate(times, values, np.minimum(np.arange(count) / rate, times[-1]))
+
+
+def interpolate(times: Times, values: NDArray[Any], wanted: Times) -> Doubles:
+    """A signal at any times, by a monotone cubic: no overshoot, and exact on its own times.
+
+    A value depends on the two frames before and the two after it (Fritsch and Butland, see
+    `at_rate`). Before the first and after the last time the signal keeps its end value.
+
+    Args:
+        times: (T,) seconds, increasing.
+        values: (T, C).
+        wanted: (N,) seconds.
+
+    Returns:
+        (N, C) float64.
+    """
     if len(times) == 1:
-        return np.repeat(values.astype(np.float64), count, axis=0)
-    wanted = np.minimum(np.arange(count) / rate, times[-1])
+        return np.repeat(values.astype(np.float64), len(wanted), axis=0)
+    wanted = np.clip(wanted, times[0], times[-1])
     i = np.clip(np.searchsorted(times, wanted, side="right") - 1, 0, len(times) - 2)
     steps = np.diff(times)[:, None]
     slopes = _monotone_slopes(steps, np.diff(values.astype(np.float64), axis=0) / steps)

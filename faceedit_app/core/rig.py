@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Bools, Floats, Indices
 from faceedit_app.core.controls import CONTROL_IDS, CONTROLS, control_named
+from faceedit_app.core.levels import Levels
 from faceedit_app.core.regions import Region
 
 MILLIMETRES = 1000.0
@@ -54,6 +55,8 @@ class Rig:
         control_pairs: (C, 2) int32 vertex indices of the control points, in the order of
             `controls.CONTROLS`; -1 if the character lacks a control.
         name, attribution: shown to the user.
+        levels: how strongly it answers each channel; `from_arkit` applies them, and the distances
+            are of weights that have them.
         uv: (V, 2) float32 texture coordinates; (0, 0) is the upper left corner.
         textures: (H, W, 4) uint8 each, sRGB and alpha, top row first.
         shading_groups: (V,) int32; vertices with the same number share a normal (texture seams).
@@ -73,6 +76,7 @@ class Rig:
     uv: Floats | None = None
     textures: tuple[NDArray[np.uint8], ...] = ()
     shading_groups: NDArray[np.int32] | None = None
+    levels: Levels = field(default_factory=Levels)
     shade: Floats | None = None
     channel_index: dict[str, int] = field(init=False)
 
@@ -147,7 +151,12 @@ class Rig:
         return self.distances.measure(weights)
 
     def from_arkit(self, weights: Floats) -> Floats:
-        """Reorder weights (..., 52) from ARKit order to `channels`, (..., K); the rest is 0."""
+        """Weights (..., 52) in ARKit order -> (..., K) of `channels`, with `levels`.
+
+        Channels that ARKit lacks are 0.
+        """
+        if self.levels:
+            weights = self.levels.applied(weights)
         out = np.zeros((*weights.shape[:-1], len(self.channels)), np.float32)
         theirs, ours = self._arkit_places
         out[..., ours] = weights[..., theirs]

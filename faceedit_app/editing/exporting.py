@@ -20,6 +20,8 @@ from faceedit_app.formats.csv_take import ROTATIONS
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
 
+_HEAD = tuple(name for name in ROTATIONS if name.startswith("head"))
+
 
 @dataclass(frozen=True)
 class OutFormat:
@@ -76,12 +78,14 @@ class Options:
         character: the user's character or its file, for formats with one; None = FaceEdit's own.
         compact: store weights in 16 bits, for formats that can.
         overwrite: allow a recording to be replaced; a copy of it is kept.
+        follows_head: turn the head of a character as it was recorded.
     """
 
     rate: float | None = None
     character: FittedCharacter | Path | None = None
     compact: bool = False
     overwrite: bool = False
+    follows_head: bool = False
 
 
 @dataclass(frozen=True)
@@ -197,11 +201,17 @@ def export_take(
     else:
         clip = resampled(edited, options.rate)
         content = scene_content(
-            kind, clip, _opened(options.character), take.path.stem, options.compact
+            kind,
+            clip,
+            _opened(options.character),
+            take.path.stem,
+            options.compact,
+            options.follows_head,
         )
         backup = make_way(path, take.path, options.overwrite)
         write_atomically(path, content)
-        lost = take.carried
+        turns = options.follows_head and clip.rotations is not None
+        lost = tuple(name for name in take.carried if not (turns and name.lower() in _HEAD))
     remarks = (f"left out because they are not channels: {', '.join(lost)}",) if lost else ()
     return Exported(path, form, clip, remarks, backup)
 

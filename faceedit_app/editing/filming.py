@@ -1,4 +1,4 @@
-"""Film a take: the face, both faces, or the face beside the take's film, with the take's sound."""
+"""Film a take: the face, both faces, or the face with the take's film, with the take's sound."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 from PIL import Image
 
 from faceedit_app import render
-from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.head import Head
 from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.media import MediaFile, Placement
@@ -35,7 +35,21 @@ class View(StrEnum):
 
     FACE = "face"  # the edited face
     BOTH = "both"  # the tracked face, and the edited one
-    FILM = "film"  # the take's film, and the edited face
+    FILM = "film"  # the take's film, and beside it the edited face
+    FILM_ABOVE = "film-above"  # the take's film above the edited face
+    FILM_BELOW = "film-below"  # the take's film below the edited face
+
+    @property
+    def has_film(self) -> bool:
+        """Whether the take's film is shown."""
+        return self in (View.FILM, View.FILM_ABOVE, View.FILM_BELOW)
+
+    def room(self, size: tuple[int, int]) -> tuple[int, int]:
+        """Width and height of the edited face in a picture of this size."""
+        width, height = size
+        if self is View.FACE:
+            return width, height
+        return (width // 2, height) if self in (View.BOTH, View.FILM) else (width, height // 2)
 
 
 @dataclass(frozen=True)
@@ -51,6 +65,7 @@ class Shot:
         has_sound: whether to add the take's sound.
         mirrored: the take's film is mirrored.
         overwrite: allow a recording to be replaced; a copy of it is kept.
+        follows_head: turn the head as it was recorded.
     """
 
     view: View = View.FACE
@@ -61,6 +76,7 @@ class Shot:
     has_sound: bool = True
     mirrored: bool = False
     overwrite: bool = False
+    follows_head: bool = False
 
 
 @dataclass(frozen=True)
@@ -120,6 +136,7 @@ def film_take(
     shot: Shot | None = None,
     progress: Callable[[int, int], None] = lambda done, all_: None,
     stopped: Callable[[], bool] = lambda: False,
+    rotations: Floats | None = None,
 ) -> Filmed | None:
     """Film a take.
 
@@ -132,6 +149,7 @@ def film_take(
         shot: how.
         progress: called with the number of pictures that are done, and of all.
         stopped: asked before each picture; True gives up, and nothing is written.
+        rotations: (T, 9) radians, as edited; None = as tracked.
 
     Returns:
         What was written; None if `stopped` said so.
@@ -139,36 +157,36 @@ def film_take(
     Raises:
         FileError: a file cannot be read or written, or is a recording.
         Unavailable: this computer offers no OpenGL, or no encoder.
-        FaceEditError: there is no film to show beside the face.
+        FaceEditError: there is no film to show with the face.
     """
     shot = shot or Shot()
     form = film_format(path, shot.form)
-    if shot.view is View.FILM and media.film is None:
+    if shot.view.has_film and media.film is None:
         raise FaceEditError(
-            f"{take.path}: has no film to show beside the face; add one, or film the face alone"
+            f"{take.path}: has no film to show with the face; add one, or film the face alone"
         )
     rate = take.clip.rate if shot.rate is None else shot.rate
-    edited, tracked = _at_rate(take.clip, weights, rate)
+    edited, tracked = _poses(take.clip, weights, rotations, rate, shot.follows_head)
     width, height = (side - side % 2 for side in shot.size)
-    panels = 1 if shot.view is View.FACE else 2
+    room = shot.view.room((width, height))
     make_way(path, take.path, shot.overwrite)
-    film = Film(media.film.path) if shot.view is View.FILM and media.film else None
+    film = Film(media.film.path) if shot.view.has_film and media.film else None
     try:
         track = _track(media.sound) if shot.has_sound and media.sound is not None else None
-        faces = _Faces(rig, width // panels, height, shot.camera)
+        faces = _Faces(rig, *room, shot.camera)
         try:
             with writing(path, form, (width, height), rate, track) as out:
-                for number, frame in enumerate(edited):
+                for number, pose in enumerate(edited):
                     if stopped():
                         raise Abandoned
-                    pictures = [faces.draw(frame)]
+                    picture = faces.draw(*pose)
                     if shot.view is View.BOTH:
-                        pictures.insert(0, faces.draw(tracked[number]))
+                        both = [faces.draw(*tracked[number]), picture]
+                        picture = np.concatenate(both, axis=1)
                     elif film is not None and media.film is not None:
                         second = number / rate - media.film.offset
-                        room = (width - width // panels, height)
-                        pictures.insert(0, _shown(film, second, room, shot.mirrored))
-                    out.add(np.ascontiguousarray(np.concatenate(pictures, axis=1)))
+                        picture = _joined(film, second, picture, shot, (width, height))
+                    out.add(np.ascontiguousarray(picture))
                     progress(number + 1, len(edited))
         finally:
             faces.close()
@@ -180,21 +198,36 @@ def film_take(
     return Filmed(path, form, len(edited), rate, out.codecs)
 
 
-def _at_rate(clip: Clip, weights: Floats, rate: float) -> tuple[Floats, Floats]:
-    """Edited and tracked weights (N, 52) of each picture.
+_Pose = tuple[Floats, Floats | None]  # weights (52,), and rotations (9,) if the head turns
+
+
+def _poses(
+    clip: Clip, weights: Floats, rotations: Floats | None, rate: float, follows_head: bool
+) -> tuple[list[_Pose], list[_Pose]]:
+    """The edited and the tracked pose of each picture."""
+    was = clip.rotations if follows_head else None
+    now = was if rotations is None or was is None else rotations
+    pairs = ((weights, now), (clip.arkit_weights(), was))
+    edited, tracked = (
+        [(w, None if turns is None else turns[k]) for k, w in enumerate(frames)]
+        for frames, turns in (
+            (_at_rate(clip, frames, rate), None if turns is None else _at_rate(clip, turns, rate))
+            for frames, turns in pairs
+        )
+    )
+    return edited, tracked
+
+
+def _at_rate(clip: Clip, frames: Floats, rate: float) -> Floats:
+    """Frames (T, K) of a clip as they are on each picture (N, K).
 
     At the take's own rate it is the frame that the window shows at that time.
     """
-    tracked = clip.arkit_weights()
     if abs(rate / clip.rate - 1) > 1e-6:
-        pair = (
-            at_rate(clip.times, w, rate, clip.rate).astype(np.float32) for w in (weights, tracked)
-        )
-        edited, tracked = pair
-        return edited, tracked
-    count = round(clip.duration * rate)
-    frames = [clip.frame_at(number / rate) for number in range(max(count, 1))]
-    return weights[frames], tracked[frames]
+        resampled: Floats = at_rate(clip.times, frames, rate, clip.rate).astype(np.float32)
+        return resampled
+    count = max(round(clip.duration * rate), 1)
+    return frames[[clip.frame_at(number / rate) for number in range(count)]]
 
 
 def _track(entry: MediaFile) -> Soundtrack | None:
@@ -206,14 +239,15 @@ class _Faces:
     """Draws faces as RGB."""
 
     def __init__(self, rig: Rig, width: int, height: int, camera: render.Camera | None) -> None:
-        self._rig = rig
+        self._rig, self._head = rig, Head(rig)
         self._camera = camera or render.default_camera(rig, width / height)
         self._renderer = render.open_renderer(rig, width, height)
 
-    def draw(self, weights: Floats) -> Pixels:
-        """(H, W, 3) uint8 of weights (52,) in ARKit order."""
-        own = self._rig.channels == ARKIT_CHANNELS
-        vertices = self._rig.vertices(weights if own else self._rig.from_arkit(weights))
+    def draw(self, weights: Floats, rotation: Floats | None) -> Pixels:
+        """(H, W, 3) uint8 of weights (52,) in ARKit order, and rotations; None = straight."""
+        vertices = self._rig.vertices(self._rig.from_arkit(weights))
+        if rotation is not None:
+            vertices = self._head.turned(vertices, rotation)
         image = self._renderer.draw(vertices, self._camera, smooth=True)
         picture: Pixels = image[..., 2::-1].copy()
         self._renderer.prepare()
@@ -222,6 +256,16 @@ class _Faces:
     def close(self) -> None:
         """Free the graphics memory."""
         self._renderer.close()
+
+
+def _joined(film: Film, second: float, face: Pixels, shot: Shot, size: tuple[int, int]) -> Pixels:
+    """(H, W, 3) uint8: the film's picture at a second of it, and the face."""
+    (width, height), (high, wide) = size, face.shape[:2]
+    if shot.view is View.FILM:
+        pictures = [_shown(film, second, (width - wide, height), shot.mirrored), face]
+        return np.concatenate(pictures, axis=1)
+    pictures = [_shown(film, second, (width, height - high), shot.mirrored), face]
+    return np.concatenate(pictures if shot.view is View.FILM_ABOVE else pictures[::-1])
 
 
 def _shown(film: Film, second: float, room: tuple[int, int], mirrored: bool) -> Pixels:

@@ -141,8 +141,7 @@ class EditHistory(ABC):
         return was_previewing
 
     def _preview(self, state: EditState) -> None:
-        if state != self._steps.preview:
-            self._steps.preview = state
+        if self._steps.show(state):
             self._show(self._steps.shown)
             self.previewed.emit()
 
@@ -263,9 +262,9 @@ class EditHistory(ABC):
         name = "Words" if words is not None else "Remove words"
         self._change(replace(self.state, words=words, media=media or self.state.media), name)
 
-    def restore(self, state: EditState) -> None:
-        """Go to a state from a file, as one step."""
-        self._change(state, "Recovery")
+    def restore(self, state: EditState, name: str = "Recovery") -> None:
+        """Go to another state, such as one from a file, as one step."""
+        self._change(state, name)
 
     def begin_with(self, state: EditState) -> None:
         """Start from the state of a project, which Undo cannot go behind."""
@@ -284,7 +283,8 @@ class EditHistory(ABC):
     def _change(self, state: EditState, name: str, merge: Hashable = None) -> None:
         """Preview and commit at once, with one signal."""
         added = state.edits[len(self.edits) :] or state.edits[-1:]
-        was_previewing, self._steps.preview = self.is_previewing, state
+        was_previewing = self.is_previewing
+        self._steps.show(state)
         is_step = self._steps.commit(name or describe_edits(added), merge)
         if is_step or was_previewing:
             self._arrive(is_step)

@@ -34,7 +34,7 @@ class Recorder:
 
     Raises:
         FileError: the file exists or cannot be written.
-        FaceEditError: the port cannot be listened on.
+        FaceEditError: FaceEdit cannot listen on the port.
     """
 
     def __init__(

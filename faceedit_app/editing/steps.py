@@ -7,9 +7,10 @@ one as a step or cancels it. Callers say where a gesture ends; nothing is guesse
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.edits.following import following
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.words.transcript import Transcript
@@ -68,6 +69,18 @@ class Steps:
     def shown(self) -> EditState:
         """The state on screen: the preview, else the kept state."""
         return self.state if self.preview is None else self.preview
+
+    def show(self, state: EditState) -> bool:
+        """Preview a state; edits that it leaves as they were follow the retimes that it changes.
+
+        Returns:
+            Whether the preview has changed.
+        """
+        before, after = self.state.edits, state.edits
+        if after is not before:
+            state = replace(state, edits=following(before, after))
+        is_new, self.preview = state != self.preview, state
+        return is_new
 
     def extends(self, key: Hashable) -> bool:
         """Whether a commit with this merge key would extend the last step."""

@@ -13,11 +13,15 @@ from faceedit_app.live.protocols import Sender
 SUBJECT = "FaceEdit"
 
 
-def pose_of(weights: Floats, rate: float) -> Pose:
-    """The pose of weights (52,), now: receivers expect a clock that only goes forwards."""
+def pose_of(weights: Floats, rate: float, rotations: Floats | None = None) -> Pose:
+    """The pose of weights (52,), now: receivers expect a clock that only goes forwards.
+
+    Args:
+        rotations: (9,) radians, as in `Clip.rotations`; None = the head is straight.
+    """
     now = time.localtime()
     second = now.tm_hour * 3600.0 + now.tm_min * 60 + now.tm_sec + time.time() % 1
-    return Pose(weights, second, rate, SUBJECT)
+    return Pose(weights, second, rate, SUBJECT, rotations)
 
 
 def play(
@@ -26,6 +30,7 @@ def play(
     loop: bool = False,
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
+    follows_head: bool = False,
 ) -> int:
     """Send every frame at its time, and return how many were sent.
 
@@ -34,15 +39,18 @@ def play(
         sender: where to.
         loop: begin again at the end, until interrupted.
         clock, sleep: of real time, in seconds.
+        follows_head: send how the head and the eyes turn, if the take has it.
     """
     clip, sent = session.take.clip, 0
+    turns = session.rotations if follows_head else None
     begin = clock()
     while True:
         for frame, second in enumerate(clip.times.tolist()):
             wait = begin + second - clock()
             if wait > 0:
                 sleep(wait)
-            sent += sender.send(pose_of(session.weights[frame], clip.rate))
+            rotations = None if turns is None else turns[frame]
+            sent += sender.send(pose_of(session.weights[frame], clip.rate, rotations))
         if not loop:
             return sent
         begin += clip.duration

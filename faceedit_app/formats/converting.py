@@ -9,34 +9,13 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Times
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resample import at_rate
 from faceedit_app.formats.opening import write_take
-from faceedit_app.formats.registry import Format, writable
+from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day, write_timecode
 from faceedit_app.formats.timecode_readings import DEFAULT_BASE
 from faceedit_app.formats.timing import find_gaps
-
-
-def choose_format(path: Path, key: str | None = None) -> Format:
-    """Choose the format to write a file in.
-
-    Args:
-        path: the file; its ending decides if `key` is None.
-        key: `Format.key`.
-
-    Raises:
-        FaceEditError: there is no such format, or it cannot be written.
-    """
-    formats = writable()
-    for form in formats:
-        if form.key == key or (key is None and path.suffix.lower() in form.endings):
-            return form
-    if key is None:
-        known = ", ".join(f"{form.endings[0]} ({form.name})" for form in formats)
-        raise FaceEditError(f"{path}: no format with this ending can be written; use {known}")
-    raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
 
 
 def convert(

@@ -24,6 +24,7 @@ from faceedit_app.formats.files import BOM, CHOOSE_TAKE, REPAIR, check_text, sho
 _HEAD = 1 << 20  # bytes; enough for a header and a row
 _MOST_LINES = 6_000_000  # more than a day at 60 fps
 _MOST_COLUMNS = 10_000
+_LONGEST_LINE = 2 << 20  # bytes
 _DELIMITERS = (b",", b";", b"\t")
 # What programs write in place of a missing number.
 _MISSING = {
@@ -48,6 +49,7 @@ _FEWEST_NUMBERS = 3  # of a row that such numbers mark as lost
 _MOST_SEARCHED = 1000  # lines among which the header is looked for
 _PREAMBLE = 30  # lines that may stand before the header
 _COMMENT = b"#"
+_ERRORS = (b"#N/A", b"#VALUE!", b"#DIV/0!", b"#REF!")
 _DECIMAL_COMMA = re.compile(rb"[ \"]*[+-]?\d*,\d+(?:[eE][+-]?\d+)?[ \"]*")
 _QUOTED = re.compile('"((?:[^"]|"")*)"(.*)', re.DOTALL)
 _SPACED = re.compile(r'\s+"([^"]*)"(\s*)')
@@ -114,11 +116,10 @@ class Table:
     def rows(self) -> Iterator[tuple[int, Cells]]:
         """The line index and the cells of each row; blank lines and comments are skipped."""
         for line in range(self.header + 1, len(self.lines)):
+            if not self.mark and _is_comment(self.lines[line]):
+                continue
             cells = self.cells(line)
-            if self.mark:
-                is_row = cells[0] == self.mark
-            else:
-                is_row = any(map(bytes.strip, cells)) and not _is_comment(cells[0])
+            is_row = cells[0] == self.mark if self.mark else any(map(bytes.strip, cells))
             if is_row:
                 yield line, cells
 
@@ -245,6 +246,10 @@ def read_table(path: Path, content: bytes) -> Table:
     if content.count(b"\n") + content.count(b"\r") > 2 * _MOST_LINES:  # each may end with two
         raise FileError(path, f"has over {_MOST_LINES:,} lines", "split the take into shorter ones")
     lines = tuple(content.splitlines(keepends=True))
+    longest = max(lines, key=len)
+    if len(longest) > _LONGEST_LINE:
+        place = lines.index(longest) + 1
+        raise FileError(path, "has a line of over 2 MB", CHOOSE_TAKE, place)
     header = _header([line.removeprefix(BOM) for line in lines[:_MOST_SEARCHED]])
     text = lines[header].removeprefix(BOM).rstrip(b"\r\n")
     if _separators(text) > _MOST_COLUMNS:
@@ -291,16 +296,15 @@ def _separators(line: bytes) -> int:
 
 def _decimal(lines: Sequence[bytes], header: int, delimiter: bytes) -> bytes:
     """What stands before the decimals of the numbers in the first rows."""
-    if delimiter == b",":
-        return b"."
-    rows = [line for line in lines[header + 1 : header + 1 + _PREAMBLE] if line.strip()]
-    cells = [cell for row in rows for cell in row.rstrip(b"\r\n").split(delimiter)]
+    rows = [line.rstrip(b"\r\n") for line in lines[header + 1 : header + 1 + _PREAMBLE]]
+    cells = [cell for row in rows for cell in split_line(row, delimiter) or ()]
     return b"," if any(map(_DECIMAL_COMMA.fullmatch, cells)) else b"."
 
 
-def _is_comment(cell: bytes) -> bool:
-    """Whether a row's first cell begins a comment; a spreadsheet's `#N/A` does not."""
-    return cell.lstrip().startswith(_COMMENT) and not _is_missing(cell)
+def _is_comment(line: bytes) -> bool:
+    """Whether a line is a comment; a spreadsheet's errors also begin with `#`."""
+    text = line.lstrip()
+    return text.startswith(_COMMENT) and not text.startswith(_ERRORS)
 
 
 def _is_units(cells: Cells, texts: Sequence[int], numbers: Sequence[int]) -> bool:

@@ -15,7 +15,8 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
-from faceedit_app.formats.files import shown
+from faceedit_app.formats.files import LONGEST_NAME, shown
+from faceedit_app.formats.foreign import is_transposed
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
@@ -26,6 +27,7 @@ _COUNTS = ("blendshapecount", "numproperties")
 _TRACKED = (
     *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
     *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
+    *("numfaces", "facecount", "faces", "nfaces"),
 )
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
@@ -44,7 +46,7 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
-    if looks_like_json(content):
+    if looks_like_json(content) or is_transposed(content):
         return 0.0
     return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
 
@@ -107,7 +109,7 @@ def csv_take(
         timing=times.timing,
         lost=rows.lost,
         timecodes=_timecodes(clocks, rows, times),
-        carried=tuple(table.names[k] or "(unnamed)" for k in carried),
+        carried=tuple(shown(table.names[k], LONGEST_NAME) or "(unnamed)" for k in carried),
         notes=(
             *_empty_notes(found, columns),
             *_count_notes(table, rows, said),

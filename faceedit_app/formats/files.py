@@ -8,6 +8,7 @@ from faceedit_app.core.errors import FileError
 
 _LARGEST_FILE = 1 << 30  # an hour at 60 fps is 160 MB
 _LONGEST_SHOWN = 40
+LONGEST_NAME = 120  # of a column, in a list of them
 BOM = b"\xef\xbb\xbf"
 CHOOSE_TAKE = "choose a take, such as a Live Link Face CSV"
 REPAIR = "correct it or delete the line"
@@ -36,10 +37,10 @@ def read_bytes(path: Path) -> bytes:
         ) from error
 
 
-def shown(text: str) -> str:
+def shown(text: str, longest: int = _LONGEST_SHOWN) -> str:
     """A text from a file, made fit for a message: short and on one line."""
-    text = "".join(c if c.isprintable() else "?" for c in text[:_LONGEST_SHOWN])
-    return text if len(text) < _LONGEST_SHOWN else text[:-1] + "…"
+    text = "".join(c if c.isprintable() else "?" for c in text[:longest])
+    return text if len(text) < longest else text[:-1] + "…"
 
 
 def check_text(path: Path, content: bytes) -> None:

@@ -11,6 +11,7 @@ from faceedit_app.formats.csv_table import first_rows, plain_text
 
 _HEAD = 1 << 16
 _FEWEST_COLUMNS = 20  # columns of unnamed numbers that look like a face
+_FEWEST_LINES, _MOST = 5, 0.6  # lines of a table, and the share of them that name a channel
 _MATRIX = re.compile(rb"\s*\[\s*\[\s*-?[0-9]")
 _STREAM = re.compile(rb"\w+[-&]\d{1,3}\|\w+[-&]\d{1,3}\|")
 _SAVE_AS_CSV = "save it as CSV with a line of ARKit names at the top"
@@ -63,11 +64,18 @@ def _is_nameless(content: bytes) -> bool:
     return len(cells) >= _FEWEST_COLUMNS and all(map(_is_number, [*cells, *row]))
 
 
-def _is_transposed(content: bytes) -> bool:
+def is_transposed(content: bytes) -> bool:
     """A table with one line per channel."""
     lines = content[:_HEAD].splitlines()[:80]
     heads = [plain_text(re.split(rb"[,;\t]", line)[0]) for line in lines]
-    return sum(1 for head in heads[1:] if canonical_channel(head)) > 5
+    return sum(1 for head in heads[1:] if canonical_channel(head)) > _FEWEST_LINES
+
+
+def _is_long(content: bytes) -> bool:
+    """A table with one line per weight, whose channel is named in a cell."""
+    rows = [re.split(rb"[,;\t]", line) for line in content[:_HEAD].splitlines()[1:80]]
+    named = sum(any(canonical_channel(plain_text(cell)) for cell in row) for row in rows)
+    return len(rows) > _FEWEST_LINES and named > _MOST * len(rows)
 
 
 # fmt: off
@@ -99,7 +107,9 @@ _FOREIGN: tuple[Foreign, ...] = (
     Foreign("holds numbers without the names of their channels",
             "write the ARKit names of the columns in a line at the top", _is_nameless),
     Foreign("has a line for each channel, not for each frame",
-            "transpose it in a spreadsheet and save it as CSV", _is_transposed),
+            "transpose it in a spreadsheet and save it as CSV", is_transposed),
+    Foreign("has a line for each weight, not for each frame",
+            "make a column of each channel (a pivot table) and save it as CSV", _is_long),
     Foreign("is a BVH file, which has no blendshapes", "export the face as CSV or GLB",
             _starts(b"HIERARCHY")),
 )

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Indices
 from faceedit_app.core.names import canonical_channel
-from faceedit_app.formats.files import shown
+from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list, as_object
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.time_columns import date_times, number_times
+from faceedit_app.formats.time_columns import number_times, text_times
 from faceedit_app.formats.timecode import BadTimecode
 from faceedit_app.formats.timing import (
     DEFAULT_RATE,
@@ -109,7 +109,9 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
         values=values[np.ix_(kept, filled)],
         timing=_timing(text, frames, kept) if len(kept) else NoTimes("has no frames"),
         lost=lost,
-        carried=tuple(shown(str(n)) for k, n in enumerate(frames.names) if k not in used),
+        carried=tuple(
+            shown(str(n), LONGEST_NAME) for k, n in enumerate(frames.names) if k not in used
+        ),
     )
     source = partial(JsonSource, text, places)
     return finish_take(recording, fps, source, lambda frame, k: text.line(int(places[frame, k])))
@@ -151,7 +153,7 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
         if times and None not in numbers:
             return number_times(np.array(numbers, np.float64), frames.time_name)[1]
         if times and len(dates) == len(times):
-            return date_times(dates)
+            return text_times(dates)
     except NoTimes as none:
         if frames.rate is None:
             return none

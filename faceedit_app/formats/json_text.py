@@ -141,15 +141,19 @@ def read_json(path: Path, content: bytes) -> JsonText:
 def _documents(decoder: json.JSONDecoder, text: str) -> Any:
     """The document of a text, or a list of them if it has one per line (JSON Lines)."""
     found: list[Any] = []
-    place = _SPACE.match(text).end()
+    place = _after_space(text, 0)
     while place < len(text) or not found:
-        document, place = decoder.raw_decode(text, place)
+        document, end = decoder.raw_decode(text, place)
         found.append(document)
-        space = _SPACE.match(text, place)
-        if space.end() < len(text) and "\n" not in space[0]:
-            raise json.JSONDecodeError("Extra data", text, space.end())
-        place = space.end()
+        place = _after_space(text, end)
+        if place < len(text) and "\n" not in text[end:place]:
+            raise json.JSONDecodeError("Extra data", text, place)
     return found if len(found) > 1 else found[0]
+
+
+def _after_space(text: str, place: int) -> int:
+    match = _SPACE.match(text, place)
+    return match.end() if match else place
 
 
 @dataclass(frozen=True)

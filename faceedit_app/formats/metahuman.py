@@ -128,9 +128,8 @@ def _as_arkit(take: Take) -> Take:
     channels = tuple(dict.fromkeys(owners))
     groups = np.array([channels.index(owner) for owner in owners])
     raw = take.clip.weights
-    sums = np.zeros((len(raw), len(channels)), np.float32)
-    np.add.at(sums, (slice(None), groups), raw)
-    clip = replace(take.clip, weights=sums / np.bincount(groups), channels=channels)
+    means = np.eye(len(channels))[groups] / np.bincount(groups)  # (N, K)
+    clip = replace(take.clip, weights=(raw @ means).astype(np.float32), channels=channels)
     lost = _without_channel(take)
     notes = (*take.notes, "MetaHuman controls: their ARKit channels are an approximation", *lost)
     return replace(take, clip=clip, notes=notes, source=ControlSource(take.source, raw, groups))

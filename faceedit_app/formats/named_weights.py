@@ -2,7 +2,8 @@
 
 The frames are the first list of objects whose entries have ARKit names somewhere inside, as
 `{"jawOpen": 0.1, ...}` or as `[{"name": "jawOpen", "score": 0.1}, ...]`; or each channel has a list
-of its own, `{"time": [...], "jawOpen": [...]}`. Times and the frame rate are looked for by name.
+of its own, `{"time": [...], "jawOpen": [...]}`; or there is a list of names, and the frames are
+lists of numbers in its order. Times and the frame rate are looked for by name.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ _HEAD = 1 << 16
 _TEXT = re.compile(rb'"((?:[^"\\]|\\.){1,80})"')
 _NOT_TAKES = (b'"edits"', b'"bufferViews"', b'"openfacefx.track"')
 _DEEPEST = 5
+_MOST_NAMES = 10_000  # of a frame, or of the lists of a document
 _TRIED = 50  # entries of a list that are looked at for weights, since the first may have no face
 _NAMES = ("name", "categoryName", "category_name", "displayName", "shape", "blendshape", "key")
 _NUMBERS = ("score", "value", "weight", "val")
@@ -74,7 +76,10 @@ def read_named(
     """
     text = read_json(path, content)
     rate = frame_rate(text, text.document)
-    frames = _frames(text.document, naming, rate) or _columns(text.document, naming, rate)
+    layouts = (_frames, _columns, _matrix)
+    frames = next(
+        (found for layout in layouts if (found := layout(text.document, naming, rate))), None
+    )
     if frames is None:
         raise text.error("has no frames with the weights of ARKit channels", "export it again")
     return json_take(text, form, frames, fps)
@@ -111,7 +116,7 @@ def _lists(entry: Any, depth: int) -> Iterator[Sequence[Any]]:
     elif isinstance(entry, dict):
         if len(entry) > 1 and all(name.strip().isdigit() for name in entry):
             yield list(entry.values())
-        for inner in entry.values():
+        for inner in islice(entry.values(), _MOST_NAMES):
             yield from _lists(inner, depth + 1)
 
 
@@ -125,7 +130,7 @@ def _have_weights(entries: Sequence[Any], naming: Naming) -> bool:
 
 def _weights(entry: Any, naming: Naming, depth: int = 0) -> Weights:
     """The weights of a frame, wherever they are in it; empty if there are none."""
-    if depth > _DEEPEST:
+    if depth > _DEEPEST or (isinstance(entry, dict | list) and len(entry) > _MOST_NAMES):
         return {}
     if isinstance(entry, dict):
         numbers = {n: v for n, v in entry.items() if v is None or isinstance(v, Place)}
@@ -180,15 +185,38 @@ def _columns(document: Any, naming: Naming, rate: float | None) -> JsonFrames | 
         return None
     channels = {name: series for name, series in found.items() if naming(name)}
     length = max(map(len, channels.values()))
-    clocks = _series(as_object(document)) | found
+    clocks = {**_series(as_object(document)), **found}
     names = list(clocks)
     ranked = [names[k] for k in time_columns([name or "-" for name in names])]
     clock = next((name for name in ranked if len(clocks[name]) == length), None)
     rows = [list(row) for row in zip(*channels.values(), strict=False)]
     if any(len(series) != length for series in channels.values()):
         rows.append([None])  # reported as a row of the wrong length
-    times = clocks[clock] if clock else ()
+    times = clocks[clock] if clock else _found_times(document, length)
     return JsonFrames(list(channels), rows, times, clock or "time", rate, naming)
+
+
+def _found_times(document: Any, length: int) -> Sequence[Any]:
+    """The first list of times of this length, such as those of a track's keys."""
+    for entry in _dicts(document, 0):
+        names = list(entry)
+        for k in time_columns([name or "-" for name in names]):
+            times = as_list(entry[names[k]])
+            if len(times) == length:
+                return times
+    return ()
+
+
+def _dicts(entry: Any, depth: int) -> Iterator[Mapping[str, Any]]:
+    """The objects of a document, the outermost first."""
+    if depth > _DEEPEST:
+        return
+    if isinstance(entry, dict):
+        yield entry
+    inner = entry.values() if isinstance(entry, dict) else as_list(entry)
+    for one in islice(inner, _TRIED):
+        if isinstance(one, dict | list):
+            yield from _dicts(one, depth + 1)
 
 
 def _objects(entry: Any, depth: int) -> Iterator[Mapping[str, list[Any]]]:
@@ -196,19 +224,62 @@ def _objects(entry: Any, depth: int) -> Iterator[Mapping[str, list[Any]]]:
     if depth > _DEEPEST:
         return
     yield _series(entry)
-    inner = entry.values() if isinstance(entry, dict) else islice(as_list(entry), _TRIED)
-    for one in inner:
-        yield from _objects(one, depth + 1)
+    inner = entry.values() if isinstance(entry, dict) else as_list(entry)
+    for one in islice(inner, _MOST_NAMES if isinstance(entry, dict) else _TRIED):
+        if isinstance(one, dict | list):
+            yield from _objects(one, depth + 1)
 
 
 def _series(entry: Any) -> dict[str, list[Any]]:
     """The lists of an object, or of `[{"name": "jawOpen", "values": [...]}, ...]`, by name."""
     if isinstance(entry, dict):
-        return {name: value for name, value in entry.items() if isinstance(value, list)}
+        items = islice(entry.items(), _MOST_NAMES)
+        return {name: value for name, value in items if isinstance(value, list)}
     found = {}
-    for one in map(as_object, as_list(entry)):
+    for one in map(as_object, as_list(entry)[:_MOST_NAMES]):
         name = next((one[key] for key in _NAMES if isinstance(one.get(key), str)), None)
         series = next((one[key] for key in _SERIES if isinstance(one.get(key), list)), None)
         if name is not None and series is not None:
             found[name] = series
     return found
+
+
+# --- names, and lists of numbers -----------------------------------------------------------------
+
+
+def _matrix(document: Any, naming: Naming, rate: float | None) -> JsonFrames | None:
+    names = next((one for one in _all_lists(document, 0) if _are_names(one, naming)), None)
+    if names is None:
+        return None
+    for entries in _all_lists(document, 0):
+        rows = [_row(entry, len(names)) for entry in entries[:_TRIED]]
+        if any(rows):
+            weights = [_row(entry, len(names)) for entry in entries]
+            clock = next((found for entry in entries if (found := _clock(entry))), ())
+            times = [_at(entry, clock) for entry in entries] if clock else []
+            if None in times or not times:
+                times = list(_found_times(document, len(entries)))
+            return JsonFrames(names, weights, times, clock[-1] if clock else "time", rate, naming)
+    return None
+
+
+def _all_lists(entry: Any, depth: int) -> Iterator[list[Any]]:
+    for one in _dicts(entry, depth):
+        yield from (value for value in one.values() if isinstance(value, list))
+
+
+def _are_names(entries: list[Any], naming: Naming) -> bool:
+    """Whether a list holds the names of channels."""
+    if not 0 < len(entries) <= _MOST_NAMES or not all(isinstance(one, str) for one in entries):
+        return False
+    return any(map(naming, entries))
+
+
+def _row(entry: Any, length: int) -> list[Any]:
+    """The numbers of a frame: the entry, or a list in it; empty if it has no such list."""
+    lists = [entry, *entry.values()] if isinstance(entry, dict) else [entry]
+    for one in lists:
+        numbers = as_list(one)
+        if len(numbers) == length and all(n is None or isinstance(n, Place) for n in numbers):
+            return numbers
+    return []

@@ -9,6 +9,7 @@ from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import counted, format_rate, format_time
 
 _GAPS_SHOWN = 10
+_CARRIED_SHOWN = 100
 
 
 def summarize(take: Take) -> dict[str, Any]:
@@ -53,7 +54,7 @@ def summary_text(summary: dict[str, Any]) -> str:
     facts += [
         ("channels", _channels_text(summary)),
         ("values", f"{values['min']:.3f} to {values['max']:.3f}"),
-        ("carried", ", ".join(summary["carried_columns"]) or "nothing else"),
+        ("carried", _carried_text(summary["carried_columns"])),
         ("gaps", _gaps_text(summary["gaps"])),
     ]
     facts += [("note", note) for note in summary["notes"]]
@@ -64,6 +65,12 @@ def _channels_text(summary: dict[str, Any]) -> str:
     text = f"{len(summary['channels'])} of ARKit's 52"
     missing = summary["missing_channels"]
     return f"{text}; edits cannot move {', '.join(missing)}" if missing else text
+
+
+def _carried_text(names: list[str]) -> str:
+    more = len(names) - _CARRIED_SHOWN
+    text = ", ".join(names[:_CARRIED_SHOWN]) or "nothing else"
+    return f"{text} and {more} more" if more > 0 else text
 
 
 def _gaps_text(gaps: list[dict[str, Any]]) -> str:

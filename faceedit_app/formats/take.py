@@ -188,7 +188,7 @@ def _timing(recording: Recording, fps: float | None) -> Timing:
             raise RateNeeded(recording.path, found.problem, found.rate, len(recording.values))
         return found.timing_at(fps, np.flatnonzero(~recording.lost))
     if fps is not None and fps != found.rate:
-        note = f"the frame rate was set to {format_rate(fps)}, by its times it is"
+        note = f"the frame rate was set to {format_rate(fps)}; by its times it is"
         notes = (*found.notes, f"{note} {format_rate(found.rate)}")
         found = Timing(found.times * (found.rate / fps), fps, notes)
     if found.times[-1] > _LONGEST:

@@ -45,7 +45,7 @@ _UNIT_WORDS = {
 }
 _TIME_WORDS = {
     *("time", "times", "timestamp", "timestamps", "timecode", "tc", "t", "elapsed", "epoch"),
-    *("date", "datetime"),
+    *("ts", "pts", "date", "datetime"),
 }
 _COUNT_WORDS = {"frame", "frames", "framenumber", "frameid", "index", "idx"}
 _UNIVERSAL = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
@@ -121,6 +121,19 @@ def read_times(
         else:
             return RowTimes(timing, column, kind)
     return useless or RowTimes(NoTimes("has no column with times"))
+
+
+def text_times(cells: Sequence[str]) -> Timing:
+    """The times of rows that are texts: dates, timecodes or clock times.
+
+    Raises:
+        BadTimecode: a text is none of them, or of another kind than most.
+        NoTimes, BadRow: see `timing.time_rows`.
+    """
+    kind = _kind(cells)
+    if kind is None:
+        raise BadTimecode(0, cells[0])
+    return _READERS[kind](cells, "time")[1]
 
 
 def _out_of_order(table: Table, cells: Sequence[str], row: int, lines: Sequence[int]) -> FileError:

@@ -241,7 +241,7 @@ def _time_rows(steps: Times, reading: Reading) -> Timing:
     repeated = int((backwards & ~broken).sum())
     if repeated:
         times = _strictly_increasing(times, _NUDGE * step / second)
-        notes = (*notes, f"{counted(repeated, 'row')} repeat a timecode: moved just behind it")
+        notes = (*notes, f"{counted(repeated, 'repeated timecode')}: placed just after the first")
     return Timing(times, rate, notes)
 
 

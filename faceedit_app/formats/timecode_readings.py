@@ -129,7 +129,7 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
         if round(fall) > most:
             return round(fall), ()
     base = assumed_base(stamps)
-    return base, (f"the timecode does not tell its base: {base} fps is assumed",)
+    return base, (f"the timecode does not say its base: {base} fps is assumed",)
 
 
 def assumed_base(stamps: Stamps) -> int:

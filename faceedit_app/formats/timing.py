@@ -298,7 +298,8 @@ def typical_step(steps: Times) -> float:
         steps: (N,) from row to row in any unit, at least one of them above 0.
     """
     median = float(np.median(steps[steps > 0]))
-    usual = steps[(steps > median / _GAP) & (steps < median * _GAP)]
+    # As far below as above, or jitter would make the mean too large.
+    usual = steps[np.abs(steps - median) < (_GAP - 1) * median]
     return float(usual.mean()) if len(usual) else median
 
 

@@ -52,7 +52,7 @@ def mixed_notes(values: NDArray[Any], scale: float, channels: Sequence[str]) -> 
         return ()
     sizes = np.abs(values)
     moving = (sizes.max(axis=0) > _MOVING) & (np.mean(sizes % 1 != 0, axis=0) > _MOST)
-    small = [channels[k] for k in np.flatnonzero(moving & (sizes.max(axis=0) <= 1))]
+    small = [channels[k] for k in np.flatnonzero(moving & (sizes.max(axis=0) <= 1)).tolist()]
     if not small:
         return ()
     more = f" and {len(small) - 1} more" if len(small) > 1 else ""

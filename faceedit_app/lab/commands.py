@@ -16,6 +16,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
 from faceedit_app.core.resources import DEMO_TAKE, shipped
 from faceedit_app.core.texts import say
+from faceedit_app.options import JsonOption, ModelsOption
 
 # typer reads the annotations at run time, where `X | None` is not yet understood by all versions.
 OptionalPath = Optional[Path]  # noqa: UP045
@@ -25,6 +26,9 @@ Number = Optional[int]  # noqa: UP045
 
 DataOption = Annotated[
     Paths, typer.Option("--data", help="A folder of takes; may be given several times.")
+]
+FiguresOption = Annotated[
+    OptionalPath, typer.Option("--json", help="Write all figures to this file.")
 ]
 ExcludeOption = Annotated[
     Texts, typer.Option("--exclude", help="File names to leave out, such as 'grid__*'.")
@@ -96,12 +100,8 @@ def train(
 
 def evaluate(
     takes: Annotated[list[Path], typer.Argument(help="Takes, or folders of takes.")],
-    models: Annotated[
-        OptionalPath, typer.Option("--models", help="Folder of models; the shipped ones if absent.")
-    ] = None,
-    output: Annotated[
-        OptionalPath, typer.Option("--json", help="Write all figures to this file.")
-    ] = None,
+    models: ModelsOption = None,
+    output: FiguresOption = None,
     report: Annotated[
         OptionalPath, typer.Option("--report", help="Write a report with plots to this folder.")
     ] = None,
@@ -136,7 +136,7 @@ def evaluate_character(
     heads: Annotated[
         list[Path], typer.Argument(help="Heads whose own shapes are known: GLB, OBJ, FBX, npz.")
     ],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Make shapes for heads that have their own, and compare them."""
     from faceedit_app.lab.evaluation.making import evaluate_making
@@ -153,10 +153,8 @@ def evaluate_words(
     words: Annotated[
         Path, typer.Option(help="Folder of TextGrids with published word times, named like them.")
     ],
-    models: Annotated[
-        OptionalPath, typer.Option("--models", help="Folder of models; the shipped ones if absent.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    models: ModelsOption = None,
+    as_json: JsonOption = False,
     output: Annotated[
         OptionalPath, typer.Option("--report", help="Write the report to this file.")
     ] = None,
@@ -176,11 +174,17 @@ def evaluate_tracking(
     takes: Annotated[list[Path], typer.Argument(help="Takes, or folders of takes, to render.")],
     seconds: Annotated[float, typer.Option(min=1.0, help="Of each take, the liveliest.")] = 6.0,
     exclude: ExcludeOption = None,
-    output: Annotated[
-        OptionalPath, typer.Option("--json", help="Write all figures to this file.")
+    output: FiguresOption = None,
+    character: Annotated[
+        Paths,
+        typer.Option(
+            "--character", help="Who plays the takes besides FaceEdit's own; several times."
+        ),
     ] = None,
 ) -> None:
     """Render films of takes, track them, and measure what was found."""
+    from faceedit_app.characters.fitted import open_character
+    from faceedit_app.editing.opening import shipped_rig
     from faceedit_app.lab.evaluation import tracking
     from faceedit_app.lab.training.data import take_paths
 
@@ -191,6 +195,7 @@ def evaluate_tracking(
             paths,
             seconds,
             progress=lambda done, of: progress.update(bar, completed=done, total=of),
+            characters=[shipped_rig(), *(open_character(path).rig for path in character or ())],
         )
     if output is not None:
         text = json.dumps(tracking.as_json(figures), indent=2) + "\n"
@@ -209,9 +214,7 @@ def experiment(
     held_out: Annotated[
         Paths, typer.Option("--held-out", help="Takes to measure on only; several times.")
     ] = None,
-    models: Annotated[
-        OptionalPath, typer.Option("--models", help="Folder of models; the shipped ones if absent.")
-    ] = None,
+    models: ModelsOption = None,
     epochs: Annotated[
         int, typer.Option(min=1, help="Passes over the data for each network trained here.")
     ] = 14,
@@ -273,7 +276,7 @@ def statistics(
 
 
 def bench(
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: JsonOption = False,
     quick: Annotated[
         bool, typer.Option("--quick", help="Few repetitions and short takes: a trial run.")
     ] = False,

@@ -45,7 +45,7 @@ def checked(pose: Pose) -> Pose:
         BadPacket: they cannot.
     """
     if pose.weights.shape != (len(ARKIT_CHANNELS),):
-        raise BadPacket("it has not all channels")
+        raise BadPacket("it lacks some channels")
     if not (np.isfinite(pose.weights).all() and np.abs(pose.weights).max() <= _LARGEST):
         raise BadPacket("a weight is impossible")
     if pose.rotations is not None and not np.isfinite(pose.rotations).all():

@@ -144,8 +144,8 @@ class Receiver:
             self._socket.close()
             reason = (getattr(error, "strerror", "") or str(error)).lower()
             raise FaceEditError(
-                f"{host}:{wanted}: cannot be listened on ({reason}); "
-                "close what uses it, or choose another port"
+                f"{host}:{wanted}: FaceEdit cannot listen there ({reason}); "
+                "close what uses that port, or choose another"
             ) from error
         self.address: tuple[str, int] = self._socket.getsockname()
         self._greeted = _found(phone, protocol.port) if phone and protocol.greeting else None
@@ -191,5 +191,5 @@ def _found(host: str, port: int) -> tuple[str, int]:
         name, number = found[0][4][:2]
     except (OSError, UnicodeError) as error:
         reason = (getattr(error, "strerror", "") or str(error)).lower()
-        raise FaceEditError(f"{host}:{port}: is no address ({reason}); correct it") from error
+        raise FaceEditError(f"{host}:{port}: is not an address ({reason}); correct it") from error
     return str(name), int(number)

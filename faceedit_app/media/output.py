@@ -263,7 +263,7 @@ class Loudspeaker:
         Raises:
             Unavailable: there is no device, or PortAudio is missing.
         """
-        device = _library()
+        device = sound_library()
         self.clock = DeviceClock()
         try:
             try:
@@ -348,7 +348,7 @@ def open_output(sound: Sound) -> Output:
     return Loudspeaker(sound)
 
 
-def _library() -> Any:
+def sound_library() -> Any:
     try:
         import sounddevice
     except (ImportError, OSError) as error:

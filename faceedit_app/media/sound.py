@@ -233,7 +233,7 @@ class _Tape:
             if hole > _HOLE:
                 self._silence += hole
                 if self._silence > _MOST_SILENCE:
-                    problem = f"has {self._silence / 60:.0f} minutes without sound inside its sound"
+                    problem = f"has {self._silence / 60:.0f} minutes of gaps in its sound"
                     raise FileError(self._path, problem, _CUT)
                 self.pieces.append(np.zeros((round(hole * self.rate), self._channels), np.int16))
                 self._written += len(self.pieces[-1])

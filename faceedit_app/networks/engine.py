@@ -8,7 +8,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
-from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -52,11 +51,26 @@ def _helpers() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(min(CORES, len(REGIONS)) - 1, thread_name_prefix="networks")
 
 
+def _side_by_side(work: Sequence[Callable[[], Doubles]]) -> list[Doubles]:
+    """The results of calls, some of which other threads make.
+
+    Here the first is made, then all that no thread has begun, from the last on, and in the end any
+    that a thread does not finish soon.
+    """
+    if CORES == 1 or len(work) < 2:
+        return [part() for part in work]
+    others = [_helpers().submit(part) for part in work[1:]]
+    found = [work[0]()]
+    mine = {i: work[1 + i]() for i in reversed(range(len(others))) if others[i].cancel()}
+    for i, other in enumerate(others):
+        found.append(mine[i] if i in mine else _result(other, work[1 + i]))
+    return found
+
+
 def _result(other: Future[Doubles], part: Callable[[], Doubles]) -> Doubles:
     """What another thread computes, or the same computed here."""
-    if not other.cancel():
-        with suppress(TimeoutError):
-            return other.result(PATIENCE)
+    with suppress(TimeoutError):
+        return other.result(PATIENCE)
     return part()
 
 
@@ -119,11 +133,7 @@ class Engine:
             (N, K) weights by region.
         """
         work = [partial(self._answer, region, curves, naturalness) for region in regions]
-        others = [_helpers().submit(part) for part in work[1:]] if CORES > 1 else []
-        found = [work[0]()] if work else []
-        for part, other in zip_longest(work[1:], others):
-            found.append(part() if other is None else _result(other, part))
-        return dict(zip(regions, found, strict=True))
+        return dict(zip(regions, _side_by_side(work), strict=True))
 
     def _answer(self, region: str, curves: Doubles, naturalness: float) -> Doubles:
         model = self.models[region]

@@ -129,7 +129,9 @@ def _session(content: bytes) -> ort.InferenceSession:
     options.execution_mode = ort.ExecutionMode.ORT_SEQUENTIAL
     options.log_severity_level = 4  # the exception says what is wrong
     options.add_session_config_entry("session.use_env_allocators", "1")
-    return ort.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+    session = ort.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+    session._model_bytes = None  # 1.3 MB, kept for a change of providers
+    return session
 
 
 @cache

@@ -80,6 +80,11 @@ def open_platform(backend: str, width: int, height: int) -> Any:
     return platform
 
 
+def may_change_threads(backend: str) -> bool:
+    """Whether a context can be made in one thread and used in another; a window's cannot."""
+    return backend == "egl"
+
+
 def egl_devices() -> int:
     """The number of EGL devices, without importing PyOpenGL."""
     library = _load("libEGL.so.1")

@@ -37,6 +37,11 @@ class SharedDisplayEgl(EGLPlatform):  # type: ignore[misc]  # pyrender has no ty
         if self._address is None or _current() != self._address:
             super().make_current()
 
+    def release(self) -> None:
+        """Let another thread make the context current; pyrender's `make_uncurrent` does nothing."""
+        nothing = EGL.EGL_NO_SURFACE
+        EGL.eglMakeCurrent(self._display, nothing, nothing, EGL.EGL_NO_CONTEXT)
+
     def delete_context(self) -> None:
         """Free this context; the display stays open for the others."""
         if self._context is not None:

@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any
 
 _running = threading.RLock()
+_PATIENCE = 10.0  # seconds; importing the largest package takes one
 
 
 class LazyPackage(ModuleType):
@@ -20,16 +21,11 @@ class LazyPackage(ModuleType):
     imported.
     """
 
+    _runs: bool  # while its code runs
+
     def __getattr__(self, name: str) -> Any:
-        with _running:
-            if _is_use(name) and isinstance(self, LazyPackage) and not self.__dict__.get("_runs"):
-                self._runs = True
-                try:
-                    _open(self)
-                    self.__spec__.loader.exec_module(self)  # type: ignore[union-attr]
-                    self.__class__ = ModuleType
-                finally:
-                    del self._runs
+        if _is_use(name):
+            _run(self)
         if name in self.__dict__:
             return self.__dict__[name]
         raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
@@ -38,6 +34,24 @@ class LazyPackage(ModuleType):
 def _is_use(name: str) -> bool:
     """Whether asking for an attribute uses a package; `inspect` asks all modules for some."""
     return not name.startswith("__") or name in ("__all__", "__path__", "__version__")
+
+
+def _run(package: ModuleType) -> None:
+    """Run a package unless it has run, or is running in this thread."""
+    # The thread that runs it may wait for a module that this thread is importing.
+    if not _running.acquire(timeout=_PATIENCE):
+        return
+    try:
+        if isinstance(package, LazyPackage) and "_runs" not in package.__dict__:
+            package._runs = True
+            try:
+                _open(package)
+                package.__spec__.loader.exec_module(package)  # type: ignore[union-attr]
+                package.__class__ = ModuleType  # type: ignore[assignment]  # no longer lazy
+            finally:
+                del package._runs
+    finally:
+        _running.release()
 
 
 @contextmanager
@@ -49,22 +63,31 @@ def lazily(*packages: str) -> Iterator[None]:
     reported as usual.
 
     Args:
-        packages: names of top-level packages.
+        packages: their names.
     """
-    for name in packages:
-        if name not in sys.modules and (spec := find_spec(name)) is not None:
-            package = module_from_spec(spec)
-            package.__class__ = LazyPackage
-            sys.modules[name] = package
-    waiting = [p for name in packages if isinstance(p := sys.modules.get(name), LazyPackage)]
-    for package in waiting:
-        _open(package)
-    try:
-        yield
-    finally:
+    with _running:
+        waiting = [package for name in packages if (package := _lazy(name)) is not None]
         for package in waiting:
-            if isinstance(package, LazyPackage):  # it has not run meanwhile
-                del package.__path__  # so that the import of a module runs the package first
+            _open(package)
+        try:
+            yield
+        finally:
+            for package in waiting:
+                if isinstance(package, LazyPackage):  # it has not run meanwhile
+                    del package.__path__  # so that the import of a module runs the package first
+
+
+def _lazy(name: str) -> ModuleType | None:
+    """A package that has not run; None if it has, or is not installed."""
+    if name not in sys.modules and (spec := find_spec(name)) is not None:
+        package = module_from_spec(spec)
+        package.__class__ = LazyPackage
+        sys.modules[name] = package
+        parent, _, child = name.rpartition(".")
+        if parent:
+            setattr(sys.modules[parent], child, package)
+    found = sys.modules.get(name)
+    return found if isinstance(found, LazyPackage) else None
 
 
 def _open(package: ModuleType) -> None:

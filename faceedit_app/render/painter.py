@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from OpenGL import GL
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.render.programs import Program
-from faceedit_app.render.pyrender_parts import Material, Mesh, Renderer, Scene
+from faceedit_app.render.pyrender_parts import Camera, Material, Mesh, Renderer
 from faceedit_app.render.surface import Shading
 from faceedit_app.render.targets import Target
 
@@ -21,7 +22,7 @@ class Order(NamedTuple):
     Attributes:
         target: the target to draw into.
         view: identifies the place of the camera; differs if the camera has moved.
-        meshes: the meshes of the scene to draw, in this order.
+        meshes: the meshes of the stage to draw, in this order.
         upon: whether to keep what the target already shows.
     """
 
@@ -31,12 +32,42 @@ class Order(NamedTuple):
     upon: bool = False
 
 
+class Stage:
+    """What pyrender's renderer asks of a scene: meshes that stand where they are, and a camera.
+
+    pyrender's own scene is a tree of nodes, whose library takes long to import.
+
+    Args:
+        camera: the camera.
+        meshes: what can be drawn.
+
+    Attributes:
+        camera: the camera.
+        pose: (4, 4) float64, camera to world, metres.
+        meshes: what can be drawn.
+    """
+
+    lights = light_nodes = frozenset[Any]()  # our shaders have their own
+
+    def __init__(self, camera: Camera, *meshes: Mesh) -> None:
+        self.camera, self.pose, self.meshes = camera, np.eye(4), set(meshes)
+
+    @property
+    def main_camera_node(self) -> Stage:
+        """pyrender's name for what has the camera."""
+        return self
+
+    def get_pose(self, _: Stage) -> Doubles:
+        """pyrender's name for the `pose`."""
+        return self.pose
+
+
 class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
     """pyrender's renderer with a forward pass that follows an order.
 
     pyrender's own takes four samples of each pixel, begins with an empty picture, reads colours
-    and depths back before it returns, and uses only its own shaders. Scenes, cameras, meshes and
-    the drawing of primitives stay pyrender's.
+    and depths back before it returns, and uses only its own shaders. Cameras, meshes and the
+    drawing of primitives stay pyrender's.
 
     Args:
         background: the colour in the middle of the backdrop, sRGB, 0..1.
@@ -82,7 +113,7 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
             program.set_uniform("background", self._background)
         return program
 
-    def _forward_pass(self, scene: Scene, flags: int, seg_node_map: Any = None) -> None:
+    def _forward_pass(self, scene: Stage, flags: int, seg_node_map: Any = None) -> None:
         target, view, meshes, upon = self.order
         target.bind()
         GL.glEnable(GL.GL_DEPTH_TEST)

@@ -11,21 +11,26 @@ from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.rig import Rig
 from faceedit_app.render import contexts
-from faceedit_app.render.camera import Camera
+from faceedit_app.render.camera import Camera, default_camera
 
+_SMALL = 64  # pixels
 SLATE = (0x25 / 255, 0x28 / 255, 0x2F / 255)
 
 
 class FaceRenderer:
     """Draws one character offscreen.
 
-    Create, use and close it in one thread. A process may have several: each makes its own OpenGL
-    context current when it works, and closing one leaves the others intact.
+    Create, use and close it in one thread, unless it comes from `open_ahead`. A process may have
+    several: each makes its own OpenGL context current when it works, and closing one leaves the
+    others intact.
 
     Args:
         rig: the character; its faces, colours and materials are uploaded once.
         width, height: pixels.
         background: the colour in the middle of the backdrop, sRGB, 0..1.
+
+    Attributes:
+        rig: the character.
 
     Raises:
         Unavailable: this computer offers no OpenGL.
@@ -38,6 +43,7 @@ class FaceRenderer:
         height: int,
         background: tuple[float, float, float] = SLATE,
     ) -> None:
+        self.rig = rig
         self._studio: Any = None
         self._image: Pixels = _image(width, height)
         backend = contexts.choose_backend()
@@ -103,6 +109,11 @@ class FaceRenderer:
         if self._studio is not None:
             self._studio.prepare()
 
+    def release(self) -> None:
+        """Let another thread use it, if `contexts.may_change_threads`."""
+        if self._studio is not None:
+            self._studio.release()
+
     @property
     def shade(self) -> Floats:
         """(V,) float32 in 0..1, the share of the light from above that reaches each vertex.
@@ -146,6 +157,32 @@ def open_renderer(rig: Rig, width: int, height: int) -> FaceRenderer:
         Unavailable: there is none; the text gives the reason and the remedy in one line.
     """
     return FaceRenderer(rig, width, height)
+
+
+def open_ahead(rig: Rig) -> FaceRenderer | None:
+    """Open a renderer in one thread for another one to use, and let it draw a first picture.
+
+    That compiles the shaders, which takes software OpenGL a quarter of a second, in which other
+    threads can work.
+
+    Returns:
+        The renderer, or None if it has to be opened in the thread that uses it.
+
+    Raises:
+        Unavailable: this computer offers no OpenGL.
+    """
+    if not contexts.may_change_threads(contexts.choose_backend()):
+        return None
+    renderer = FaceRenderer(rig, _SMALL, _SMALL)
+    try:
+        camera = default_camera(rig, 1.0)
+        for _ in range(2):  # the second is drawn on still parts that were kept
+            renderer.draw(rig.neutral, camera, smooth=False)
+        renderer.release()
+    except Exception as error:  # drivers and PyOpenGL raise all kinds
+        renderer.close()
+        raise contexts.unavailable(str(error) or type(error).__name__) from error
+    return renderer
 
 
 def _image(width: int, height: int) -> Pixels:

@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import trimesh
-from scipy import sparse
 
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.rig import Rig
+from faceedit_app.render.sparse import csr_matrix, diags_array, identity
 
 # Takes vertices (V, 3), metres, the poses (4, 4) of cameras with parallel rays, which look along
 # their own -Z, and half the height that they see. Yields depths (N, N) float32 for each pose, the
@@ -114,11 +114,11 @@ def _look_along(backward: Doubles) -> Doubles:
     return np.stack((right, np.cross(backward, right), backward))
 
 
-def _neighbour_average(rig: Rig) -> sparse.csr_matrix:
+def _neighbour_average(rig: Rig) -> csr_matrix:
     """(V, V) matrix that averages values over each vertex and its neighbours."""
     count = len(rig.neutral)
     edges = trimesh.Trimesh(rig.neutral, rig.faces, process=False).edges_unique
     links = trimesh.graph.edges_to_coo(edges, count).astype(np.float32)
-    links = (links + links.T + sparse.identity(count, np.float32)).tocsr()
+    links = (links + links.T + identity(count, np.float32)).tocsr()
     links.data[:] = 1.0
-    return sparse.diags_array(1.0 / links.sum(axis=1).A1.astype(np.float32)) @ links
+    return diags_array(1.0 / links.sum(axis=1).A1.astype(np.float32)) @ links

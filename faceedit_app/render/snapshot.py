@@ -10,13 +10,19 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.head import Head
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import Camera, default_camera
 from faceedit_app.render.renderer import open_renderer
 
 
 def snapshot(
-    rig: Rig, weights: Floats, width: int, height: int, camera: Camera | None = None
+    rig: Rig,
+    weights: Floats,
+    width: int,
+    height: int,
+    camera: Camera | None = None,
+    rotation: Floats | None = None,
 ) -> Pixels:
     """Draw one frame, antialiased.
 
@@ -25,6 +31,7 @@ def snapshot(
         weights: (52,) in ARKit order, or (K,) in the rig's order if K is not 52.
         width, height: pixels.
         camera: the camera; None = a portrait from the front.
+        rotation: yaw, pitch and roll of the head in radians; None = straight.
 
     Returns:
         (height, width, 3) uint8, RGB, top row first.
@@ -33,13 +40,15 @@ def snapshot(
         Unavailable: this computer offers no OpenGL.
     """
     weights = np.asarray(weights, np.float32)
-    if len(weights) == len(ARKIT_CHANNELS) and rig.channels != tuple(ARKIT_CHANNELS):
+    if len(weights) == len(ARKIT_CHANNELS):
         weights = rig.from_arkit(weights)
     renderer = open_renderer(rig, width, height)
     try:
-        image = renderer.draw(
-            rig.vertices(weights), camera or default_camera(rig, width / height), smooth=True
-        )
+        vertices = rig.vertices(weights)
+        if rotation is not None:
+            vertices = Head(rig).turned(vertices, rotation)
+        camera = camera or default_camera(rig, width / height)
+        image = renderer.draw(vertices, camera, smooth=True)
         return np.ascontiguousarray(image[..., 2::-1])
     finally:
         renderer.close()

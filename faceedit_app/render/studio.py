@@ -15,7 +15,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.render import contexts
 from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, Camera, field_of_view
 from faceedit_app.render.model import DEPTH, LiveMesh, Model
-from faceedit_app.render.painter import Order, Painter
+from faceedit_app.render.painter import Order, Painter, Stage
 from faceedit_app.render.pyrender_parts import (
     Material,
     Mesh,
@@ -23,7 +23,6 @@ from faceedit_app.render.pyrender_parts import (
     OrthographicCamera,
     PerspectiveCamera,
     RenderFlags,
-    Scene,
 )
 from faceedit_app.render.shade import bake_shade
 from faceedit_app.render.surface import NormalSolver, vertex_looks
@@ -79,10 +78,8 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         super().__init__(width, height)
         self.shade = self._bake(rig) if rig.shade is None else rig.shade
         self._model = Model(rig, vertex_looks(rig, self.shade))
-        self._scene = Scene()
-        for mesh in (self._model.still, self._model.moving, self._model.backdrop):
-            self._scene.add(mesh)
-        self._eye = self._scene.add(PortraitCamera(), pose=np.eye(4))
+        model = self._model
+        self._stage = Stage(PortraitCamera(), model.still, model.moving, model.backdrop)
         self._targets = Targets()
         self._kept = Kept(self._draw_still)
         self._drawn: Target
@@ -145,6 +142,10 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
             self._kept.copy_to(self._targets.of(view.size, 0), view)
             self._prepared = view
 
+    def release(self) -> None:
+        """Let another thread use it, if `contexts.may_change_threads`."""
+        self._platform.release()
+
     def delete(self) -> None:
         """Free everything on the graphics card, and the context."""
         self._platform.make_current()
@@ -165,13 +166,13 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         self._draw(target, view, self._model.still, self._model.backdrop)
 
     def _draw(self, target: Target, view: View, *meshes: Mesh, upon: bool = False) -> None:
-        self._scene.set_pose(self._eye, view.camera.pose())
-        self._render(self._scene, Order(target, view, meshes, upon))
+        self._stage.pose = view.camera.pose()
+        self._render(self._stage, Order(target, view, meshes, upon))
 
-    def _render(self, scene: Scene, order: Order) -> None:
+    def _render(self, stage: Stage, order: Order) -> None:
         self.viewport_width, self.viewport_height = order.target.size
         self._renderer.order = order
-        self.render(scene, RenderFlags.FLAT)  # our shaders have their own lights
+        self.render(stage, RenderFlags.FLAT)
         self._platform.make_current()  # pyrender releases it
 
     def _bake(self, rig: Rig) -> Floats:
@@ -180,9 +181,8 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         depths = np.empty((_DEPTH_SIZE, _DEPTH_SIZE), np.float32)
         material = Material(DEPTH, doubleSided=True)
         mesh = LiveMesh(rig, np.zeros((len(rig.neutral), 4), np.float32), [(material, rig.faces)])
-        scene, lamp = Scene(), OrthographicCamera(1.0, 1.0)
-        scene.add(mesh)
-        node = scene.add(lamp, pose=np.eye(4))
+        lamp = OrthographicCamera(1.0, 1.0)
+        stage = Stage(lamp, mesh)
 
         def depths_of(
             vertices: Floats, poses: Sequence[Doubles], radius: float
@@ -191,8 +191,8 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
             lamp.xmag = lamp.ymag = lamp.znear = radius
             lamp.zfar = 3.0 * radius
             for pose in poses:
-                scene.set_pose(node, pose)
-                self._render(scene, Order(target, object(), (mesh,)))
+                stage.pose = pose
+                self._render(stage, Order(target, object(), (mesh,)))
                 target.read_depths(depths)
                 yield depths
 

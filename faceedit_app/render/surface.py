@@ -7,10 +7,10 @@ from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from faceedit_app.core.arrays import Floats, Indices
 from faceedit_app.core.rig import Material, Rig
+from faceedit_app.render.sparse import csr_matrix
 
 
 class Shading(Enum):
@@ -181,7 +181,7 @@ class NormalSolver:
         corners = owned.ravel()
         owners = np.repeat(np.arange(len(faces), dtype=np.int32), 3)
         ones = np.ones(len(corners), np.float32)
-        gather = sparse.csr_matrix((ones, (corners, owners)), (owners_count, len(faces)))
+        gather = csr_matrix((ones, (corners, owners)), (owners_count, len(faces)))
         self._gather = gather if rows is None else gather[rows]
         self._corners = np.ascontiguousarray(faces.T, np.intp)
 

@@ -37,7 +37,6 @@ CONTROL_LANDMARKS: dict[int, tuple[int, int]] = {
 """For each landmark at a control point: a control and which of its two points it is."""
 
 IRISES = (468, 473)  # right, left
-EYE_CORNERS = ((33, 133), (263, 362))  # outer and inner; right, left
 
 # fmt: off
 OUTER_LIPS = (

@@ -14,12 +14,14 @@ from faceedit_app.core.arrays import Doubles, Pixels, Times
 from faceedit_app.core.errors import FileError
 from faceedit_app.media.container import check, film_stream, opened
 from faceedit_app.media.film import Film
+from faceedit_app.tracking.hidden import colors_at
 from faceedit_app.tracking.landmarker import LANDMARKS, Face, FaceLandmarker, Square
 
 _SLOWEST = 8.0  # pictures per second; speech has closures of a tenth of a second
 _FEWEST = 8
 _LARGEST = 4096  # pixels of the longest side
 _PICTURES = ("image2", "gif", "apng", "webp_pipe", "_pipe")
+_PAUSE = 8.0  # times the usual step between pictures
 _NEAR = 0.75  # of a face's size; where it is looked for after it was lost
 
 
@@ -56,6 +58,7 @@ class FilmLandmarks:
         size: width and height of the pictures that were looked at, pixels.
         points: (F, 478, 3) as `Face.points`; NaN where the face was not found.
         probabilities: (F,) as `Face.probability`; 0 where it was not found.
+        colors: (F, 478, 3) uint8, see `colors_at`; 0 where it was not found.
     """
 
     path: Path
@@ -65,6 +68,7 @@ class FilmLandmarks:
     size: tuple[int, int]
     points: Doubles
     probabilities: Doubles
+    colors: Pixels
 
 
 def read_landmarks(
@@ -91,16 +95,17 @@ def read_landmarks(
     """
     _check_kind(path)
     film = Film(path, stopped)
-    if len(film) < _FEWEST or film.rate < _SLOWEST:
+    rate = usual_rate(film.times)
+    if len(film) < _FEWEST or rate < _SLOWEST:
         film.close()
-        what = (
-            f"has {len(film)} pictures" if len(film) < _FEWEST else f"has {film.rate:.2g} a second"
-        )
+        count = "1 picture" if len(film) == 1 else f"{len(film)} pictures"
+        what = f"has {count}" if len(film) < _FEWEST else f"has {rate:.2g} pictures a second"
         raise FileError(
             path, f"{what}, too few for a take", f"use a film with {_SLOWEST:g} or more a second"
         )
     points = np.full((len(film), LANDMARKS, 3), np.nan)
     probabilities = np.zeros(len(film))
+    colors = np.zeros((len(film), LANDMARKS, 3), np.uint8)
     follower: _Follower | None = None
     try:
         for index in range(len(film)):
@@ -114,6 +119,7 @@ def read_landmarks(
             found = follower.step(image)
             if found is not None:
                 points[index], probabilities[index] = found.points, found.probability
+                colors[index] = colors_at(image, found.points)
             seen = None if found is None else found.points[:, :2]
             report(Progress("Finding the face", index + 1, len(film), picture, seen))
     finally:
@@ -121,8 +127,18 @@ def read_landmarks(
     if not probabilities.any():
         raise FileError(path, "shows no face", "use a film in which a face looks at the camera")
     return FilmLandmarks(
-        path, film.times, film.rate, film.timecode, image.size, points, probabilities
+        path, film.times, rate, film.timecode, image.size, points, probabilities, colors
     )
+
+
+def usual_rate(times: Times) -> float:
+    """Pictures per second, from their times (F,) in seconds; pauses of the camera do not count."""
+    steps = np.diff(times)
+    if not len(steps):
+        return 0.0
+    pauses = steps[steps > _PAUSE * float(np.median(steps))]
+    shown = float(times[-1] - times[0]) - float(pauses.sum())
+    return (len(steps) - len(pauses)) / shown
 
 
 def _check_kind(path: Path) -> None:

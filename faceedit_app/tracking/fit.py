@@ -3,13 +3,14 @@
 The weights w of all pictures minimise
 
     sum of |seen - (rest + moves w)|² over landmarks, lips and lids  (what the film shows)
+  + the depth between the lips, but for what an open jaw makes it  (what it does not)
   + |w|² + |w|                                   (few channels and small weights are likely)
   + sum of a robust loss of each weight's acceleration               (faces move smoothly)
 
-with 0 <= w <= 1, by L-BFGS-B (Zhu, Byrd, Lu and Nocedal, "Algorithm 778", 1997). The loss is
-pseudo-Huber (Charbonnier et al., 1997): quadratic for the shaking of landmarks, so that it is
-smoothed away, and linear for what is faster, so that blinks and closures stay. It looks both ways
-in time, and so it has no lag.
+with 0 <= w <= 1 and mouthClose <= jawOpen, by L-BFGS-B (Zhu, Byrd, Lu and Nocedal, "Algorithm
+778", 1997). The loss is pseudo-Huber (Charbonnier et al., 1997): quadratic for the shaking of
+landmarks, so that it is smoothed away, and linear for what is faster, so that blinks and closures
+stay. It looks both ways in time, and so it has no lag.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from faceedit_app.tracking.pose import Poses, fit_poses
 
 _BLOCK, _MARGIN = 1500, 50  # pictures fitted at once, and what is fitted with them on either side
 _ROUNDS = 3  # of pose and weights in turn
+_JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
 _OTHERS = 0.3  # how much skin that moves shows of the pose, once it is known how it moves
 
 
@@ -41,6 +43,8 @@ class FitSettings:
         rows: how many landmarks tell as much as one, since their errors are alike.
         gap, lid: mm, how far the distance between shut lips, and between lids, is off.
         gap_share: what is added to that for lips, as a share of the distance.
+        depth: mm, how far the depth between the lips, which a film does not show, is from what an
+            open jaw makes it.
         sparse: how likely a channel is unused, in standard deviations of `weight`.
         weight: how large weights are.
         acceleration: 1/s² above which a change of a weight is meant, and not shaking.
@@ -51,11 +55,12 @@ class FitSettings:
     rows: float = 8.0
     gap: float = 0.12
     lid: float = 0.15
-    gap_share: float = 0.3
+    gap_share: float = 0.05
+    depth: float = 0.2
     sparse: float = 1.0
     weight: float = 0.25
     acceleration: float = 40.0
-    smoothness: float = 20.0
+    smoothness: float = 40.0
 
 
 DEFAULT = FitSettings()
@@ -162,6 +167,24 @@ def _gaps(model: FaceModel, person: Person, placed: Doubles) -> Doubles:
     return np.stack(columns, axis=1)
 
 
+def _joined(rows: Doubles) -> Doubles:
+    """What variables move, from what channels move, (52, ...).
+
+    mouthClose is never above jawOpen. Therefore the variable of mouthClose moves both by as much,
+    and that of jawOpen is what it is above mouthClose.
+    """
+    joined = rows.copy()
+    joined[_CLOSE] += rows[_JAW]
+    return joined
+
+
+def _parted(weights: Doubles) -> Doubles:
+    """The variables (T, 52) of weights, see `_joined`."""
+    parted = weights.copy()
+    parted[:, _JAW] -= weights[:, _CLOSE]
+    return parted
+
+
 class _Problem:
     """The objective, with all that does not change from round to round."""
 
@@ -171,13 +194,19 @@ class _Problem:
         self._settings, self._trust = settings, trust
         scale = np.sqrt(model.weights / settings.rows) / settings.landmark
         self._scale = np.repeat(scale, 2)
-        rows = model.moves[..., :2].reshape(len(ARKIT_INDEX), -1) * self._scale
+        rows = _joined(model.moves[..., :2].reshape(len(ARKIT_INDEX), -1)) * self._scale
         controls = [CONTROL_INDEX[control] for control in (LIP_OPENING, *LIDS)]
         upward = np.sign(model.controls.offsets[controls, 1]).astype(np.float64)
         self._rest = np.abs(model.controls.offsets[controls, 1]).astype(np.float64)
-        self._gap_rows = model.controls.gradients[:, controls, 1].astype(np.float64) * upward
+        gradients = model.controls.gradients[:, controls].astype(np.float64)
+        self._gap_rows = _joined(gradients[..., 1] * upward)
+        _, up, forward = gradients[ARKIT_INDEX["jawOpen"], 0].tolist()
+        self._depth_row = _joined(gradients[:, 0, 2] - forward / up * gradients[:, 0, 1])
         self._rows = rows
         self._hessian = rows @ rows.T
+        self._hessian = (
+            self._hessian + np.outer(self._depth_row, self._depth_row) / settings.depth**2
+        )
         stiff = (self._gap_rows[:, 0] / settings.gap) ** 2
         stiff = stiff + ((self._gap_rows[:, 1:] / settings.lid) ** 2).sum(axis=1)
         self._ridge = 1.0 / settings.weight**2
@@ -212,15 +241,14 @@ class _Problem:
         bounds = Bounds(0.0, np.tile(1.0 / unit, len(start)))
         found = minimize(
             cost,
-            (start / unit).ravel(),
+            (_parted(start) / unit).ravel(),
             jac=True,
             method="L-BFGS-B",
             bounds=bounds,
             options={"maxiter": 400, "maxcor": 12, "ftol": 1e-9, "gtol": 1e-4},
         )
         weights: Doubles = np.clip(found.x.reshape(shape) * unit, 0.0, 1.0)
-        close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
-        weights[:, close] = np.minimum(weights[:, close], weights[:, jaw])
+        weights[:, _JAW] = np.minimum(weights[:, _JAW] + weights[:, _CLOSE], 1.0)
         return weights
 
     def _smoothness(self, weights: Doubles) -> tuple[float, Doubles]:

@@ -191,7 +191,6 @@ class _Columns:
             self._square = _square(self._shown, film.size)
         x, y, half = self._square
         box = (x - half, y - half, x + half, y + half)
-        # Beyond the picture's edge it is black.
         cut = film.transform(
             (HEIGHT, HEIGHT), Image.Transform.EXTENT, box, Image.Resampling.BICUBIC
         )
@@ -209,9 +208,14 @@ class _Columns:
 
 
 def _square(shown: Shown, size: tuple[int, int]) -> tuple[float, float, float]:
-    """Middle and half the side of a square around the face, pixels, which stays still."""
+    """Middle and half the side of a square around the face, pixels, which stays still.
+
+    It lies within the picture.
+    """
     seen = [shown.places(int(index)) for index in np.flatnonzero(shown.sure)]
     places = np.stack([one[list(DRAWN)] for one in seen if one is not None]) * size
     low, high = places.min(axis=1), places.max(axis=1)
     x, y = np.median((low + high) / 2.0, axis=0).tolist()
-    return x, y, float(np.median((high - low)[:, 1])) * _MARGIN / 2.0
+    half = min(float(np.median((high - low)[:, 1])) * _MARGIN, *size) / 2.0
+    x, y = (min(max(at, half), side - half) for at, side in zip((x, y), size, strict=True))
+    return x, y, half

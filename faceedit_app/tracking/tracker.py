@@ -21,6 +21,7 @@ from faceedit_app.media.container import check
 from faceedit_app.tracking.face_model import FaceModel
 from faceedit_app.tracking.film_landmarks import FilmLandmarks, Progress, Report, read_landmarks
 from faceedit_app.tracking.fit import DEFAULT, Fit, FitSettings, fit_weights
+from faceedit_app.tracking.hidden import seen_share
 from faceedit_app.tracking.landmarker import FaceLandmarker
 from faceedit_app.tracking.person import Person, find_person
 
@@ -29,6 +30,7 @@ _FEWEST = 8  # pictures with a face
 _GOOD = 0.9  # probability of a face in pictures that show the person's neutral face
 _TURNED = np.radians((35.0, 60.0))  # from here the far side is hidden, and there nothing is left
 _STRANGE = (2.0, 4.0)  # times the usual residual: what does not look like a face, or is hidden
+_MOMENT = 3  # pictures from one that is lost to the next, between which there is hardly a face
 _SMALLEST = 1.5  # mm, the least of these residuals
 # Radians of Live Link Face's eye rotations at weight 1, measured on its recordings.
 _EYE_YAW, _EYE_PITCH = 0.6, 0.5
@@ -118,7 +120,7 @@ def track_film(
     Args:
         path: the film.
         rig: the shipped character.
-        report: is told how far it is; called in this thread.
+        report: called in this thread with how far it is.
         stopped: True gives up.
         face: as in `read_landmarks`.
         settings: of the fit.
@@ -157,7 +159,7 @@ def fit_landmarks(
     if len(found) < _FEWEST:
         raise FileError(
             film.path,
-            f"shows a face in {len(found)} pictures only",
+            f"shows a face in only {len(found)} pictures",
             "use a film in which a face looks at the camera",
         )
     seen = film.points[found][:, model.numbers] * (1.0, -1.0, -1.0)
@@ -171,8 +173,21 @@ def fit_landmarks(
     count = len(film.times)
     weights, head, confidence = np.zeros((count, 52)), np.zeros((count, 3)), np.zeros(count)
     weights[found], head[found] = fit.weights, fit.poses.angles
-    confidence[found] = film.probabilities[found] * _likeness(fit)
+    plain = seen_share(model, film.colors[found], fit.poses.angles[:, 0])
+    confidence[found] = film.probabilities[found] * _likeness(fit) * plain
+    _doubt_moments(confidence)
     return Tracked(film, weights, head, confidence, person)
+
+
+def _doubt_moments(confidence: Doubles) -> None:
+    """Make pictures between lost ones as uncertain as these, if they are very few; (F,)."""
+    lost = np.flatnonzero(confidence < SURE)
+    for before, after in zip(lost[:-1].tolist(), lost[1:].tolist(), strict=True):
+        if 1 < after - before <= _MOMENT:
+            moment = slice(before + 1, after)
+            confidence[moment] = np.minimum(
+                confidence[moment], max(confidence[before], confidence[after])
+            )
 
 
 def _likeness(fit: Fit) -> Doubles:

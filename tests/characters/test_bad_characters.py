@@ -53,7 +53,9 @@ def changed(path: Path, change: Callable[[Json], Any], kind: str = "plain") -> P
 
 
 def test_no_blendshapes(tmp_path: Path) -> None:
-    assert "has no blendshapes" in complaint(write_glb(tmp_path / "a.glb", lambda n: None))
+    says = complaint(write_glb(tmp_path / "a.glb", lambda n: None))
+    assert "has no blendshapes" in says
+    assert "Make from a scan" in says
 
 
 def test_one_eye_only(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from support.faces import shipped_rig
 
 from faceedit_app.characters.closure import Gaps, closure, together
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX
 
 
 def frames(**channels: list[float]) -> np.ndarray:
@@ -31,6 +32,28 @@ def test_gaps_are_what_is_left_between_lips_and_lids() -> None:
 def test_lips_that_pass_each_other_are_shut() -> None:
     pressed = frames(jawOpen=[0.3], mouthClose=[0.5])
     assert Gaps.of(shipped_rig()).measure(pressed)[0, 0] == 0
+
+
+def test_lips_that_slide_sideways_are_not_open() -> None:
+    rig = shipped_rig()
+    upper, lower = rig.control_pairs[CONTROL_INDEX["mouth_opening"]]
+    deltas = rig.deltas.copy()
+    aside = deltas[rig.channels.index("mouthLeft")]
+    aside[[upper, lower]] = [[0.0, 0.0, 0.0], [0.003, 0.0, 0.0]]
+    gaps = Gaps.of(replace(rig, deltas=deltas)).measure(frames(mouthLeft=[1.0]))
+    assert gaps[0, 0] == pytest.approx(0, abs=0.01)
+
+
+def test_lids_that_a_full_blink_leaves_a_little_apart_are_shut() -> None:
+    rig = shipped_rig()
+    upper, lower = rig.control_pairs[CONTROL_INDEX["left_eyelid"]]
+    blink = rig.channels.index("eyeBlinkLeft")
+    for short, left in ((0.0004, 0.0), (0.002, 1.5)):  # metres; mm
+        deltas = rig.deltas.copy()
+        meeting = rig.neutral[lower] - rig.neutral[upper] + deltas[blink, lower]
+        deltas[blink, upper] = meeting + np.array([0.0, short, 0.0])
+        gap = Gaps.of(replace(rig, deltas=deltas)).measure(frames(eyeBlinkLeft=[1.0]))[0, 1]
+        assert gap == pytest.approx(left, abs=0.45)
 
 
 def test_a_character_compared_with_itself_closes_everywhere() -> None:

@@ -31,6 +31,7 @@ def test_a_map_comes_back_as_it_was(tmp_path: Path) -> None:
             "cheekPuff": (),
         },
         {"chin": Place("Kopf", 12)},
+        {"jawOpen": (1.2, 0.05, 0.9)},
     )
     write_map(tmp_path / "a.map.json", mapping)
     assert read_map(tmp_path / "a.map.json") == mapping
@@ -113,3 +114,34 @@ def test_a_map_that_is_wrong_is_one_line(tmp_path: Path, content: str) -> None:
     assert str(caught.value).startswith(str(map_path(path)))
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 500
+
+
+def test_a_strength_may_name_only_what_differs(tmp_path: Path) -> None:
+    path = write_glb(tmp_path / "a.glb")
+    said(path, strength={"jawOpen": {"multiplier": 0.5}, "eyeBlinkLeft": {}})
+    assert open_character(path).rig.levels.by_channel == {"jawOpen": (0.5, 0.0, 1.0)}
+
+
+@pytest.mark.parametrize(
+    ("strength", "says"),
+    [
+        ({"jawOpen": {"multiplier": 11}}, "strength of jawOpen .* multiplier of 0 to 10"),
+        ({"jawOpen": {"limit": 0}}, "strength of jawOpen"),
+        ({"jawOpen": {"offset": float("nan")}}, "strength of jawOpen"),
+        ({"jawOpn": {}}, "jawOpn, which ARKit lacks"),
+        ({"jawOpen": 2}, "is not a character map"),
+        (["jawOpen"], "is not a character map"),
+    ],
+)
+def test_a_strength_that_is_wrong_is_named(tmp_path: Path, strength: Any, says: str) -> None:
+    path = write_glb(tmp_path / "a.glb")
+    said(path, strength=strength)
+    with pytest.raises(FileError, match=says):
+        open_character(path)
+
+
+def test_a_shape_that_the_file_lacks_is_named(tmp_path: Path) -> None:
+    path = write_glb(tmp_path / "a.glb")
+    said(path, channels={"cheekPuff": "Backen"})
+    doubts = open_character(path).checklist.doubts
+    assert "the map makes cheekPuff of Backen, which the file does not have" in doubts

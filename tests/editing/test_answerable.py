@@ -118,6 +118,52 @@ def test_a_missing_companion_makes_the_jaw_pay_little(
     assert moved["jawOpen"].max() < 0.1
 
 
+@pytest.mark.parametrize(
+    ("channels", "control", "by"),
+    [
+        # Smiles that are already 0 cannot narrow the mouth, and what purses the lips is missing.
+        (missing("mouthPucker", "mouthFunnel", "mouthClose"), "mouth_width", -4.0),
+        (missing("mouthPucker", "mouthFunnel", "mouthRoll", "mouthPress"), "mouth_width", -4.0),
+        (("jawOpen", "mouthClose", "eyeBlinkLeft", "eyeBlinkRight"), "lower_lip", -4.0),
+        (("jawOpen", "mouthSmileLeft", "mouthFunnel", "mouthPucker"), "upper_lip", 4.0),
+    ],
+)
+def test_what_a_curve_lacks_does_not_open_the_mouth(
+    channels: tuple[str, ...],
+    control: str,
+    by: float,
+    take_with: Callable[..., Take],
+    engine: Engine,
+) -> None:
+    edit = Edit((control,), Op.OFFSET, 0.9, 1.1, 0.1, by)
+    moved = answer(take_with(*channels), engine, edit)
+    assert moved.get("jawOpen", np.zeros(1)).max() < 0.16
+    assert moved.get("mouthClose", np.zeros(1)).max() < 0.16
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_any_channels_give_finite_weights_and_undo_gives_the_take(
+    seed: int, take_with: Callable[..., Take], engine: Engine
+) -> None:
+    drawn = np.random.default_rng(seed)
+    share = drawn.uniform(0.1, 0.9)
+    channels = [name for name in ARKIT_CHANNELS if drawn.uniform() < share] or ["jawOpen"]
+    take = take_with(*channels)
+    session = EditSession(take, shipped_rig(), engine)
+    for control in CONTROL_IDS:
+        for op, value in ((Op.OFFSET, 12.0), (Op.OFFSET, -12.0), (Op.SCALE, 3.0)):
+            session.add(Edit((control,), op, 0.5, 1.2, 0.1, value))
+            weights = session.clip_weights()
+            assert np.isfinite(weights).all()
+            assert np.isfinite(session.achieved).all()
+            if control != "mouth_opening" and "jawOpen" in channels:
+                jaw = channels.index("jawOpen")
+                change = np.abs(weights - take.clip.weights)[:, jaw].max()
+                assert change < 0.16
+            session.undo()
+    np.testing.assert_array_equal(session.clip_weights(), take.clip.weights)
+
+
 def test_a_blink_alone_closes_the_eyes(take_with: Callable[..., Take], engine: Engine) -> None:
     take = take_with(*missing("eyeSquint", "eyeWide"))
     session = EditSession(take, shipped_rig(), engine)

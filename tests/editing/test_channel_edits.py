@@ -12,12 +12,13 @@ from support.sessions import engine, session_by_networks, session_by_rig
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.levels import softly_limited
 from faceedit_app.editing.edits.channels import is_rotation
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op, from_json, to_json
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.solving.channel_edits import softly_limited, without_rest
+from faceedit_app.editing.solving.channel_edits import without_rest
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.formats.opening import encoded_take, open_take
 

@@ -15,6 +15,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import LIP_OPENING
+from faceedit_app.core.levels import Level, Levels
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.closing import Closing
 
@@ -68,6 +69,30 @@ def test_mouth_close_stays_below_jaw_open(closed: Floats) -> None:
     assert (closed[:, CLOSE] <= closed[:, JAW] + 1e-6).all()
     assert closed.min() >= 0
     assert closed.max() <= 1
+
+
+@pytest.mark.parametrize(
+    "levels",
+    [
+        {"jawOpen": (1.3, 0.02, 1.0)},
+        {"eyeBlinkLeft": (0.85, 0.0, 1.0), "eyeBlinkRight": (1.0, -0.05, 1.0)},
+        {"mouthFunnel": (1.0, 0.0, 0.3), "mouthLowerDownLeft": (1.5, 0.0, 0.4)},
+    ],
+)
+def test_lips_and_lids_shut_at_the_strength_that_the_character_shows(
+    levels: dict[str, Level],
+) -> None:
+    theirs = replace(leaky_rig(), levels=Levels(levels))
+    closing = Closing(shipped_rig(), theirs)
+    closed = closing(speech())
+    after = closure(closing.ours.measure(speech()), closing.theirs.measure(closed))
+    assert after.lips_open_share == after.lids_open_share == 0
+    assert after.lips_within_share > 0.95
+    assert after.lids_within_share > 0.9
+    shown = theirs.arkit_distances.measure(theirs.levels.applied(closed))
+    np.testing.assert_allclose(
+        shown, theirs.distances.measure(theirs.from_arkit(closed)), atol=1e-4
+    )
 
 
 def test_each_frame_is_solved_by_itself(closing: Closing, closed: Floats) -> None:

@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.blender import opened_in_blender, run_in_blender
+from support.blender import run_in_blender
 from support.character_files import picture_of, write_glb, write_vrm
-from support.faces import shipped_rig, talking_clip
+from support.exports import CLIP, ENDINGS, export, quiet_take, take_of
+from support.faces import shipped_rig
 from support.fbx_files import write_fbx
 from support.gltf import NO_VALIDATOR, accessor_errors, has_validator, parts, validator_errors
 from support.places import ROOT, SHARED
-from support.takes import NoFile, make_livelink_csv
+from support.takes import make_livelink_csv
 
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.registry import read_character
@@ -23,7 +24,6 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.exporting import (
-    Exported,
     Options,
     choose,
     export_session,
@@ -33,20 +33,6 @@ from faceedit_app.editing.exporting import (
 from faceedit_app.editing.opening import open_session
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
-
-ENDINGS = (".glb", ".fbx", ".usda")
-CLIP = talking_clip(frames=40, rate=30.0)
-
-
-def take_of(times: np.ndarray | None = None) -> Take:
-    clip = CLIP if times is None else replace(CLIP, times=times)
-    return Take(Path("talk.csv"), "Test", clip, ("HeadYaw",), (), NoFile())
-
-
-def export(path: Path, take: Take | None = None, **options: object) -> Exported:
-    take = take or take_of()
-    chosen = Options(**options)  # type: ignore[arg-type]
-    return export_take(take, take.clip, path, choose(path), chosen)
 
 
 def test_every_out_format_has_its_own_key_and_says_what_to_do_with_it() -> None:
@@ -71,12 +57,6 @@ def test_a_glb_plays_the_take(compact: bool, tmp_path: Path) -> None:
     assert back.rate == 30
     document, _ = parts(path.read_bytes())
     assert [animation["name"] for animation in document["animations"]] == ["talk"]
-
-
-def quiet_take() -> Take:
-    """Few weights that are not 0."""
-    weights = np.where(np.arange(52) < 6, CLIP.weights, np.float32(0))
-    return replace(take_of(), clip=replace(CLIP, weights=weights))
 
 
 def test_zeros_are_left_out_of_a_compact_glb(tmp_path: Path) -> None:
@@ -194,80 +174,6 @@ def test_a_real_character_is_animated(tmp_path: Path) -> None:
     assert set(accessor_errors(path.read_bytes())) <= set(accessor_errors(head.read_bytes()))
     back = open_take(path).clip
     np.testing.assert_allclose(back.arkit_weights(), CLIP.weights, atol=1e-5)
-
-
-# --- FBX and USD ---------------------------------------------------------------------------------
-
-
-def test_an_fbx_is_read_as_the_character_it_was_written_from(tmp_path: Path) -> None:
-    path = tmp_path / "talk.fbx"
-    export(path)
-    rig, back = shipped_rig(), read_character(path)
-    assert back.targets == rig.channels
-    assert [p.surface.name for p in back.parts] == [m.name for m in rig.materials]
-    assert back.triangle_count == len(rig.faces)
-    corners = np.concatenate([0.01 * p.neutral[p.faces].reshape(-1, 3) for p in back.parts])
-    np.testing.assert_allclose(corners, rig.neutral[rig.faces].reshape(-1, 3), atol=1e-6)
-    jaw = np.concatenate([0.01 * p.targets["jawOpen"][p.faces].reshape(-1, 3) for p in back.parts])
-    own = rig.deltas[rig.channels.index("jawOpen")][rig.faces].reshape(-1, 3)
-    np.testing.assert_allclose(jaw, own, atol=1e-6)
-
-
-def test_the_same_take_gives_the_same_fbx(tmp_path: Path) -> None:
-    for name in ("a.fbx", "b.fbx"):
-        export(tmp_path / name)
-    assert (tmp_path / "a.fbx").read_bytes() == (tmp_path / "b.fbx").read_bytes()
-
-
-def test_usd_core_reads_the_weights_and_the_shapes(tmp_path: Path) -> None:
-    usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
-    skeleton = pytest.importorskip("pxr.UsdSkel")
-    geometry = pytest.importorskip("pxr.UsdGeom")
-    path = tmp_path / "talk.usda"
-    times = CLIP.times.copy()
-    times[20:] += 0.51  # a gap, off the frames' grid
-    export(path, take_of(times))
-    stage = usd.Stage.Open(str(path))
-    assert stage.GetTimeCodesPerSecond() == 30
-    assert geometry.GetStageUpAxis(stage) == "Y"
-    assert geometry.GetStageMetersPerUnit(stage) == 1
-    animation = skeleton.Animation(stage.GetPrimAtPath("/Face/Skeleton/Animation"))
-    weights = animation.GetBlendShapeWeightsAttr()
-    codes = weights.GetTimeSamples()
-    np.testing.assert_allclose(np.array(codes) / 30, times, atol=1e-6)
-    np.testing.assert_array_equal(np.array([weights.Get(code) for code in codes]), CLIP.weights)
-    binding = skeleton.BindingAPI(stage.GetPrimAtPath("/Face/Head"))
-    assert tuple(binding.GetBlendShapesAttr().Get()) == ARKIT_CHANNELS
-    rig = shipped_rig()
-    for name, target in zip(
-        ARKIT_CHANNELS, binding.GetBlendShapeTargetsRel().GetTargets(), strict=True
-    ):
-        shape = skeleton.BlendShape(stage.GetPrimAtPath(target))
-        moves = np.zeros_like(rig.neutral)
-        moves[np.array(shape.GetPointIndicesAttr().Get(), int)] = shape.GetOffsetsAttr().Get()
-        np.testing.assert_allclose(moves, rig.deltas[rig.channels.index(name)], atol=2e-7)
-    points = np.array(geometry.Mesh(stage.GetPrimAtPath("/Face/Head")).GetPointsAttr().Get())
-    np.testing.assert_allclose(points, rig.neutral, atol=1e-7)
-
-
-@pytest.mark.parametrize("ending", ENDINGS)
-def test_blender_plays_the_take(ending: str, tmp_path: Path) -> None:
-    path = tmp_path / f"talk{ending}"
-    export(path)
-    facts = opened_in_blender(path, 30, len(CLIP))
-    assert facts["fps"] == 30
-    assert tuple(facts["shapes"]) == ARKIT_CHANNELS
-    np.testing.assert_allclose(np.array(facts["weights"]), CLIP.weights, atol=1e-6)
-    if ending != ".usda":
-        assert facts["materials"] == [m.name for m in shipped_rig().materials]
-
-
-@pytest.mark.parametrize("take", [take_of, quiet_take])
-def test_blender_plays_a_compact_glb(take: Callable[[], Take], tmp_path: Path) -> None:
-    path = tmp_path / "talk.glb"
-    export(path, take(), compact=True)
-    facts = opened_in_blender(path, 30, len(CLIP))
-    np.testing.assert_allclose(np.array(facts["weights"]), take().clip.weights, atol=1e-5)
 
 
 # --- sessions, rates, and what is refused -------------------------------------------------------

@@ -19,6 +19,7 @@ from support.takes import make_livelink_csv
 from faceedit_app import render
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.head import Head
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.filming import Filmed, Shot, View, film_take, media_of
 from faceedit_app.formats.opening import open_take
@@ -167,6 +168,31 @@ def test_both_faces_are_side_by_side(tmp_path: Path) -> None:
         assert right == pytest.approx(grey_of(0.002), abs=5)
 
 
+@pytest.mark.parametrize("rate", [50.0, 25.0])
+def test_the_head_turns_if_it_is_followed(rate: float, tmp_path: Path) -> None:
+    turns = np.zeros((len(WEIGHTS), 9), np.float32)
+    turns[:, 2] = np.linspace(0, 1.2, len(turns))  # rolled, the mouth opens aside
+    take = replace(TAKE, clip=replace(TAKE.clip, rotations=turns))
+    edited = (turns / 2).astype(np.float32)
+    head = Head(RIG)
+
+    def greys_of(rotations: NDArray[np.float32]) -> list[int]:
+        rows = range(0, 100, round(50 / rate))
+        turned = [head.turned(RIG.vertices(WEIGHTS[k]), rotations[k]) for k in rows]
+        return [grey_of(float(v[1, 1] - v[0, 1])) for v in turned]
+
+    for follows in (False, True):
+        path = tmp_path / f"both_{follows}.mp4"
+        shot = Shot(View.BOTH, size=(128, 64), rate=rate, follows_head=follows)
+        assert film_take(take, WEIGHTS, RIG, Placement(), path, shot, rotations=edited) is not None
+        pictures = pictures_of(path)
+        left = [picture[:, :56, 1].mean() for picture in pictures]
+        right = [picture[:, 72:, 1].mean() for picture in pictures]
+        still = np.zeros_like(turns)
+        assert left == pytest.approx(greys_of(turns if follows else still), abs=6)
+        assert right == pytest.approx(greys_of(edited if follows else still), abs=6)
+
+
 def test_the_film_plays_beside_the_face(tmp_path: Path) -> None:
     source = make_film(tmp_path / "source.mp4", frames=30, rate=25)
     wide = Film(source).frame_at(0).shape
@@ -175,6 +201,20 @@ def test_the_film_plays_beside_the_face(tmp_path: Path) -> None:
     media = Placement(film=MediaFile(source, 0.2))
     film(path, media, view=View.FILM, size=size, rate=25.0)
     found = [number_of(picture[:, : wide[1]]) for picture in pictures_of(path)]
+    assert found == [0] * 5 + list(range(30)) + [0] * 15
+
+
+@pytest.mark.parametrize("view", [View.FILM_ABOVE, View.FILM_BELOW])
+def test_the_film_plays_above_or_below_the_face(view: View, tmp_path: Path) -> None:
+    source = make_film(tmp_path / "source.mp4", frames=30, rate=25)
+    high, wide = Film(source).frame_at(0).shape[:2]
+    path = tmp_path / "stacked.mp4"
+    media = Placement(film=MediaFile(source, 0.2))
+    film(path, media, view=view, size=(wide, 2 * high), rate=25.0)
+    shown = pictures_of(path)
+    assert shown[0].shape == (2 * high, wide, 3)
+    rows = slice(0, high) if view is View.FILM_ABOVE else slice(high, None)
+    found = [number_of(picture[rows]) for picture in shown]
     assert found == [0] * 5 + list(range(30)) + [0] * 15
 
 
@@ -210,7 +250,7 @@ def test_giving_up_leaves_what_was_there(form: str, tmp_path: Path, greys: list[
 
 
 def test_what_cannot_be_filmed_is_said_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(FaceEditError, match="no film to show beside the face"):
+    with pytest.raises(FaceEditError, match="no film to show with the face"):
         film(tmp_path / "a.mp4", view=View.FILM)
     with pytest.raises(FaceEditError, match=r"must end in \.mp4 or \.webm"):
         film(tmp_path / "a.avi")

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from support.speech import said
 
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import MediaFile, Placement
@@ -33,6 +34,7 @@ def edit(number: int) -> Edit:
 
 A, B, C = edit(1), edit(2), edit(3)
 DRAWN = Edit(("mouth_width",), Op.DRAW, 1.0, 2.0, 0.1, name="ü", points=((1.0, 3.0), (2.0, 4.0)))
+RETIME = Edit(CONTROL_IDS, Op.RETIME, 1.0, 3.0, 0.0, pins=((1.5, 1.4), (2.0, 2.0), (2.0, 2.25)))
 WORDS = said(("map", "M AE P"))
 STATES = [
     EditState((A,)),
@@ -54,6 +56,7 @@ STATES = [
     EditState((A,), words=WORDS),
     EditState((A,), words=WORDS.with_edge(0.52, 0.5)),
     EditState((A,)),
+    EditState((A, RETIME)),
 ]
 
 

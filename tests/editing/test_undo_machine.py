@@ -20,6 +20,7 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from support.edits import pins
 from support.faces import shipped_rig
 from support.sessions import engine, strengthen
 from support.takes import make_livelink_csv
@@ -94,19 +95,21 @@ def edits_of_channels(draw: st.DrawFn) -> Edit:
 def edits_of_curves(draw: st.DrawFn) -> Edit:
     start, end = sorted((draw(moments), draw(moments)))
     op = draw(st.sampled_from([op for op in Op if op.value not in CHANNEL_OPS]))
+    retimes = op is Op.RETIME
     values = {Op.SCALE: st.floats(0, 3), Op.SMOOTH: st.floats(0, LONGEST_SMOOTH)}
     return Edit(
         controls=tuple(draw(st.lists(st.sampled_from(CONTROL_IDS), min_size=1, unique=True))),
         op=op,
         start=start,
         end=end,
-        falloff=draw(st.floats(0, 0.5)),
+        falloff=0.0 if retimes else draw(st.floats(0, 0.5)),
         value=draw(values.get(op, st.floats(-10, 10))),
-        falloff_out=draw(st.none() | st.floats(0, 0.5)),
+        falloff_out=None if retimes else draw(st.none() | st.floats(0, 0.5)),
         strength=draw(st.floats(0, STRONGEST)),
         enabled=draw(st.booleans()),
         points=tuple(sorted(draw(points).items())) if op in WITH_POINTS else (),
         companions=draw(st.sampled_from(Company)),
+        pins=draw(pins(start, end)) if retimes else (),
     )
 
 

@@ -15,12 +15,13 @@ from support.takes import livelink_names, make_livelink_csv, make_plain_csv
 
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.errors import FaceEditError
-from faceedit_app.formats.converting import choose_format, convert
+from faceedit_app.formats.converting import convert
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.registry import writable
 
 WEIGHTS = recordings.face(60)
+
+FORMATS = {form.key: form for form in writable()}
 
 
 @pytest.fixture
@@ -32,7 +33,7 @@ def source(tmp_path: Path) -> Path:
 
 def test_a_live_link_face_csv_is_as_the_application_writes_it(source: Path) -> None:
     out = source.with_name("out.csv")
-    convert(out, open_take(source), choose_format(out))
+    convert(out, open_take(source), FORMATS["livelink"])
     with out.open(newline="") as file:
         header, *rows = csv.reader(file)
     example = make_livelink_csv(source.with_name("app.csv")).read_text().splitlines()[0]
@@ -52,7 +53,7 @@ def test_a_live_link_face_csv_is_as_the_application_writes_it(source: Path) -> N
 
 def test_an_audio2face_export_has_its_own_layout(source: Path) -> None:
     out = source.with_name("out.json")
-    convert(out, open_take(source), choose_format(out))
+    convert(out, open_take(source), FORMATS["audio2face"])
     document = json.loads(out.read_text())
     assert document["exportFps"] == 30
     assert (document["numPoses"], document["numFrames"]) == (52, 60)
@@ -66,7 +67,7 @@ def test_what_is_written_opens_at_the_rate_that_was_asked_for(
     tmp_path: Path, key: str, rate: float
 ) -> None:
     take = open_take(make_plain_csv(tmp_path / "take.csv", seconds=80, rate=30))
-    form = choose_format(Path("x"), key)
+    form = FORMATS[key]
     out = tmp_path / f"out{form.endings[0]}"
     written = convert(out, take, form, rate)
     clip = open_take(out).clip
@@ -89,7 +90,7 @@ def test_weights_and_gaps_survive_every_way_round(tmp_path: Path, data: st.DataO
     clip = before = open_take(path).clip
     for form in data.draw(st.lists(st.sampled_from(["livelink", "csv"]), min_size=1, max_size=4)):
         out = tmp_path / "out.csv"
-        convert(out, open_take(path), choose_format(out, form))
+        convert(out, open_take(path), FORMATS[form])
         path = out.rename(tmp_path / "next.csv")
         clip = open_take(path).clip
     assert np.allclose(clip.arkit_weights(), before.arkit_weights(), atol=2e-6)
@@ -102,16 +103,16 @@ def test_gaps_stay_gaps_at_another_rate_and_are_drawn_in_where_there_are_no_time
 ) -> None:
     lost = range(60, 90)
     take = open_take(make_livelink_csv(tmp_path / "take.csv", seconds=3, untracked=lost))
-    slower = convert(tmp_path / "a.csv", take, choose_format(Path("x"), "csv"), 30)
+    slower = convert(tmp_path / "a.csv", take, FORMATS["csv"], 30)
     assert [(gap.frame, gap.missing) for gap in slower.gaps] == [(29, 15)]
-    whole = convert(tmp_path / "a.json", take, choose_format(Path("x"), "audio2face"))
+    whole = convert(tmp_path / "a.json", take, FORMATS["audio2face"])
     assert len(whole) == 180
     assert whole.gaps == ()
 
 
 def test_a_timecode_goes_on_from_where_the_recording_began(tmp_path: Path) -> None:
     take = open_take(make_livelink_csv(tmp_path / "take.csv", seconds=2))
-    convert(tmp_path / "out.csv", take, choose_format(Path("x"), "livelink"), 30)
+    convert(tmp_path / "out.csv", take, FORMATS["livelink"], 30)
     assert (tmp_path / "out.csv").read_text().splitlines()[1].startswith("12:00:00:00.169,61,")
 
 
@@ -159,11 +160,6 @@ def test_what_cannot_be_converted_is_said_in_one_line(
     assert len(error.splitlines()) == 1
 
 
-def test_an_unknown_format_is_refused() -> None:
-    with pytest.raises(FaceEditError, match="must be one of"):
-        choose_format(Path("x.csv"), "usd")
-
-
 def test_the_rotations_of_head_and_eyes_survive_another_rate(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -184,3 +180,20 @@ def test_the_rotations_of_head_and_eyes_survive_another_rate(
     np.testing.assert_allclose(found[1:-1], turns[2:-2:2], atol=1e-5)
     assert main(["convert", str(take), str(tmp_path / "out.glb")]) == 0
     assert "left out because they are not channels: HeadYaw" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("numerator", [24000, 30000, 48000, 60000, 120000])
+@pytest.mark.parametrize("frames", [100, 300, 2500])
+def test_a_broadcast_rate_survives_a_live_link_face_csv(
+    tmp_path: Path, numerator: int, frames: int
+) -> None:
+    rate = numerator / 1001
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    rows = "".join(f"{n / rate:.6f},{0.01 * (n % 50):.3f}\n" for n in range(frames))
+    path.write_text(f"time_s,jawOpen\n{rows}")
+    take = open_take(path)
+    convert(out, take, FORMATS["livelink"])
+    again = open_take(out).clip
+    assert again.rate == pytest.approx(rate, abs=1e-3)
+    assert again.gaps == ()
+    assert np.allclose(again.times, take.clip.times, atol=1e-4)

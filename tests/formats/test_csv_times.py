@@ -235,7 +235,7 @@ def test_a_rate_that_is_given_wins_over_the_file_s_own(tmp_path: Path) -> None:
     take = open_take(path, fps=60)
     assert take.clip.rate == 60
     assert take.clip.duration == pytest.approx(1)
-    assert "the frame rate was set to 60 fps, by its times it is 30 fps" in take.notes
+    assert "the frame rate was set to 60 fps; by its times it is 30 fps" in take.notes
     assert open_take(path, fps=30).notes == ()
 
 
@@ -308,7 +308,7 @@ def test_a_single_frame_opens(tmp_path: Path) -> None:
         ("time_s,jawOpen\n0,0\nlater,0\n", 3, 'column "time_s" holds "later"'),
         ("time_s,jawOpen\nnan,0\n1,0\n", 2, "not a finite number"),
         ("time,jawOpen\n2025-01-01T00:00:00,0\n2025-01-01T00:00:99,0\n", 3, "not a time like"),
-        ("time_s;jawOpen\n0;0,5\n", 2, "write decimals with a point"),
+        ("time_s;jawOpen\n0;1,234,5\n", 2, "write decimals with a point"),
         ("time_s,jawOpen\n", 1, "no frames"),
         ("time_s,jawOpen\n0,\n1,\n", None, "no row with a tracked face"),
     ],

@@ -169,3 +169,11 @@ def test_a_compressed_animation_opens_and_is_exported(tmp_path: Path) -> None:
     assert (len(take.clip), take.clip.rate, len(take.clip.channels)) == (335, 30, 52)
     wanted, _ = edited(path, tmp_path / "out.glb")
     assert np.allclose(open_take(tmp_path / "out.glb").clip.weights, wanted, atol=1e-7)
+
+
+def test_a_document_that_is_nested_too_deeply_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "take.glb"
+    text = b'{"a":' + b"[" * 100_000
+    path.write_bytes(struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text), len(text), b"JSON") + text)
+    with pytest.raises(FileError):
+        open_take(path)

@@ -63,6 +63,23 @@ LAYOUTS: dict[str, Any] = {
         "frame_rate": 30,
         "tracks": [{"name": name, "values": values} for name, values in SERIES.items()],
     },
+    "tracks of three.js": [
+        {
+            "name": "clip",
+            "tracks": [
+                {"name": f"head.morphTargetInfluences[{name}]", "times": TIMES, "values": values}
+                for name, values in SERIES.items()
+            ],
+        }
+    ],
+    "timecodes": rows(lambda n, w: {"timecode": f"01:00:{n // 30:02d}:{n % 30:02d}", "face": w}),
+    "names and lists of numbers": {
+        "fps": 30,
+        "blendshapes": NAMES,
+        "result": [
+            {"timeCode": time, "shapes": row} for time, row in zip(TIMES, ROWS, strict=True)
+        ],
+    },
     "Audio2Face with poseNames": {"exportFps": 30, "poseNames": NAMES, "weightMat": ROWS},
     "Audio2Face with a rate in text": {"exportFps": "30", "facsNames": NAMES, "weightMat": ROWS},
     "blendShapeNames": {"fps": 30, "blendShapeNames": NAMES, "blendShapeWeights": ROWS},
@@ -122,6 +139,21 @@ def test_frames_in_which_the_face_was_lost_are_a_gap(tmp_path: Path) -> None:
 )
 def test_other_files_with_the_names_of_channels_are_no_takes(text: str) -> None:
     assert find_format(text.encode()) is None
+
+
+HUGE = {
+    "names": json.dumps([{"jawOpen": 0.1, **{f"k{n}": 1 for n in range(20_000)}}] * 3),
+    "lists": json.dumps({"jawOpen": "x", "l": [{"a": [], "b": {"c": []}}] * 20_000}),
+    "depth": "[" * 100_000,
+}
+
+
+@pytest.mark.parametrize("text", HUGE.values(), ids=HUGE)
+def test_a_document_with_too_much_of_anything_is_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "take.json"
+    path.write_text(text)
+    with pytest.raises(FileError):
+        open_take(path)
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,17 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
             "a line for each channel",
             "transpose",
         ),
+        (
+            b"".join(b"%s,0,0.5,0.25\n" % n.encode() for n in recordings.FACECAP_NAMES),
+            "a line for each channel",
+            "transpose",
+        ),
+        (
+            b"ms,category,score\n"
+            + b"".join(b"0,%s,0.1\n" % n.encode() for n in recordings.FACECAP_NAMES),
+            "a line for each weight",
+            "pivot",
+        ),
         (b'{"asset": {"version": "2.0"}, "bufferViews": []}', "glTF", "GLB"),
         (b"glTF\x02\x00\x00\x00", "without an animation", "shape keys"),
         (b"Kaydara FBX Binary  \x00", "FBX", "GLB"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,9 @@ def with_comma(body: list[list[str]]) -> list[list[str]]:
 CONTENTS: dict[str, bytes] = {
     "decimal comma, semicolons": text(with_comma(rows()), ";").encode(),
     "decimal comma, tabs": text(with_comma(rows()), "\t").encode(),
+    "decimal comma in quotes": text(
+        [[f'"{cell.replace(".", ",")}"' for cell in row] for row in rows()]
+    ).encode(),
     "UTF-16 of a spreadsheet": ("\ufeff" + text(separator="\t")).encode("utf-16-le"),
     "UTF-16, big end first": ("\ufeff" + text()).encode("utf-16-be"),
     "UTF-16 without a mark": text().encode("utf-16-le"),
@@ -89,14 +93,22 @@ def with_lost_rows(change: Callable[[list[str]], list[str]]) -> list[list[str]]:
     return [change(row) if n in LOST else row for n, row in enumerate(rows())]
 
 
+def in_place_of(word: str, row: list[str]) -> list[str]:
+    return [row[0], *[word] * (len(row) - 1)]
+
+
 LOST_FACES: dict[str, str] = {
     **{
-        f"{word} in place of numbers": text(with_lost_rows(lambda row, w=word: [row[0], w, w, w]))
+        f"{word} in place of numbers": text(with_lost_rows(partial(in_place_of, word)))
         for word in ("-", "--", "undefined", "inf", "#VALUE!", "-1")
     },
     "a confidence of 0": text(
         [[*row, "0.0" if n in LOST else "0.93"] for n, row in enumerate(rows())],
         head=("time_s", *NAMES, "confidence"),
+    ),
+    "no faces": text(
+        [[row[0], str(int(n not in LOST)), *row[1:]] for n, row in enumerate(rows())],
+        head=("time_s", "num_faces", *NAMES),
     ),
     "not detected": text(
         [
@@ -151,6 +163,23 @@ def test_an_infinite_number_among_others_is_named(tmp_path: Path) -> None:
     body[7][2] = "inf"
     path.write_text(text(body))
     with pytest.raises(FileError, match=r'line 9: column "eyeBlink_L" holds "inf"'):
+        open_take(path)
+
+
+def test_jitter_of_the_timecode_does_not_change_the_rate(tmp_path: Path) -> None:
+    drawn = np.random.default_rng(9).integers(0, 400, 600)
+    path = tmp_path / "take.csv"
+    lines = [f"01:00:{n // 60:02d}:{n % 60:02d}.{drawn[n]:03d},1,0.1\n" for n in range(600)]
+    path.write_text("Timecode,BlendShapeCount,JawOpen\n" + "".join(lines))
+    clip = open_take(path).clip
+    assert clip.rate == pytest.approx(60, abs=0.1)
+    assert clip.gaps == ()
+
+
+def test_a_line_without_end_is_refused_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_bytes(b"time_s,jawOpen\n0," + b'"' * 3_000_000 + b"\n")
+    with pytest.raises(FileError, match="line 2: has a line of over 2 MB"):
         open_take(path)
 
 

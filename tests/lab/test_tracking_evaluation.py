@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.face_films import speaking
+from support.faces import shipped_rig
 from support.tracker import needs_tracker
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import CONTROL_INDEX, MOUTH_WIDTH
 from faceedit_app.formats import livelink
 from faceedit_app.lab.evaluation.rendered_films import Conditions
 from faceedit_app.lab.evaluation.tracking import FULL, METHODS, evaluate_tracking, lag, table
@@ -34,3 +37,19 @@ def test_our_fit_is_better_than_the_networks_weights(tmp_path: Path) -> None:
     assert abs(full.lag) < 0.5
     assert full.lost == 0.0
     assert table(figures).count("\n") == 4
+
+
+@needs_tracker
+def test_another_character_is_measured_on_its_own_face(tmp_path: Path) -> None:
+    clip = Clip(speaking(20), ARKIT_CHANNELS, np.arange(20) / 25.0, 25.0)
+    (tmp_path / "take.csv").write_bytes(livelink.write(clip))
+    own = shipped_rig()
+    wide = replace(own, name="Wide", neutral=own.neutral * np.array([1.06, 1.0, 1.0], np.float32))
+    small = [Conditions("small", size=320, noise=0.0)]
+    figures = evaluate_tracking([tmp_path / "take.csv"], 0.8, small, characters=[own, wide])
+    assert [one.character for one in figures[:: len(METHODS)]] == [own.name, "Wide"]
+    width = CONTROL_INDEX[MOUTH_WIDTH]
+    ours, theirs = figures[2], figures[5]
+    # The landmarks are scaled to FaceEdit's face: a wider mouth is the person's own.
+    assert theirs.error[width] > ours.error[width]
+    assert theirs.moved[width] < 1.0

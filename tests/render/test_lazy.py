@@ -94,6 +94,19 @@ def test_threads_that_use_a_package_at_once_all_find_it_complete(package: str) -
         assert list(threads.map(use, range(4))) == [2] * 4
 
 
+def test_a_package_in_a_package_is_lazy_too(package: str, tmp_path: Path) -> None:
+    folder = tmp_path / package
+    (folder / "__init__.py").write_text("from . import inner", encoding="utf-8")
+    (folder / "inner").mkdir()
+    (folder / "inner" / "__init__.py").write_text("LATER = 3", encoding="utf-8")
+    outer = import_module(package)
+    del outer.inner, sys.modules[f"{package}.inner"]
+    with lazily(f"{package}.inner"):
+        assert import_module(package).inner is sys.modules[f"{package}.inner"]
+    assert not has_run(f"{package}.inner")
+    assert outer.inner.LATER == 3
+
+
 def test_what_runs_already_stays(package: str) -> None:
     running = import_module(package)
     with lazily(package):
@@ -114,9 +127,11 @@ from PySide6.QtCore import QObject  # from now on, it looks at all modules
 from faceedit_app.ui.state.loading import prepare_renderer
 prepare_renderer()
 assert "faceedit_app.render.studio" in sys.modules, "not prepared"
-print([name for name in ("pyglet", "imageio", "tkinter", "trimesh.base", "scipy.spatial",
-                         "scipy.optimize", "scipy.ndimage", "torch") if name in sys.modules])
-import pyrender, trimesh
+heavy = {"pyglet", "imageio", "tkinter", "trimesh.base", "networkx", "torch"}
+heavy |= {"scipy.spatial", "scipy.optimize", "scipy.ndimage", "unittest", "numpy.f2py.f2py2e"}
+print(sorted(heavy & set(sys.modules)))
+import numpy, pyrender, trimesh
+assert numpy.testing.assert_allclose
 assert pyrender.Viewer and trimesh.Trimesh
 """
     done = subprocess.run(

@@ -6,6 +6,7 @@ import dataclasses
 import gc
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from faceedit_app.render import (
     aimed_camera,
     contexts,
     default_camera,
+    open_ahead,
     open_renderer,
 )
 from faceedit_app.render.snapshot import snapshot, write_png
@@ -56,6 +58,23 @@ def test_turned_head_moves_what_no_blendshape_moves(rig: Rig, renderer: FaceRend
     fresh.close()
     assert np.abs(pictures[1].astype(int) - expected.astype(int)).mean() < 1.0
     assert (renderer.draw(rig.neutral, camera) == straight).all()
+
+
+def test_what_was_opened_ahead_in_another_thread_draws_the_same(
+    rig: Rig, renderer: FaceRenderer
+) -> None:
+    camera = default_camera(rig, 1.0)
+    with ThreadPoolExecutor(1) as thread:
+        ahead = thread.submit(open_ahead, rig).result()
+        if ahead is None:
+            pytest.skip("an OpenGL context cannot change threads on this computer")
+        try:
+            ahead.resize(SIZE, SIZE)
+            for smooth in (False, True, False):
+                expected = renderer.draw(rig.neutral, camera, smooth)
+                assert (ahead.draw(rig.neutral, camera, smooth) == expected).all()
+        finally:
+            ahead.close()
 
 
 def test_normals_match_the_slow_sum_over_faces(rig: Rig) -> None:

@@ -35,6 +35,11 @@ for frame in range(first, first + frames):
     rows.append([key.value for key in keys])
 materials = [m.name for m in head.data.materials]
 facts = {"shapes": [key.name for key in keys], "weights": rows, "materials": materials}
+facts["pictures"] = sorted({tuple(i.size) for i in bpy.data.images if i.size[0]})
+facts["textured"] = [
+    any(link.to_socket.name == "Base Color" for link in m.node_tree.links)
+    for m in head.data.materials
+]
 print("FACTS " + json.dumps(facts | {"vertices": len(head.data.vertices), "fps": scene.render.fps}))
 """
 _CURVES = """

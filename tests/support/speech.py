@@ -21,9 +21,10 @@ needs_espeak = pytest.mark.skipif(
 )
 
 
-def speak(path: Path, text: str = SENTENCE) -> Path:
-    """A WAV in which espeak-ng says a text."""
-    subprocess.run(["espeak-ng", "-v", "en-us", "-s", "140", "-w", str(path), text], check=True)
+def speak(path: Path, text: str = SENTENCE, pace: int = 140) -> Path:
+    """A WAV in which espeak-ng says a text, at a pace in words a minute."""
+    command = ["espeak-ng", "-v", "en-us", "-s", str(pace), "-w", str(path), text]
+    subprocess.run(command, check=True)
     return path
 
 

@@ -34,7 +34,8 @@ from support.takes import make_livelink_csv
 class FakeRenderer:
     """Paints the jaw's height as grey: enough to see that another face was drawn."""
 
-    def __init__(self, _rig: object, width: int, height: int) -> None:
+    def __init__(self, rig: object, width: int, height: int) -> None:
+        self.rig = rig
         self.size = (width, height)
         self.calls: list[tuple[tuple[int, int], render.Camera, bool]] = []
         self.tints: list[Any] = []  # one a call, None where nothing is tinted

@@ -86,6 +86,21 @@ def test_the_mouth_opens_as_far_as_it_did(model: FaceModel, degrees: float) -> N
     assert (fit.weights[:, close] <= fit.weights[:, jaw]).all()
 
 
+def test_shut_lips_are_shut_whatever_the_depth_between_them(model: FaceModel) -> None:
+    """A film shows no depth: rolled lips must not stand in for shut ones."""
+    weights = np.zeros((60, 52))
+    jaw, close, roll = (ARKIT_INDEX[c] for c in ("jawOpen", "mouthClose", "mouthRollLower"))
+    neutral = seen_from(model, weights, turning(60, 0.0))
+    person = find_person(model, neutral, np.ones(60, bool), MIDDLE)
+    weights[:, jaw] = 0.3
+    weights[20:40, close], weights[20:40, roll] = 0.3, 0.2
+    seen = seen_from(model, weights, turning(60, 0.0), noise=0.4)
+    fit = fit_weights(model, person, seen, np.arange(60) / 25.0, np.ones(60))
+    rest = float(opening(np.zeros((1, 52)))[0])
+    assert np.abs(opening(fit.weights)[21:39] - rest).max() < 0.5
+    assert opening(fit.weights)[[10, 50]].min() > rest + 5.0
+
+
 def test_time_takes_away_shaking_and_keeps_a_blink(model: FaceModel) -> None:
     weights = speaking(60).astype(np.float64)
     weights[:, ARKIT_INDEX["jawOpen"]] = 0.0

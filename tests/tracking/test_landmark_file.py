@@ -20,7 +20,10 @@ def some(path: Path) -> Tracked:
     random = np.random.default_rng(1)
     points = random.uniform(0, 300, (5, 478, 3))
     points[2] = np.nan
-    film = FilmLandmarks(path, np.arange(5) / 25, 25.0, None, (400, 300), points, np.ones(5))
+    colors = np.zeros((5, 478, 3), np.uint8)
+    film = FilmLandmarks(
+        path, np.arange(5) / 25, 25.0, None, (400, 300), points, np.ones(5), colors
+    )
     lens = Lens(np.zeros(2), 800.0)
     person = Person(np.zeros((1, 3)), np.zeros(1, np.intp), lens, 0.0, np.ones((2, 2)))
     return Tracked(film, np.zeros((5, 52)), np.zeros((5, 3)), np.array([1, 1, 0, 1, 0.5]), person)

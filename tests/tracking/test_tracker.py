@@ -116,6 +116,62 @@ def test_pictures_without_the_face_are_a_gap(
     assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(7, 6)]
 
 
+@pytest.mark.parametrize("tint", [(200, 150, 125), (25, 25, 28)], ids=["hand", "microphone"])
+def test_what_is_hidden_is_not_made_up(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]], tint: tuple[int, int, int]
+) -> None:
+    """The landmarker is sure of a mouth behind a hand; the take is not."""
+    hidden = list(pictures)
+    random = np.random.default_rng(1)
+    for index in range(8, 14):
+        picture = hidden[index].astype(np.float64)
+        fingers = picture[SIZE * 5 // 9 : SIZE * 7 // 9, SIZE // 3 : SIZE * 2 // 3]
+        fingers[:] = np.array(tint) + random.normal(0, 6, fingers.shape)
+        fingers[::14] *= 0.7
+        hidden[index] = np.clip(picture, 0, 255).astype(np.uint8)
+    found = track_film(make_face_film(tmp_path / "hand.mp4", hidden), shipped_rig())
+    assert (found.landmarks.probabilities[8:14] > 0.9).all()
+    assert not found.sure[8:14].any()
+    assert (found.confidence[:7] > 0.9).all()
+    assert (found.confidence[15:] > 0.9).all()
+
+
+def test_a_scene_in_other_light_is_no_hand(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    side = np.linspace(0.25, 1.5, SIZE)[None, :, None]
+    lit = [
+        np.clip(picture * (side if index < 20 else side[:, ::-1]), 0, 255).astype(np.uint8)
+        for index, picture in enumerate(pictures)
+    ]
+    found = track_film(make_face_film(tmp_path / "light.mp4", lit), shipped_rig())
+    assert found.sure.all()
+
+
+def test_a_pause_of_the_camera_is_a_gap_and_no_slow_film(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    times = np.arange(len(pictures)) / RATE
+    times[20:] += 30.0
+    found = track_film(
+        make_face_film(tmp_path / "paused.mp4", pictures, times.tolist()), shipped_rig()
+    )
+    write_take(found, tmp_path / "take.csv")
+    clip = open_take(tmp_path / "take.csv").clip
+    assert clip.rate == pytest.approx(RATE)
+    assert [gap.frame for gap in clip.gaps] == [19]
+
+
+def test_a_moment_between_lost_pictures_is_lost_too(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    hidden = list(pictures)
+    for index in (8, 9, 11, 12, 30, 34):
+        hidden[index] = np.full((SIZE, SIZE, 3), 90, np.uint8)
+    found = track_film(make_face_film(tmp_path / "gone.mp4", hidden), shipped_rig())
+    assert np.flatnonzero(~found.sure).tolist() == [8, 9, 10, 11, 12, 30, 34]
+
+
 def test_the_largest_face_is_tracked_or_the_one_that_was_chosen(
     tmp_path: Path, pictures: list[NDArray[np.uint8]]
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from importlib.metadata import version
+from typing import Any
 
 import pytest
 from PySide6.QtCore import Qt
@@ -16,7 +17,7 @@ from support.windows import Bench, trigger
 from faceedit_app.ui.commands.help import about_dialog, shortcuts_dialog
 from faceedit_app.ui.commands.menus import MENUS, help_rows
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.actions import shown_keys
+from faceedit_app.ui.state.actions import Menu, shown_keys
 
 LETTER = re.compile("&(.)")
 COMMANDS = [command for menu in MENUS for command in menu.commands]
@@ -273,3 +274,20 @@ def test_alt_and_a_letter_opens_one_menu() -> None:
     letters = [LETTER.findall(menu.title.lower()) for menu in MENUS]
     assert all(len(found) == 1 for found in letters)
     assert len({found[0] for found in letters}) == len(MENUS)
+
+
+@pytest.mark.parametrize("menu", MENUS, ids=lambda menu: menu.name)
+def test_in_a_menu_a_letter_belongs_to_one_entry(menu: Menu[Any]) -> None:
+    entries: dict[str, list[str]] = {"": []}
+    for command in menu.commands:
+        if command.submenu and command.submenu not in entries:
+            entries[""].append(command.submenu)
+        entries.setdefault(command.submenu, []).append(command.text)
+    for submenu, texts in entries.items():
+        letters = Counter(letter for text in texts for letter in LETTER.findall(text.lower()))
+        twice = {
+            letter: [text for text in texts if f"&{letter}" in text.lower()]
+            for letter, count in letters.items()
+            if count > 1
+        }
+        assert twice == {}, submenu or menu.name

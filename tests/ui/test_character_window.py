@@ -11,13 +11,13 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from support.character_files import write_glb, write_objs
 from support.waiting import wait_for_background
-from support.windows import Bench, add_edit, drop, session_of, trigger
+from support.windows import Bench, add_edit, drop, editor_of, session_of, trigger
 
 from faceedit_app.characters.map_file import map_path
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.ui.character.checklist import CharacterChecklist
 from faceedit_app.ui.character.points_overlay import PointsOverlay
-from faceedit_app.ui.character.shape_table import NO_SHAPE, SHAPE
+from faceedit_app.ui.character.shape_table import LIMIT, MULTIPLIER, NO_SHAPE, SHAPE
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow
 
@@ -65,6 +65,23 @@ def test_a_character_is_shown_with_its_checklist_and_ours_comes_back(
     assert session.shown_rig is session.rig
     assert not checklist.isVisible()
     assert not window.actions_["own_character"].isEnabled()
+
+
+def test_the_checklist_waits_until_the_first_steps_are_read(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    hints = editor_of(window).hints
+    trigger(window, "first_steps")
+    open_character(bench, window, head, monkeypatch)
+    assert window.findChild(CharacterChecklist) is None
+    assert hints.isVisible()
+    hints.skip_button.click()
+    assert checklist_of(window).isVisible()
+    trigger(window, "first_steps")
+    assert not checklist_of(window).isVisible()
+    hints.skip_button.click()
+    assert checklist_of(window).isVisible()
 
 
 def test_a_character_that_cannot_be_read_leaves_the_old_one(
@@ -124,6 +141,31 @@ def test_another_shape_is_chosen_in_the_table_and_saved_beside_the_character(
     stored = json.loads(map_path(head).read_text(encoding="utf-8"))
     assert stored["channels"] == {"jawOpen": ["mouthFunnel"]}
     assert not checklist.save.isEnabled()
+
+
+def test_the_strength_of_a_channel_is_set_in_the_table_shown_and_saved(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    open_character(bench, window, head, monkeypatch)
+    checklist, session = checklist_of(window), session_of(window)
+    before, weights = session.rig_weights(20), session.weights.copy()
+    model = checklist.table.model()
+    row = next(r for r in range(model.rowCount()) if model.index(r, 0).data() == "jawOpen")
+    assert model.index(row, MULTIPLIER).data() == "1.00"
+    assert model.flags(model.index(row, MULTIPLIER)) & Qt.ItemFlag.ItemIsEditable
+    model.setData(model.index(row, MULTIPLIER), 0.5)
+    model.setData(model.index(row, LIMIT), 2.0)  # beyond the range: no limit
+    jaw = session.shown_rig.channel_index["jawOpen"]
+    assert session.rig_weights(20)[jaw] == pytest.approx(before[jaw] / 2)
+    np.testing.assert_array_equal(session.weights, weights)  # the take is as it was
+    assert model.index(row, MULTIPLIER).data() == "0.50"
+    QTest.mouseClick(checklist.save, Qt.MouseButton.LeftButton)
+    stored = json.loads(map_path(head).read_text(encoding="utf-8"))
+    assert stored["strength"] == {"jawOpen": {"multiplier": 0.5, "offset": 0.0, "limit": 1.0}}
+    trigger(window, "own_character")
+    open_character(bench, window, head, monkeypatch)
+    assert session.shown_rig.levels.by_channel == {"jawOpen": (0.5, 0.0, 1.0)}
 
 
 def test_choices_that_leave_no_face_are_refused(

@@ -248,7 +248,7 @@ def test_without_a_take_it_says_what_to_do(qtbot: QtBot) -> None:
     panel.resize(600, 500)
     panel.show()
     labels = [label for label in panel.findChildren(QLabel) if label.isVisible()]
-    assert [label.text() for label in labels] == ["Open a take (Ctrl+O) or drop a CSV here"]
+    assert [label.text() for label in labels] == ["Open a take (Ctrl+O) or drop one here"]
     panel.refresh()
     panel.cancel_drag()
 

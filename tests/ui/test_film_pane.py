@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from PySide6.QtGui import QImage
 from support.films import make_film
 from support.media import FakeOutput, settle, shown, with_media
@@ -96,3 +97,28 @@ def test_a_film_that_vanishes_says_so(bench: Bench, devices: list[FakeOutput]) -
     path.unlink()
     window.timeline.go_to_time(2.0)
     bench.qtbot.waitUntil(lambda: "is missing" in screen._note, timeout=10_000)
+
+
+@pytest.mark.parametrize("place", ["above", "below", "beside"])
+def test_the_film_lies_where_it_was_put_and_stays_there(
+    place: str, bench: Bench, devices: list[FakeOutput]
+) -> None:
+    window = bench.editing()
+    window.show()
+    assert not window.actions_[f"film_{place}"].isEnabled(), "there is no film yet"
+    window.media.add(make_film(bench.folder / "a.mp4", 60, 30))
+    settle(bench, window)
+    trigger(window, f"film_{place}")
+    page = editor_of(window)
+    film, face = page.film.geometry(), page.face.geometry()
+    lies = {
+        "beside": film.right() < face.left(),
+        "above": film.bottom() < face.top(),
+        "below": face.bottom() < film.top(),
+    }
+    assert [name for name, there in lies.items() if there] == [place]
+    assert min(film.width(), film.height(), face.width(), face.height()) >= 140
+    ticked = [n for n in ("beside", "above", "below") if window.actions_[f"film_{n}"].isChecked()]
+    assert ticked == [place]
+    again = bench.editing()
+    assert editor_of(again).film_place == place

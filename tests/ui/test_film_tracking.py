@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 from support.face_films import RATE, SIZE, face_pictures, make_face_film, speaking
-from support.films import make_film
+from support.films import make_film, make_wav
 from support.media import settle
 from support.tracker import needs_tracker
 from support.windows import Bench, drop, editor_of, open_path, session_of, trigger
@@ -101,6 +103,53 @@ def test_a_film_without_a_face_is_one_message(bench: Bench, tmp_path: Path) -> N
     assert "shows no face" in bench.errors[0]
     assert open_path(window) == bench.take
     assert not (tmp_path / "n.csv").exists()
+
+
+def _broken(path: Path) -> None:
+    path.write_bytes(b"no film at all" * 40)
+
+
+def _sound_only(path: Path) -> None:
+    path.write_bytes(make_wav(path.with_suffix(".wav")).read_bytes())
+
+
+def _photo(path: Path) -> None:
+    Image.new("RGB", (64, 64)).save(path, "JPEG")
+
+
+def _animated(path: Path) -> None:
+    frames = [Image.new("RGB", (64, 64), (5 * i, 0, 0)) for i in range(12)]
+    frames[0].save(path, "GIF", save_all=True, append_images=frames[1:], duration=40)
+
+
+def _slow(path: Path) -> None:
+    make_film(path, frames=12, rate=2)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (Path.touch, "cannot be read"),
+        (Path.mkdir, "is not a regular file"),
+        (_broken, "cannot be read"),
+        (_sound_only, "has no pictures"),
+        (_photo, "is a picture, not a film"),
+        (_animated, "is a picture, not a film"),
+        (_slow, "has 2 pictures a second"),
+    ],
+)
+def test_what_is_no_film_is_one_message_and_the_take_stays(
+    bench: Bench, tmp_path: Path, make: Callable[[Path], object], said: str
+) -> None:
+    window, path = bench.editing(), tmp_path / "film.mp4"
+    make(path)
+    bench.answers |= {"film_to_track": path, "save_take": tmp_path / "new.csv"}
+    trigger(window, "track_film")
+    bench.qtbot.waitUntil(lambda: bool(bench.errors), timeout=30_000)
+    assert said in bench.errors[0]
+    assert "\n" not in bench.errors[0]
+    assert open_path(window) == bench.take
+    assert not list(tmp_path.glob("new*"))
 
 
 def test_a_click_on_the_picture_tracks_the_face_there(

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from faceedit_app.core.clip import Clip
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.gestures import (
     CurveDrag,
@@ -24,13 +25,14 @@ from faceedit_app.ui.curves.ticks import frame_ticks, nice_step, time_label, tim
 from faceedit_app.ui.curves.tools import Press, move
 from faceedit_app.ui.curves.value_range import fitted, grown, stretched
 
+CLIP = Clip(np.zeros((600, 1), np.float32), ("jawOpen",), np.arange(600) / 60.0, 60.0)
 SCALE = Scale(width=500, height=100, view=(0.0, 10.0), values=(0.0, 20.0))  # 0.2 mm a pixel
 
 
 def drag_from(x: float = 100.0, y: float = 50.0) -> CurveDrag:
     span, limits = Span(2.0, 2.0, 0.3), (0.0, 40.0)
     mine = ("mouth_opening",)
-    return move(Press(mine[0], mine, (x, y), 2.0, SCALE, span, 10.0, 8.0, limits))
+    return move(Press(mine[0], mine, (x, y), 2.0, SCALE, span, 10.0, 8.0, limits, CLIP))
 
 
 # --- dragging a curve ----------------------------------------------------------------------

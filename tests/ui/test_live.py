@@ -64,6 +64,21 @@ def test_the_face_on_screen_is_sent(bench: Bench, receiver: Receiver) -> None:
     assert not window.actions_["live"].isChecked()
 
 
+def test_the_head_is_sent_as_the_view_shows_it(bench: Bench, receiver: Receiver) -> None:
+    window = bench.editing()
+    session = window.document.session
+    assert session is not None
+    assert session.rotations is not None
+    switch_on(bench, window, receiver)
+    window.timeline.go_to_time(float(session.take.clip.times[90]))
+    straight = last_pose(receiver).rotations
+    assert straight is not None
+    assert not straight.any()
+    trigger(window, "follow_head")
+    window.timeline.go_to_time(float(session.take.clip.times[91]))
+    np.testing.assert_array_equal(last_pose(receiver).rotations, session.rotations[91])
+
+
 def test_nothing_is_sent_until_it_is_asked_for(bench: Bench, receiver: Receiver) -> None:
     window = bench.editing()
     window.timeline.go_to_time(0.8)
@@ -77,7 +92,7 @@ def test_a_wrong_address_is_told(bench: Bench) -> None:
     window = bench.editing()
     bench.answers["live"] = (LIVELINK, "no such host", 1)
     trigger(window, "live")
-    assert "is no address" in bench.errors[0]
+    assert "is not an address" in bench.errors[0]
     assert not window.actions_["live"].isChecked()
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
+from PySide6.QtCore import QEvent, QModelIndex, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel, QToolButton, QTreeWidgetItem
+from PySide6.QtWidgets import QLabel, QToolButton
 from support.waiting import run_events
 from support.windows import Bench, editor_of, session_of
 
@@ -123,10 +123,7 @@ def test_a_problem_of_any_kind_is_marked_and_listed(window: MainWindow) -> None:
     found = [Problem(kind, i, i + 0.5, i, (), "x", "1 mm", 0.5, ()) for i, kind in enumerate(Kind)]
     editor.problems.problems = tuple(found)
     editor.problems.found.emit()
-    rows = editor.problem_list.rows
-    items = [rows.topLevelItem(i) for i in range(rows.topLevelItemCount())]
-    texts = {item.text(0) for item in items if item is not None}
-    assert len(texts) == len(Kind)
+    assert len(set(texts(window))) == len(Kind)
     assert editor.problem_list.kinds.count() == len(Kind) + 1
     assert not editor.problems.grab().isNull()
 
@@ -183,9 +180,14 @@ def test_a_problem_is_shown_where_it_is_worst_and_large_enough_to_judge(
 # --- the list of problems ------------------------------------------------------------------------
 
 
-def rows_of(window: MainWindow) -> list[QTreeWidgetItem]:
-    tree = editor_of(window).problem_list.rows
-    return [tree.topLevelItem(i) for i in range(tree.topLevelItemCount())]  # type: ignore[misc]
+def cells(window: MainWindow, column: int = 0) -> list[QModelIndex]:
+    """The cells of the list in one column, from top to bottom."""
+    model = editor_of(window).problem_list.model
+    return [model.index(row, column) for row in range(model.rowCount())]
+
+
+def texts(window: MainWindow, column: int = 0) -> list[str]:
+    return [cell.data() for cell in cells(window, column)]
 
 
 def test_the_list_says_what_when_and_how_bad(window: MainWindow) -> None:
@@ -193,18 +195,17 @@ def test_the_list_says_what_when_and_how_bad(window: MainWindow) -> None:
     trigger(window, "list_problems")
     assert editor.problem_list.isVisible()
     assert editor.lists.tabText(1) == "Problems  2"
-    shown = [[row.text(column) for column in range(3)] for row in rows_of(window)]
-    assert [row[0] for row in shown] == ["Half blink", "Lips stay open"]
+    assert texts(window) == ["Half blink", "Lips stay open"]
     problems = editor.problems.problems
-    assert [row[2] for row in shown] == [problem.amount for problem in problems]
-    assert shown[0][1] == f"{problems[0].time:.3f} s"
+    assert texts(window, 2) == [problem.amount for problem in problems]
+    assert texts(window, 1)[0] == f"{problems[0].time:.3f} s"
     trigger(window, "unit_frames")
-    assert rows_of(window)[0].text(1) == str(session.take.clip.frame_at(problems[0].time) + 1)
+    assert texts(window, 1)[0] == str(session.take.clip.frame_at(problems[0].time) + 1)
     tree = editor.problem_list.rows
-    place = tree.visualItemRect(rows_of(window)[1]).center()
+    place = tree.visualRect(cells(window)[1]).center()
     QTest.mouseClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=place)
     assert window.timeline.time == pytest.approx(problems[1].time, abs=1e-3)
-    assert [row.isSelected() for row in rows_of(window)] == [False, True]
+    assert tree.selectionModel().selectedRows() == [cells(window)[1]]
 
 
 def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
@@ -214,9 +215,9 @@ def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
     tree.sortByColumn(2, Qt.SortOrder.DescendingOrder)
     severities = [problem.severity for problem in editor.problems.problems]
     assert severities[1] > severities[0]
-    assert rows_of(window)[0].text(0) == "Lips stay open"
+    assert texts(window)[0] == "Lips stay open"
     found.kinds.setCurrentIndex(1)
-    assert [row.text(0) for row in rows_of(window)] == ["Lips stay open"]
+    assert texts(window) == ["Lips stay open"]
     trigger(window, "fix_all", "accept_fix")
     assert session_of(window).edits == lips.fix
     assert [problem.kind for problem in editor.problems.problems] == ["blink"]
@@ -228,13 +229,14 @@ def test_what_is_unticked_is_left_alone(window: MainWindow) -> None:
     trigger(window, "fix_all")
     assert editor.problem_list.isVisible()
     assert "2 problems" in editor.proposal.text.text()
-    rows_of(window)[0].setCheckState(0, Qt.CheckState.Unchecked)
+    tick = Qt.ItemDataRole.CheckStateRole
+    editor.problem_list.model.setData(cells(window)[0], Qt.CheckState.Unchecked, tick)
     assert "1 problem " in editor.proposal.text.text()
     frame = session.take.clip.frame_at(blink.time)
     assert session.asked[frame, LEFT_EYE] == session.tracked[frame, LEFT_EYE]
     trigger(window, "accept_fix")
     assert session.edits == lips.fix
-    assert rows_of(window)[0].checkState(0) is Qt.CheckState.Unchecked, "it stays unticked"
+    assert cells(window)[0].data(tick) is Qt.CheckState.Unchecked, "it stays unticked"
     assert not window.actions_["fix_all"].isEnabled()
 
 
@@ -291,3 +293,23 @@ def test_another_gesture_drops_a_proposal(window: MainWindow) -> None:
     trigger(window, "next_problem", "fix_problem", "fix_calm_down")
     assert not editor.proposal.isVisible()
     assert all(edit.name.startswith("Calm down") for edit in session.edits)
+
+
+def test_a_list_of_thousands_makes_the_texts_of_what_is_in_view(
+    window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    editor = editor_of(window)
+    trigger(window, "list_problems")
+    asked: list[float] = []
+
+    def shown_time(seconds: float) -> str:
+        asked.append(seconds)
+        return "1 s"
+
+    monkeypatch.setattr(editor.problem_list.model, "_shown_time", shown_time)
+    editor.problems.problems = tuple(
+        Problem(Kind.JITTER, i, i / 60, i / 60, (), "x", "1 mm", 0.5, ()) for i in range(5000)
+    )
+    editor.problems.found.emit()
+    editor.problem_list.grab()
+    assert 0 < len(asked) < 500

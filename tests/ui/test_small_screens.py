@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-
 import pytest
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QScreen
@@ -35,15 +32,6 @@ def test_every_menu_is_one_column_on_a_small_laptop(bench: Bench) -> None:
     assert len(menus) > 8
     for menu in menus:
         assert menu.sizeHint().height() <= 540, menu.title()
-
-
-def test_no_letter_opens_two_entries_of_a_menu(bench: Bench) -> None:
-    twice = {}
-    for menu in bench.window().menuBar().findChildren(QMenu):
-        texts = [action.text().split("\t")[0] for action in menu.actions()]
-        letters = Counter(found for text in texts for found in re.findall("&([^&])", text.lower()))
-        twice[menu.title()] = [letter for letter, count in letters.items() if count > 1]
-    assert not any(twice.values()), twice
 
 
 def test_the_window_fits_1080_lines_at_twice_the_size(

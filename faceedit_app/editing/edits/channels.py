@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, ROTATIONS, mirrored_channel
+from faceedit_app.core.levels import STRONGEST_LEVEL, is_level
 
 # All that an edit can name: weights in ARKit order, then rotations in degrees.
 CHANNELS: tuple[str, ...] = (*ARKIT_CHANNELS, *ROTATIONS)
@@ -13,7 +14,6 @@ OPS = frozenset({"offset", "scale", "smooth", "draw", "limit", "neutral", "level
 CHANNEL_OPS = frozenset({"limit", "neutral", "levels"})
 # How many amounts each channel has.
 _AMOUNTS = {"neutral": 2, "levels": 3}
-STRONGEST_LEVEL = 10.0  # multiplier of a channel
 
 
 def is_rotation(channel: str) -> bool:
@@ -55,8 +55,7 @@ def _amounts_problem(
     if op == "neutral" and not all(0 <= rest < peak for rest, peak in amounts):
         return "a neutral needs a rest of 0 or more, below its peak"
     if op == "levels" and not all(
-        0 <= factor <= STRONGEST_LEVEL and abs(offset) <= 1 and 0 < limit <= 1
-        for factor, offset, limit in amounts
+        is_level((factor, offset, limit)) for factor, offset, limit in amounts
     ):
         return (
             f"levels need a multiplier of 0 to {STRONGEST_LEVEL:g}, an offset of -1 to 1 and a "

@@ -26,6 +26,7 @@ def _together() -> Iterator[tuple[frozenset[str], str]]:
         yield frozenset(every), "All curves"
 
 
+_SAME = 2e-4  # seconds, twice their rounding
 _TOGETHER = {controls: name for controls, name in _together() if len(controls) > 1}
 
 
@@ -54,6 +55,8 @@ def describe(edit: Edit) -> str:
         case Op.FILL:
             whole = {*edit.controls}.issuperset(MAIN_CONTROLS)
             return "Fill" if whole else f"Fill {_lower(what)}"
+        case Op.RETIME:
+            return _describe_retime(edit)
         case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
             raise ValueError(f"{edit.op} is for channels")
 
@@ -107,6 +110,8 @@ def name_channels(channels: Sequence[str]) -> str:
 
 def describe_what(*edits: Edit) -> str:
     """What edits change together: a name for their curves and channels."""
+    if all(edit.op is Op.RETIME for edit in edits):
+        return "Whole face"
     controls = {name for edit in edits for name in edit.controls}
     channels = {name for edit in edits for name in edit.channels}
     parts = []
@@ -131,6 +136,23 @@ def _describe_set(edit: Edit, what: str) -> str:
             return f"Close {part}"
         return f"Close {_lower(what).removesuffix(' opening')}"
     return f"{what} to {one_decimal(edit.value)} mm"
+
+
+def _describe_retime(edit: Edit) -> str:
+    """What the pins do, where it is one simple thing."""
+    moves = [now - was for was, now in edit.pins]
+    if not edit.pins:
+        return "Retime"
+    (was, now), (then_was, then_now) = edit.pins[0], edit.pins[:2][-1]
+    if len(edit.pins) < 3 and abs(moves[0] - moves[-1]) < _SAME:
+        return f"Move in time {moves[0]:+.2f} s".replace("-", "−")
+    if abs(then_now - now) < _SAME:
+        return f"Cut {then_was - was:.2f} s"
+    if abs(then_was - was) < _SAME:
+        return f"Insert {then_now - now:.2f} s"
+    if len(edit.pins) > 2:
+        return "Retime"
+    return f"Stretch to {100 * (then_now - now) / (then_was - was):.0f} %"
 
 
 def describe_controls(controls: Sequence[str]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -26,6 +27,8 @@ STRONGEST = 1.5  # of `Edit.strength`
 LONGEST_FILL = 4.0  # seconds that Fill makes at once
 MOST_SEED = 999
 MOST_POINTS = 200_000
+MOST_PINS = 20_000
+PIN_SLACK = 1e-6  # seconds by which rounding may bring pins out of the range
 MOST_EDITS = 10_000  # of one take; with more, a drag could not be followed
 
 
@@ -42,6 +45,9 @@ class Op(StrEnum):
     # Replace the regions of its curves by other motion of the take; `value` is ignored, `points`
     # are the mouth opening that this motion should have, mm, if any (`solving/filling.py`).
     FILL = "fill"
+    # Play the take in the range along another clock, `pins` (`clock.py`): all channels, head and
+    # eyes; `value` is ignored.
+    RETIME = "retime"
     # Of channels only; see `channels.py`.
     LIMIT = "limit"  # approach a ceiling of `value` smoothly
     NEUTRAL = "neutral"  # subtract a rest pose; `amounts`: rest and peak
@@ -58,7 +64,9 @@ class Company(StrEnum):
 
 WITH_POINTS = (Op.DRAW, Op.ADD)
 WITH_AMOUNTS = (Op.NEUTRAL, Op.LEVELS)
-WITHOUT_VALUE = (Op.RESET, Op.FILL, *WITH_POINTS, *WITH_AMOUNTS)
+# They change the take that all other edits start from.
+OF_THE_TAKE = (Op.FILL, Op.RETIME)
+WITHOUT_VALUE = (Op.RESET, *OF_THE_TAKE, *WITH_POINTS, *WITH_AMOUNTS)
 
 
 @dataclass(frozen=True)
@@ -80,6 +88,9 @@ class Edit:
             linearly, constant before the first and after the last.
         companions: what happens to the companions of its curves.
         seed: which variation a `fill` is; 0 is the most likely one.
+        pins: (was, is) seconds, for `retime`: what the take shows at `was` is shown at `is`. Both
+            never fall and stay within the range, whose ends keep their time. Pins that share `is`
+            cut what lies between them; pins that share `was` hold the face.
         channels: names of the channels that change, in place of curves. Then `value`, `about` and
             `points` are weights, or degrees for rotations.
         amounts: per channel, for `neutral` and `levels`; see `Op`.
@@ -104,6 +115,7 @@ class Edit:
     seed: int = 0
     channels: tuple[str, ...] = ()
     amounts: tuple[tuple[float, ...], ...] = ()
+    pins: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
@@ -137,6 +149,8 @@ class Edit:
             raise ValueError(f"only a fill can have a seed, 1 to {MOST_SEED}")
         if self.points or self.op in WITH_POINTS:
             self._check_points()
+        if self.pins or self.op is Op.RETIME:
+            self._check_pins()
 
     def _check_points(self) -> None:
         if self.op not in (*WITH_POINTS, Op.FILL):
@@ -148,6 +162,19 @@ class Edit:
         if not (np.diff(self.polyline[0]) > 0).all():
             raise ValueError("its points are not in order of time")
 
+    def _check_pins(self) -> None:
+        if self.op is not Op.RETIME:
+            raise ValueError(f"a {self.op} has no pins")
+        if self.falloff or self.fade_out:
+            raise ValueError("a retime has no falloff")
+        if len(self.pins) > MOST_PINS:
+            raise ValueError(f"a retime has at most {MOST_PINS} pins")
+        pins = np.array([(self.start, self.start), *self.pins, (self.end, self.end)], np.float64)
+        if not np.isfinite(pins).all():
+            raise ValueError("its pins are not numbers")
+        if (np.diff(pins, axis=0) < -PIN_SLACK).any():
+            raise ValueError("its pins cross, or lie outside its range")
+
     @cached_property
     def polyline(self) -> Doubles:
         """(2, P) float64: the seconds and the millimetres of `points`."""
@@ -158,7 +185,7 @@ class Edit:
         return hash(
             (
                 *(self.controls, self.channels, self.op, self.start, self.end, self.falloff),
-                *(self.value, self.points, self.seed),
+                *(self.value, self.points, self.seed, self.pins),
             )
         )
 
@@ -183,6 +210,8 @@ class Edit:
         """
         if not self.enabled or self.strength == 0:
             return None
+        if self.op is Op.RETIME and not any(was != now for was, now in self.pins):
+            return None
         fade = None if self.falloff_out == self.falloff else self.falloff_out
         if not self.name and fade == self.falloff_out:
             return self
@@ -196,18 +225,29 @@ class Edit:
         return fade(before, self.falloff) * fade(after, self.fade_out)
 
     def shifted(self, seconds: float) -> Edit:
-        """The edit moved by some seconds, with its points."""
-        points = tuple((t + seconds, mm) for t, mm in self.points)
-        return replace(self, start=self.start + seconds, end=self.end + seconds, points=points)
+        """The edit moved by some seconds, with its points and pins."""
+        return self._mapped(
+            self.start + seconds, self.end + seconds, lambda second: second + seconds
+        )
 
     def stretched(self, start: float, end: float) -> Edit:
-        """The edit with another hold; its points are scaled along."""
+        """The edit with another hold; its points and pins are scaled along."""
         width = self.end - self.start
         factor = (end - start) / width if width > 0 else 1.0
-        points = tuple((start + factor * (t - self.start), mm) for t, mm in self.points)
         if factor <= 0:  # a hold of no length: all points would fall together
-            points = points[:1]
-        return replace(self, start=start, end=end, points=points)
+            points = tuple((start, mm) for _, mm in self.points[:1])
+            return replace(self, start=start, end=end, points=points, pins=())
+        return self._mapped(start, end, lambda second: start + factor * (second - self.start))
+
+    def _mapped(self, start: float, end: float, to: Callable[[float], float]) -> Edit:
+        """The edit with another hold, and its points and pins at other times."""
+        return replace(
+            self,
+            start=start,
+            end=end,
+            points=tuple((to(t), mm) for t, mm in self.points),
+            pins=tuple((to(was), to(now)) for was, now in self.pins),
+        )
 
     def mirrored(self) -> Edit:
         """The edit on the other side of the face.
@@ -272,6 +312,8 @@ def _optional(edit: Edit) -> dict[str, Any]:
         entry["points"] = [list(point) for point in edit.points]
     if edit.amounts:
         entry["amounts"] = [list(amounts) for amounts in edit.amounts]
+    if edit.pins:
+        entry["pins"] = [list(pin) for pin in edit.pins]
     return entry
 
 
@@ -301,6 +343,7 @@ def from_json(entry: Any) -> Edit:
         seed=fields.whole("seed", high=MOST_SEED) if fields.has("seed") else 0,
         channels=channels,
         amounts=fields.rows("amounts"),
+        pins=fields.pairs("pins", MOST_PINS),
     )
     fields.finish()
     return edit

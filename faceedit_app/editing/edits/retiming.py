@@ -24,4 +24,5 @@ def retimed(edit: Edit, factor: float) -> Edit:
         falloff_out=later,
         value=value,
         points=tuple((time * factor, mm) for time, mm in edit.points),
+        pins=tuple((was * factor, now * factor) for was, now in edit.pins),
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
+from faceedit_app.core.levels import UNCHANGED, Level
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 
@@ -24,8 +25,6 @@ NOT_NEUTRAL: Mapping[str, float] = {
     "jawOpen": 0.15,
 }
 _SHORTEST = 3.0  # seconds; in less, a face may well not come to rest
-Level = tuple[float, float, float]  # multiplier, offset, ceiling
-UNCHANGED: Level = (1.0, 0.0, 1.0)
 
 
 def neutral_at(

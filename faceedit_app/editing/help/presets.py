@@ -21,7 +21,7 @@ import platformdirs
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.fields import FieldError, Fields, clean_text, read_document, to_text
-from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
+from faceedit_app.editing.edits.edit import Edit, Op, edits_from, to_json
 
 VERSION = 1
 SHIPPED = Path(__file__).parent / "presets"
@@ -193,6 +193,8 @@ def save_preset(
         replace(edit, start=max(edit.start, start), end=min(edit.end, end)).shifted(-start)
         for edit in edits
         if edit.effect is not None and edit.start <= end and edit.end >= start
+        # A part of a retime is none.
+        if edit.op is not Op.RETIME or (edit.start >= start and edit.end <= end)
     ]
     if not kept:
         raise FaceEditError("There is no edit in the selection; make one, then save the preset")

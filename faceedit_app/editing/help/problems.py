@@ -10,10 +10,11 @@ import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
+from faceedit_app.editing.help.confidence import confidence_of
 from faceedit_app.editing.help.events import (
     LID_COLUMNS,
     closed_lips,
@@ -35,12 +36,14 @@ SHAKE_WINDOW = 0.5  # seconds
 STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
 BESIDE = 0.15  # seconds on either side of a gap that may change so that motion runs through
+UNSURE = 0.8  # confidence below which the tracker may be wrong; below 0.5 it is a gap
 JUMP = 1.5  # mm across a gap that are noticeable
 TOGETHER = 0.3  # seconds; faults closer than this are reported as one
 # What counts as entirely wrong, for `Problem.severity`.
 WIDE_APART = 5.0  # mm between lips that should meet
 VIOLENT = 1.5  # mm of shaking
 MANY = 12  # lost frames
+HARDLY = 0.5  # confidence
 
 
 class Kind(StrEnum):
@@ -51,6 +54,7 @@ class Kind(StrEnum):
     JITTER = "jitter"  # a curve shakes from frame to frame
     CHARACTER = "character"  # lips or lids are open on the user's character only
     DROPPED = "dropped"  # the recording lost frames
+    UNSURE = "unsure"  # the tracker hardly saw the face
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,9 @@ def find_problems(session: EditSession) -> list[Problem]:
     take, rigs = session.take, (session.rig, session.shown_rig)
     lost = take.lost_rows.positions if take.lost_rows is not None else ()
     shown = session.weights, session.achieved
-    return problems_of(take.clip, *shown, rigs, closures_of(session), lost)
+    return problems_of(
+        take.clip, *shown, rigs, closures_of(session), lost, confidence_of(take), session.edits
+    )
 
 
 def problems_of(
@@ -94,6 +100,8 @@ def problems_of(
     rigs: tuple[Rig, Rig] | None = None,
     spoken: Sequence[Closure] = (),
     lost: Sequence[float] = (),
+    confidence: Doubles | None = None,
+    edits: Sequence[Edit] = (),
 ) -> list[Problem]:
     """The problems of a clip, in order of time.
 
@@ -104,14 +112,18 @@ def problems_of(
         rigs: FaceEdit's own character, and the one shown.
         spoken: each m, b and p, if the words are known.
         lost: the rows that a fill can give a face to, see `LostRows.positions`.
+        confidence: (T,) of the tracker, if it is known.
+        edits: where they fill, it does not matter how sure the tracker was.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
+    main = measured[:, [CONTROL_INDEX[control] for control in MAIN_CONTROLS]]
     found = [
         *_spoken(spoken),
         *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
-        *_jitter(clip, measured),
-        *_dropped(clip, measured, lost),
+        *_jitter(clip, main),
+        *_dropped(clip, main, lost),
+        *_unsure(clip, confidence, edits),
     ]
     if rigs is not None and rigs[0] is not rigs[1]:
         found += map(_on_character, gaps_on_character(clip, weights, *rigs))
@@ -210,7 +222,7 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
         first, last = max(first - window // 4, 0), min(last + window // 4, len(clip) - 1)
         start, end = (round(float(clip.times[frame]), 4) for frame in (first, last))
         which = np.flatnonzero(shaking[first : last + 1].any(axis=0))
-        ids = tuple(CONTROL_IDS[i] for i in which)
+        ids = tuple(MAIN_CONTROLS[i] for i in which)
         shakes = np.abs(ripple[first : last + 1, which]).max(axis=1)
         amount = float(shakes.max())
         worst = float(clip.times[first + int(shakes.argmax())])
@@ -255,15 +267,51 @@ def _dropped(clip: Clip, controls: Doubles, lost: Sequence[float]) -> list[Probl
         steps = np.abs(after - before[: len(after)])
         jumps = steps.max(axis=0, initial=0.0)
         worst = float(clip.times[first + int(steps.max(axis=1).argmax())]) if len(steps) else start
-        moved = tuple(name for name, jump in zip(CONTROL_IDS, jumps, strict=True) if jump > JUMP)
+        moved = tuple(name for name, jump in zip(MAIN_CONTROLS, jumps, strict=True) if jump > JUMP)
         helps = bool(moved) or any(first < position < last + 1 for position in lost)
-        fix = (_through(clip, moved or CONTROL_IDS, start, end),) if helps else ()
+        fix = (_through(clip, moved or MAIN_CONTROLS, start, end),) if helps else ()
         size = counted(missing, "frame"), _share(missing, MANY)
         frames = "1 frame is" if missing == 1 else f"{missing} frames are"
         message = f"{frames} missing" + (
             f"; a jump in: {describe_controls(moved)}" if moved else ""
         )
         found.append(Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix))
+    return found
+
+
+def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> list[Problem]:
+    if confidence is None:
+        return []
+    unsure: Bools = confidence < UNSURE
+    for start, end in clip.gap_times:  # beside a gap the fill of the gap covers them
+        unsure = unsure & ~((clip.times >= start - BESIDE) & (clip.times <= end + BESIDE))
+    for edit in edits:
+        if edit.op is Op.FILL and edit.enabled:
+            unsure = unsure & ~((clip.times >= edit.start) & (clip.times <= edit.end))
+    found = []
+    for first, last in _runs(unsure, round(TOGETHER * clip.rate)):
+        start, end = (round(float(clip.times[frame]), 4) for frame in (first, last))
+        least = first + int(confidence[first : last + 1].argmin())
+        sure = float(confidence[least])
+        around = (
+            float(clip.times[max(first - 1, 0)]),
+            float(clip.times[min(last + 1, len(clip) - 1)]),
+        )
+        fits = around[1] - around[0] <= LONGEST_FILL
+        fill = Edit(MAIN_CONTROLS, Op.FILL, *around, BESIDE, name="Fill what is hidden")
+        found.append(
+            Problem(
+                Kind.UNSURE,
+                start,
+                end,
+                float(clip.times[least]),
+                MAIN_CONTROLS,
+                f"The face is hidden or turned away: the tracker is {100 * sure:.0f} % sure",
+                f"{100 * sure:.0f} %",
+                _share(UNSURE - sure, UNSURE - HARDLY),
+                (fill,) if fits else (),
+            )
+        )
     return found
 
 
@@ -275,7 +323,7 @@ def _through(clip: Clip, controls: tuple[str, ...], start: float, end: float) ->
     first, last = max(start - BESIDE, 0.0), min(end + BESIDE, float(clip.times[-1]))
     if last - first > LONGEST_FILL:
         return Edit(controls, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump")
-    return Edit(CONTROL_IDS, Op.FILL, round(first, 4), round(last, 4), 0.0, name="Fill the gap")
+    return Edit(MAIN_CONTROLS, Op.FILL, round(first, 4), round(last, 4), 0.0, name="Fill the gap")
 
 
 def _share(amount: float, most: float) -> float:

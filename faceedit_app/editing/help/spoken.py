@@ -6,7 +6,6 @@ is therefore looked for at the nearest dip of the curve, at most 80 ms away.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -201,8 +200,3 @@ def _shaped(preset: SoundPreset, word: Word, phoneme: Phoneme, time: float, miss
 
 def _within(time: float, span: tuple[float, float] | None) -> bool:
     return span is None or span[0] <= time <= span[1]
-
-
-def count_of(edits: Sequence[Edit], what: str) -> str:
-    """A number of things, such as “7 closures”."""
-    return f"{len(edits)} {what}" if len(edits) == 1 else f"{len(edits)} {what}s"

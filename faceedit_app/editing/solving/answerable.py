@@ -3,7 +3,8 @@
 A take need not have all channels. A curve is moved mostly by some of them: the width of the mouth
 by smiles and stretches, an eye by its blink. If those are missing, a solver would have to use the
 others, and shut the mouth to widen it. So a curve that lacks too much of its movement is not
-answered at all, and the user sees which channels it needs.
+answered at all, and the user sees which channels it needs. The jaw counts for the opening of the
+mouth alone: no other curve of a take without all channels may be moved by opening it.
 
 The share of each channel follows from how channels vary together in performances: if the curve
 c = J w moves by one millimetre, the most probable change of the weights is S J' / (J S J'), with S
@@ -20,10 +21,10 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.core.controls import CONTROL_INDEX, control_named
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, control_named
 from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS, Region
 from faceedit_app.core.rig import Distances, Rig
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit
 from faceedit_app.formats.take import Take
 
 if TYPE_CHECKING:  # the window is there before the networks
@@ -89,7 +90,9 @@ def find_lacks(
                 continue
             shares /= shares.sum()
             missing = [k for k, name in enumerate(region.channels) if name not in present]
-            if 1 - shares[missing].sum() < ENOUGH:
+            jaw = [k for k, name in enumerate(region.channels) if name == "jawOpen"]
+            jaws = 0.0 if control == LIP_OPENING or "jawOpen" not in present else shares[jaw].sum()
+            if 1 - shares[missing].sum() - jaws < ENOUGH * (1 - jaws):
                 missing.sort(key=lambda k: -shares[k])
                 main = [k for k in missing if shares[k] >= _MAIN] or missing[:1]
                 lacks[control] = Lack(control, tuple(region.channels[k] for k in main))
@@ -101,9 +104,9 @@ def unanswerable(
 ) -> tuple[Lack, ...]:
     """The curves of an edit that the take's channels cannot answer; they stay unchanged.
 
-    A fill copies whatever channels the take has.
+    A fill or a retime takes whatever channels the take has.
     """
-    if edit.op is Op.FILL:
+    if edit.op in OF_THE_TAKE:
         return ()
     lacks = find_lacks(take.clip.channels, rig.arkit_distances, engine)
     return tuple(lacks[control] for control in edit.controls if control in lacks)

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX, ROTATIONS
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.levels import softly_limited
 from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, Rows
@@ -22,8 +24,6 @@ from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.request import active, smoothing, smoothing_frames
 
 WEIGHTS = len(ARKIT_INDEX)
-# A soft limit leaves weights below this share of its ceiling as they are.
-KNEE = 0.7
 _FARTHEST_TURN = 180.0  # degrees
 _JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
 
@@ -49,6 +49,18 @@ class ChannelTask:
 Task = ChunkTask | ChannelTask
 
 
+class Answered(Protocol):
+    """A chunk whose curves have been answered."""
+
+    @property
+    def weights(self) -> Floats:
+        """(N, 52) in ARKit order."""
+
+    @property
+    def rotations(self) -> Floats | None:
+        """(N, 9) radians; None if the take has none."""
+
+
 def channels_of(clip: Clip) -> frozenset[str]:
     """The channels of a clip that can be edited: weights, and rotations if it has them."""
     turns = () if clip.rotations is None else ROTATIONS
@@ -72,9 +84,9 @@ class ChannelEdits:
 
     def __init__(self, clip: Clip, tracked: Floats) -> None:
         self._times, self._rate = clip.times, clip.rate
-        self._tracked, self._rotations = tracked, clip.rotations
         self._has = channels_of(clip)
-        self._medians = np.median(self._values(tracked, slice(0, len(tracked))), axis=0)
+        turns = None if clip.rotations is None else clip.rotations[: len(tracked)]
+        self._medians = np.median(self._values(tracked, turns), axis=0)
 
     def possible(self, edits: Sequence[Edit]) -> tuple[Edit, ...]:
         """The effective edits of channels, without the channels that the take lacks."""
@@ -128,18 +140,18 @@ class ChannelEdits:
         start, stop = np.searchsorted(self._times, (first - SLACK, last + SLACK))
         return int(start), int(stop)
 
-    def _values(self, weights: Floats, rows: slice) -> Doubles:
-        """(N, 61): the weights (N, 52), then the rotations as tracked, in degrees."""
+    def _values(self, weights: Floats, rotations: Floats | None) -> Doubles:
+        """(N, 61): the weights (N, 52), then the rotations (N, 9), in degrees."""
         turns = np.zeros((len(weights), len(CHANNELS) - WEIGHTS))
-        if self._rotations is not None:
-            turns = np.degrees(self._rotations[rows].astype(np.float64))
+        if rotations is not None:
+            turns = np.degrees(rotations.astype(np.float64))
         return np.concatenate([weights.astype(np.float64), turns], axis=1)
 
     def apply(
         self,
         task: ChannelTask,
         rows: slice,
-        base: Callable[[int, ChunkTask | None], Floats],
+        base: Callable[[int, ChunkTask | None], Answered],
         decimals: int,
     ) -> tuple[Floats, Floats | None]:
         """The weights (N, 52) and the rotations (N, 9) in radians of a chunk.
@@ -147,24 +159,27 @@ class ChannelEdits:
         Args:
             task: the task.
             rows: the chunk's frames.
-            base: answers the curves of a chunk: (N, 52) weights.
+            base: answers the curves of a chunk.
             decimals: to which changed numbers are rounded.
         """
         near = slice(*task.near)
         parts = [base(chunk, curves) for chunk, curves in task.bases]
         # The first part begins where its chunk does, at or before the first frame that is read.
         place = [chunk for chunk, _ in task.bases].index(task.chunk)
-        first = rows.start - sum(map(len, parts[:place]))
-        around = np.concatenate(parts)[near.start - first : near.stop - first]
-        before = self._values(around, near)
+        first = rows.start - sum(len(part.weights) for part in parts[:place])
+        read = slice(near.start - first, near.stop - first)
+        around = np.concatenate([part.weights for part in parts])[read]
+        turns = [part.rotations for part in parts if part.rotations is not None]
+        turned = np.concatenate(turns)[read] if turns else None
+        before = self._values(around, turned)
         after = self._edited(before, task.edits, near)
         inner = slice(rows.start - near.start, rows.stop - near.start)
         same = after[inner] == before[inner]
         weights = np.where(same[:, :WEIGHTS], around[inner], after[inner, :WEIGHTS].round(decimals))
-        if self._rotations is None:
+        if turned is None:
             return weights.astype(np.float32), None
-        turned = np.radians(after[inner, WEIGHTS:]).round(decimals)
-        rotations = np.where(same[:, WEIGHTS:], self._rotations[rows], turned)
+        edited = np.radians(after[inner, WEIGHTS:]).round(decimals)
+        rotations = np.where(same[:, WEIGHTS:], turned[inner], edited)
         return weights.astype(np.float32), rotations.astype(np.float32)
 
     def _edited(self, values: Doubles, edits: Sequence[Edit], near: slice) -> Doubles:
@@ -227,19 +242,6 @@ class ChannelEdits:
 
 # Operations that go to a goal: more than all the way would go beyond it.
 _TO_A_GOAL = (Op.SMOOTH, Op.NEUTRAL, Op.LIMIT)
-
-
-def softly_limited(values: Doubles, ceiling: Doubles) -> Doubles:
-    """Values (N, K) that approach `ceiling` (K,) smoothly; those below `KNEE` of it are unchanged.
-
-    Value and slope are continuous, the order of values is kept, and the ceiling is never passed.
-    Rotations are limited in both directions.
-    """
-    size, knee = np.abs(values), KNEE * ceiling
-    room = ceiling - knee
-    above = knee + room * -np.expm1(-np.maximum(size - knee, 0.0) / room)
-    limited: Doubles = np.where(size > knee, np.copysign(above, values), values)
-    return limited
 
 
 def without_rest(values: Doubles, rest: Doubles, peak: Doubles) -> Doubles:

@@ -8,7 +8,7 @@ it comes out bit for bit the same alone as with all others.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import compress
 
@@ -17,7 +17,7 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Indices, Times
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.resample import GRID_RATE
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.request import active, affected, smoothing_frames
 
@@ -30,6 +30,8 @@ SLACK = 1e-9
 REMEMBERED = 4096
 
 Rows = tuple[int, int]  # the first frame, and the one after the last
+# The frames (first and stop, n each) that a fill or retime makes ranges of frames from.
+Reads = Callable[[Edit, Indices, Indices], tuple[Indices, Indices]]
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ class Chunks:
         grid: the number of grid frames in the take.
         scale: the networks' input begins at a multiple of this many grid frames.
         context: grid frames on either side that an answer can depend on.
-        around_fill: frames on either side that a fill depends on.
+        reads: what fills and retimes depend on; None = such edits depend on their own frames.
 
     Attributes:
         rows: (n + 1,) the first frame of each chunk, then the number of frames.
@@ -83,9 +85,10 @@ class Chunks:
         grid: int,
         scale: int = 1,
         context: int = 0,
-        around_fill: int = 0,
+        reads: Reads | None = None,
     ) -> None:
-        self._times, self._rate, self._around_fill = times, rate, around_fill
+        self._times, self._rate = times, rate
+        self._reads: Reads = reads or (lambda _edit, first, stop: (first, stop))
         length = -(-CHUNK // scale) * scale
         starts = length * np.arange(max(-(-grid // length), 1))
         self.rows = np.append(np.searchsorted(times, starts / GRID_RATE - SLACK), len(times))
@@ -135,8 +138,8 @@ class Chunks:
         if settings.mode is Mode.RESYNTHESIZE:
             edited = _influenced(edits, spans)
             regions = tuple(r for r, controls in listening.items() if edited.intersection(controls))
-            fills = [s for e, s in zip(edits, spans, strict=True) if e.op is Op.FILL]
-            chunks = range(len(self)) if regions else self._under(fills)
+            starts = [s for e, s in zip(edits, spans, strict=True) if e.op in OF_THE_TAKE]
+            chunks = range(len(self)) if regions else self._under(starts)
         seen, near = self._seen(edits, spans)
         wanted = [chunk for chunk in chunks if self.rows[chunk] < self.rows[chunk + 1]]
         columns, ranges = seen.T[wanted].tolist(), near[wanted].tolist()
@@ -186,12 +189,12 @@ class Chunks:
                 from_, to = np.maximum(first, start) - margin, np.minimum(last, stop) + margin
                 first = np.where(seen[i], np.minimum(first, from_), first)
                 last = np.where(seen[i], np.maximum(last, to), last)
-        if any(edit.op is Op.FILL for edit in edits):
-            first, last = self._see_fills(edits, spans, seen, first, last)
+        if any(edit.op in OF_THE_TAKE for edit in edits):
+            first, last = self._see_starts(edits, spans, seen, first, last)
         near = np.stack([np.maximum(first, 0), np.minimum(last, len(self._times))], axis=1)
         return seen, near
 
-    def _see_fills(
+    def _see_starts(
         self,
         edits: Sequence[Edit],
         spans: Sequence[Span],
@@ -199,20 +202,20 @@ class Chunks:
         first: Indices,
         last: Indices,
     ) -> tuple[Indices, Indices]:
-        """Extend what chunks read to the whole of each fill; adds to `seen` (E, n), in place.
+        """Extend what chunks read to what fills and retimes do; adds to `seen` (E, n), in place.
 
-        Fills change the take that all other edits start from, so order matters only among fills.
+        These change the take that all others start from, so order matters only among them.
         """
         for i in reversed(range(len(edits))):
-            if edits[i].op is Op.FILL:
+            if edits[i].op in OF_THE_TAKE:
                 start, stop = spans[i].affected
                 seen[i] = (start < last) & (stop > first)
-                from_, to = start - self._around_fill, stop + self._around_fill
+                from_, to = self._reads(edits[i], np.maximum(first, start), np.minimum(last, stop))
                 first = np.where(seen[i], np.minimum(first, from_), first)
                 last = np.where(seen[i], np.maximum(last, to), last)
         for i, span in enumerate(spans):
             start, stop = span.affected
-            if edits[i].op is not Op.FILL:
+            if edits[i].op not in OF_THE_TAKE:
                 seen[i] = (start < last) & (stop > first)
         return first, last
 
@@ -221,7 +224,7 @@ def _influenced(edits: Sequence[Edit], spans: Sequence[Span]) -> set[str]:
     """The controls that edits change, except where a later reset at full strength covers them."""
     left: dict[str, list[Rows]] = {control: [] for control in CONTROL_IDS}
     for edit, span in zip(edits, spans, strict=True):
-        if edit.op is Op.FILL:  # the networks have no part in it
+        if edit.op in OF_THE_TAKE:  # the networks have no part in it
             continue
         for control in edit.controls:
             runs = left[control]

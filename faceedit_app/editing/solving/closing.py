@@ -12,6 +12,7 @@ distances, the shortest way for two vertices at different depths would be throug
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,20 +20,22 @@ from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Gaps
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, control_named
+from faceedit_app.core.levels import Levels
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Distances, Rig
 from faceedit_app.editing.solving.reach import Goal, Reach
 
 # Height of the gap that is left, mm: lips keep clear of each other, lids just meet.
 _LEFT = np.where(ARE_LIPS, 0.1, -0.1)
-_OF_OURS = np.where(ARE_LIPS, 0.15, 0.0)  # plus this share of the gap on ours
+_OF_OURS = np.where(ARE_LIPS, 0.1, 0.0)  # plus this share of the gap on ours
 # Lips that meet may differ in depth by this much more than at rest, mm; the goal for depth has
 # this share of the precision of the goal for height.
-_IN_FRONT, _DEPTH = 0.1, 0.3
+_IN_FRONT, _DEPTH = 0.1, 0.6
 # In units of what counts as closed: if ours is this open, there is no goal for theirs.
 _LET_GO = 2.5
 _ITERATIONS = 8  # the goals of two characters take longer to meet
 _NEEDED = 0.05  # mm; smaller gaps are left
+_LEVELLED_PASSES = 4  # for a character with its own strength by channel
 _VARIANCE = 0.04  # of a channel without a model
 # Added to a model's: it knows how channels vary together on our character, not on theirs.
 _MORE_VARIANCE = 0.02
@@ -99,7 +102,7 @@ class _Part:
         may: frozenset[str],
         covariance: Doubles | None,
     ) -> None:
-        self.region = region.id
+        self.region, self._levels = region.id, theirs.levels
         mine = [control_named(name).region == region.id for name in CLOSING]
         self.rows = np.flatnonzero(theirs.has & mine)
         have = [i for i, channel in enumerate(region.channels) if channel in may]
@@ -120,7 +123,12 @@ class _Part:
         coupled = None
         if {"mouthClose", "jawOpen"} <= set(names):
             coupled = (names.index("mouthClose"), names.index("jawOpen"))
-        goals = _joined(self._own, self._heights, _scaled(self._depths, _DEPTH))
+        goals = _joined(
+            self._own,
+            _levelled(self._heights, theirs.levels),
+            _scaled(_levelled(self._depths, theirs.levels), _DEPTH),
+        )
+        self._linear = goals.select(np.arange(len(own), len(goals.offsets)))
         self._reach = Reach(
             goals,
             self.columns,
@@ -139,26 +147,41 @@ class _Part:
         """
         wanted = _LEFT[self.rows] + _OF_OURS[self.rows] * ours
         firmness = share * _fading(ours / SHUT[self.rows])
-        heights = self._heights.signed(weights) - self._touching
-        depths = self._depths.measure(weights)
-        in_front = _rest(self._depths) + _IN_FRONT
-        too_high = (heights - wanted > _NEEDED) & (firmness > 0)
-        too_deep = (depths - in_front > _NEEDED) & (firmness[:, self._lips] > 0)
-        where = np.flatnonzero(too_high.any(axis=1) | too_deep.any(axis=1))
+        present = self._own.measure(weights).astype(np.float64)
+        shown = self._levels.applied(weights)
+        heights, depths = self._heights.signed(shown), self._depths.measure(shown)
+        goal = heights + firmness * (self._touching + wanted - heights)
+        in_front = np.minimum(depths, _rest(self._depths) + _IN_FRONT)
+        goal_depth = depths + firmness[:, self._lips] * (in_front - depths)
+        # Reach sees how strongly the character answers without its soft limits: what it missed
+        # because of them is asked for again.
+        for _ in range(_LEVELLED_PASSES if self._levels else 1):
+            self._approach(weights, present, goal, goal_depth)
+
+    def _approach(
+        self, weights: Floats, present: Doubles, goal: Doubles, goal_depth: Doubles
+    ) -> None:
+        """Bring (T, 52) weights nearer to their goals, in place.
+
+        Args:
+            present: (T, C) mm, our own controls, which stay about the same.
+            goal, goal_depth: mm, the heights (T, R) and the depths of lips at most.
+        """
+        shown = self._levels.applied(weights)
+        heights, depths = self._heights.signed(shown), self._depths.measure(shown)
+        asked = np.hstack((heights - goal > _NEEDED, depths - goal_depth > _NEEDED))
+        where = np.flatnonzero(asked.any(axis=1))
         if not len(where):
             return
-        here = weights[where].astype(np.float64)
-        present = self._own.measure(weights[where]).astype(np.float64)
-        asked = np.hstack((np.zeros(present.shape, np.bool_), too_high[where], too_deep[where]))
-        deep = np.minimum(depths[where], in_front)
-        firm = np.hstack((np.zeros_like(present), firmness[where], firmness[where][:, self._lips]))
-        goal = Goal(
-            np.hstack((present, self._touching + wanted[where], _DEPTH * deep)),
-            np.where(asked, firm, 0.0),
-            asked,
-        )
+        here, mine = weights[where].astype(np.float64), present[where]
+        asked = np.hstack((np.zeros(mine.shape, np.bool_), asked[where]))
+        targets = np.hstack((goal[where], _DEPTH * np.minimum(depths[where], goal_depth[where])))
+        if self._levels:
+            true = np.hstack((heights[where], _DEPTH * depths[where]))
+            targets += self._linear.signed(weights[where]) - true
+        wanted = Goal(np.hstack((mine, targets)), np.where(asked, 1.0, 0.0), asked)
         upper = np.maximum(here[:, self.columns], 1.0)
-        weights[np.ix_(where, self.columns)] = self._reach(here, goal, upper).astype(np.float32)
+        weights[np.ix_(where, self.columns)] = self._reach(here, wanted, upper).astype(np.float32)
 
 
 def _along(distances: Distances, axis: int) -> Distances:
@@ -167,6 +190,17 @@ def _along(distances: Distances, axis: int) -> Distances:
     unit[axis] = 1.0
     shuts = np.full(len(distances.shuts), axis == 1)
     return Distances(distances.offsets * unit, distances.gradients * unit, shuts)
+
+
+def _levelled(distances: Distances, levels: Levels) -> Distances:
+    """Distances of weights as the character shows them, as a function of weights without limits."""
+    gradients = distances.gradients
+    moved = np.einsum("k,kcx->cx", levels.offsets, gradients)
+    return replace(
+        distances,
+        offsets=distances.offsets + moved,
+        gradients=gradients * levels.factors[:, None, None],
+    )
 
 
 def _scaled(distances: Distances, by: float) -> Distances:

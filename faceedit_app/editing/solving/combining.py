@@ -21,6 +21,8 @@ TWITCH = 1.0
 MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.
 _CLOSING_MM = 0.5
+# How far the jaw may go, as a weight, for curves that a take's channels answer only in part.
+_JAW_PAYS = 0.15
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,9 @@ class Combining:
     def __init__(self, part: Part, shut: float, quick: float) -> None:
         self._part, self._shut, self._quick = part, shut, quick
         self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
+        opening = [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]
+        jaw = np.flatnonzero(np.isin(part.columns[part.have], opening))
+        self._jaw = None if part.is_complete or self._lips is None else jaw
 
     def __call__(self, weights: Doubles, asked: RegionRequest) -> Doubles:
         """(N, K) weights of the channels that the take has.
@@ -88,12 +93,31 @@ class Combining:
         """
         part = self._part
         result, columns = weights.copy(), part.columns[part.have]
-        most = self._most(weights[:, columns], asked)
-        self._combine(result, asked, most)
+        least, most = (
+            self._least(weights[:, columns], asked),
+            self._most(weights[:, columns], asked),
+        )
+        self._combine(result, asked, least, most)
         where = np.flatnonzero(asked.hold.any(axis=1))
         if part.reach is not None and asked.settings.reach > 0 and len(where):
-            self._go_on(part.reach, result, asked, most, where)
+            self._go_on(part.reach, result, asked, least, most, where)
         return result[:, columns]
+
+    def _least(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
+        """(N, K) the smallest weights that any answer may give; see `_jaw_pays`."""
+        least = np.full(tracked.shape, -np.inf)
+        if self._jaw is not None:
+            least[:, self._jaw] = tracked[:, self._jaw] - self._jaw_pays(asked)
+        return least
+
+    def _jaw_pays(self, asked: RegionRequest) -> Doubles:
+        """(N, 1) how far the jaw may go where the opening of the mouth is not asked for.
+
+        Where the channels are missing that answer a curve, such as those that purse the lips, the
+        rest of it must not come from an opening mouth.
+        """
+        free = asked.hold[:, self._lips] if self._lips is not None else np.zeros(len(asked.hold))
+        return np.maximum(_JAW_PAYS, free)[:, None]
 
     def _most(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
         """(N, K) the largest weights that any answer may give.
@@ -103,6 +127,9 @@ class Combining:
         """
         part = self._part
         most: Doubles = 1.0 + np.maximum(tracked - 1.0, 0.0) * (1.0 - asked.influence[:, part.have])
+        if self._jaw is not None:
+            pays = self._jaw_pays(asked)
+            most[:, self._jaw] = np.minimum(most[:, self._jaw], tracked[:, self._jaw] + pays)
         if self._lips is not None and len(part.frowns) and asked.settings.mode is Mode.PRESERVE:
             closing = (asked.tracked - asked.wanted)[:, self._lips] / _CLOSING_MM
             alone = ~(np.delete(asked.hold, self._lips, axis=1) > 0).any(axis=1)
@@ -113,7 +140,9 @@ class Combining:
             )
         return most
 
-    def _combine(self, weights: Doubles, asked: RegionRequest, most: Doubles) -> None:
+    def _combine(
+        self, weights: Doubles, asked: RegionRequest, least: Doubles, most: Doubles
+    ) -> None:
         """Combine the networks' answer with the weights (N, 52), in place."""
         part = self._part
         columns, influence = part.columns[part.have], asked.influence[:, part.have]
@@ -129,13 +158,19 @@ class Combining:
             answer = old + influence * answer[:, part.have]
         else:
             answer = answer[:, part.have]
-        new = np.clip(answer, np.minimum(old, 0.0), most)
+        new = np.clip(answer, np.maximum(np.minimum(old, 0.0), least), most)
         weights[:, columns] = np.where(influence > 0, new, old)
         if "mouthClose" in part.region.channels:
             _couple(weights, old, columns, influence.max(axis=1) > 0)
 
     def _go_on(
-        self, reach: Reach, weights: Doubles, asked: RegionRequest, most: Doubles, where: Indices
+        self,
+        reach: Reach,
+        weights: Doubles,
+        asked: RegionRequest,
+        least: Doubles,
+        most: Doubles,
+        where: Indices,
     ) -> None:
         """Bring the region's own controls the rest of the way to what was asked for, in place."""
         part, naturalness = self._part, asked.settings.naturalness
@@ -150,6 +185,7 @@ class Combining:
             here=weights[where],
             goal=Goal(wanted, strength, mask, tolerance),
             still=asked.influence[where][:, part.have] == 0,
+            least=least[where],
             most=most[where],
             closed=self._are_closures(wanted, mask),
             share=asked.unlike[where],
@@ -195,7 +231,7 @@ class _Aim:
         here: (N, 52) weights.
         goal: see `Goal`.
         still: (N, K) channels that no edit influences.
-        most: (N, K) the largest weights that any answer may give.
+        least, most: (N, K) the smallest and largest weights that any answer may give.
         closed: (N,) frames on which the lips are asked to shut.
         share: (N,) in 0..1, how far the take is left for what other faces do.
     """
@@ -203,14 +239,17 @@ class _Aim:
     here: Doubles
     goal: Goal
     still: Bools
+    least: Doubles
     most: Doubles
     closed: Bools
     share: Doubles
 
     def at(self, rows: Indices) -> _Aim:
         """The aim on some of the frames."""
-        arrays = (self.still[rows], self.most[rows], self.closed[rows], self.share[rows])
-        return _Aim(self.here[rows], self.goal.at(rows), *arrays)
+        limits = self.still[rows], self.least[rows], self.most[rows]
+        return _Aim(
+            self.here[rows], self.goal.at(rows), *limits, self.closed[rows], self.share[rows]
+        )
 
     def solve(
         self,
@@ -221,7 +260,7 @@ class _Aim:
     ) -> Doubles:
         """(N, K) the weights of `columns` that reach finds within bounds, (N, K) each."""
         start = self.here[:, columns]
-        lower = np.where(self.still, start, bounds[0])
+        lower = np.where(self.still, start, np.maximum(bounds[0], self.least))
         upper = np.where(self.still, start, np.minimum(bounds[1], self.most))
         return reach(self.here, self.goal, upper, naturalness, lower, self.closed, self.share)
 

@@ -1,12 +1,13 @@
-"""The take that all other edits start from: as tracked, with fills in place of what they cover.
+"""The take that all other edits start from: as tracked, with its fills and retimes.
 
-Fills are applied in the user's order, and a reset takes away those before it. All other edits act
+They are applied in the user's order, and a reset takes away those before it. All other edits act
 on the result, so that curves drawn within a fill stay as they are, whichever came first.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -15,26 +16,54 @@ from faceedit_app.core.arrays import Doubles, Floats, Indices
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import MAIN_CONTROLS
 from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.solving.filling import Filling, Stretch, fill_frames
+from faceedit_app.editing.solving.request import affected
+from faceedit_app.editing.solving.retimes import Measure, Retiming
+from faceedit_app.editing.solving.rounding import DECIMALS
 
-DECIMALS = 5  # of filled weights, see `solver.DECIMALS`
-REMEMBERED = 32  # fills that are kept: a drag over a fill asks for the same again
+REMEMBERED = 32  # results that are kept: a drag over a fill asks for the same again
+
+
+Kept = TypeVar("Kept")
+
+
+class Recent(Generic[Kept]):
+    """Results that are kept until others have been asked for more recently.
+
+    Args:
+        most: how many are kept.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most, self._kept = most, dict[Hashable, Kept]()
+
+    def to(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
+        """The result for a key; it is made if it is not kept."""
+        found = self._kept.pop(key, None)
+        found = make() if found is None else found
+        self._kept[key] = found
+        while len(self._kept) > self._most:
+            del self._kept[next(iter(self._kept))]
+        return found
 
 
 class Fills:
-    """Applies the fills of one take.
+    """Applies the fills and retimes of one take.
 
     Args:
         clip: its times, rate and gaps.
         tracked: (T, 52) in ARKit order.
         opening: (T,) mm, the mouth opening.
+        measure: measures the curves of weights.
     """
 
-    def __init__(self, clip: Clip, tracked: Floats, opening: Floats) -> None:
+    def __init__(self, clip: Clip, tracked: Floats, opening: Floats, measure: Measure) -> None:
         self._clip, self._tracked = clip, tracked
         self._filling = Filling(clip, tracked, opening)
-        self._known: dict[tuple[object, ...], Doubles] = {}
+        self._retiming = Retiming(clip, measure)
+        self._starts, self._turns = Recent[Floats](REMEMBERED), Recent[Floats](REMEMBERED)
+        self._known = Recent[Doubles](REMEMBERED)
         self._present = np.array([ARKIT_INDEX[c] for c in clip.channels], np.intp)
 
     @property
@@ -42,32 +71,86 @@ class Fills:
         """Frames on either side that a fill depends on."""
         return self._filling.context
 
-    def applied(self, edits: Sequence[Edit], near: slice) -> Floats:
-        """(N, 52) the take with the fills among `edits`, on the frames `near`.
+    def reads(self, edit: Edit, first: Indices, stop: Indices) -> tuple[Indices, Indices]:
+        """(n,) each: the frames that ranges of frames (first and stop, n each) are made of.
 
-        Each fill that reaches into these frames must lie within them, with `around` frames on
-        either side, as far as the take has them.
+        Args:
+            edit: a fill, which needs all of itself, or a retime.
         """
-        out = self._tracked[near].copy()
+        if edit.op is Op.RETIME:
+            return self._retiming.reads(edit, first, stop)
+        begin, end = fill_frames(self._clip.times, affected(edit))
+        return np.full_like(first, begin - self.around), np.full_like(stop, end + self.around)
+
+    def applied(self, edits: Sequence[Edit], near: slice) -> Floats:
+        """(N, 52) the take with the fills and retimes among `edits`, on the frames `near`.
+
+        What these edits read for the frames that matter must lie within `near`, see `reads`, as
+        far as the take has it; frames beyond may be wrong.
+        """
+        acting = _acting(edits)
+        return self._starts.to((acting, near.start, near.stop), lambda: self._made(acting, near))
+
+    def _made(self, edits: Sequence[Edit], near: slice) -> Floats:
+        out, tracked = self._tracked[near].copy(), self._tracked[near]
         for edit in edits:
-            if edit.op not in (Op.FILL, Op.RESET):
-                continue
-            first, stop = fill_frames(self._clip.times, edit.span)
-            first, stop = max(first, near.start), min(stop, near.stop)
-            if first >= stop:
-                continue
-            rows = slice(first - near.start, stop - near.start)
-            columns = self._columns(edit)
-            old = out[rows][:, columns].astype(np.float64)
-            new = self._content(edit, out, near, first, stop)[:, columns]
-            mask = edit.mask(self._clip.times[first:stop])[:, None] * min(edit.strength, 1.0)
-            mixed = np.round(old + mask * (new - old), DECIMALS).astype(np.float32)
-            mixed = np.where(mask == 0, old.astype(np.float32), mixed)
-            if edit.op is Op.RESET:  # to the bit
-                recorded = self._tracked[first:stop][:, columns]
-                mixed = np.where((mask == 1) | (old == recorded), recorded, mixed)
-            out[rows.start : rows.stop, columns] = mixed
+            if edit.op is Op.RETIME:
+                _put(out, self._retiming.weights(edit, out, near))
+            elif (rows := self._rows(edit, near)) is not None:
+                first, stop = rows.start + near.start, rows.stop + near.start
+                columns = self._columns(edit)
+                new = self._content(edit, out, near, first, stop)[:, columns]
+                self._mix(edit, out, near, rows, columns, new, tracked)
         return out
+
+    def turned(self, edits: Sequence[Edit], near: slice) -> Floats | None:
+        """(N, 9) the rotations with the retimes among `edits`, radians; None if there are none."""
+        turns = self._clip.rotations
+        if turns is None or not any(edit.op is Op.RETIME for edit in edits):
+            return None if turns is None else turns[near]
+        acting = _acting(edits)
+        key = acting, near.start, near.stop
+        return self._turns.to(key, lambda: self._turned(acting, near, turns))
+
+    def _turned(self, edits: Sequence[Edit], near: slice, turns: Floats) -> Floats:
+        out, tracked = turns[near].copy(), turns[near]
+        columns = np.arange(turns.shape[1])
+        for edit in edits:
+            if edit.op is Op.RETIME:
+                _put(out, self._retiming.rotations(edit, out, near))
+            elif edit.op is Op.RESET and set(edit.controls).issuperset(MAIN_CONTROLS):
+                rows = self._rows(edit, near)
+                if rows is not None:
+                    new = tracked[rows].astype(np.float64)
+                    self._mix(edit, out, near, rows, columns, new, tracked)
+        return out
+
+    def _rows(self, edit: Edit, near: slice) -> slice | None:
+        """Where an edit acts among the frames `near`; None = nowhere."""
+        first, stop = fill_frames(self._clip.times, edit.span)
+        first, stop = max(first, near.start), min(stop, near.stop)
+        return slice(first - near.start, stop - near.start) if first < stop else None
+
+    def _mix(
+        self,
+        edit: Edit,
+        out: Floats,
+        near: slice,
+        rows: slice,
+        columns: Indices,
+        new: Doubles,
+        tracked: Floats,
+    ) -> None:
+        """Put (N, K) values in their place as far as an edit applies, in `out`."""
+        old = out[rows][:, columns].astype(np.float64)
+        times = self._clip.times[near][rows]
+        mask = edit.mask(times)[:, None] * min(edit.strength, 1.0)
+        mixed = np.round(old + mask * (new - old), DECIMALS).astype(np.float32)
+        mixed = np.where(mask == 0, old.astype(np.float32), mixed)
+        if edit.op is Op.RESET:  # to the bit
+            recorded = tracked[rows][:, columns]
+            mixed = np.where((mask == 1) | (old == recorded), recorded, mixed)
+        out[rows.start : rows.stop, columns] = mixed
 
     def _content(self, edit: Edit, out: Floats, near: slice, first: int, stop: int) -> Doubles:
         """(N, 52) what an edit puts in place of the take."""
@@ -76,13 +159,7 @@ class Fills:
         stretch = self._stretch(edit, out, near, first, stop)
         around = stretch.before.tobytes(), stretch.after.tobytes()
         key = (first, stop, edit.seed, edit.points, *around)
-        content = self._known.pop(key, None)
-        if content is None:
-            content = self._filling.fill(stretch)
-        self._known[key] = content
-        while len(self._known) > REMEMBERED:
-            del self._known[next(iter(self._known))]  # the least recently used
-        return content
+        return self._known.to(key, lambda: self._filling.fill(stretch))
 
     def _stretch(self, edit: Edit, out: Floats, near: slice, first: int, stop: int) -> Stretch:
         """What a fill has to fill, in the take with earlier fills (N, 52) on the frames `near`."""
@@ -118,9 +195,11 @@ class Fills:
                 out[covered] = np.nan
             first, stop = fill_frames(times, edit.span)
             if edit.op is Op.FILL and 0 < stop - first < len(times):
-                stretch = self._stretch(edit, self.applied(edits[:i], whole), whole, first, stop)
+                stretch = self._stretch(
+                    edit, self._made(_acting(edits[:i]), whole), whole, first, stop
+                )
                 out[covered] = self._filling.between(stretch, seconds[covered])
-        change = (weights - self.applied(edits, whole)).astype(np.float64)
+        change = (weights - self._made(_acting(edits), whole)).astype(np.float64)
         share = share[:, None]
         out += (1.0 - share) * change[before] + share * change[before + 1]
         found: Floats = np.round(np.clip(out, 0.0, 1.0), DECIMALS).astype(np.float32)
@@ -141,3 +220,16 @@ class Fills:
         names = [c for region in regions for c in (*region.channels, *region.accompanying)]
         mine: Indices = np.intersect1d([ARKIT_INDEX[c] for c in names], self._present)
         return mine.astype(np.intp)
+
+
+def _acting(edits: Sequence[Edit]) -> tuple[Edit, ...]:
+    """Those that change the take that all others start from."""
+    return tuple(edit for edit in edits if edit.op in (Op.RESET, *OF_THE_TAKE))
+
+
+def _put(out: Floats, made: tuple[slice, Doubles] | None) -> None:
+    """Put retimed values in their place; what is the same keeps its bits."""
+    if made is not None:
+        rows, values = made
+        rounded = values.round(DECIMALS).astype(np.float32)
+        out[rows] = np.where(values.astype(np.float32) == out[rows], out[rows], rounded)

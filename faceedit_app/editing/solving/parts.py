@@ -82,6 +82,7 @@ class Part:
         columns: (K,) its channels among the 52: first those of the networks, then accompanying
             ones that the take uses.
         have: positions of the channels that may change, because the take has them.
+        is_complete: whether the take has all channels of the networks.
         mirror: (K,) the position of each channel's mirror image.
         sees: columns among the 52 that its result depends on.
         expectation: what its curves do that are not asked for.
@@ -116,6 +117,7 @@ class Part:
         self.channels = (*region.channels, *more)
         self.columns = np.array([ARKIT_INDEX[c] for c in self.channels], np.intp)
         self.have = np.array([i for i, c in enumerate(self.channels) if c in may], np.intp)
+        self.is_complete = may.issuperset(region.channels)
         self.mirror = np.array(
             [self._place(mirrored_channel(c), c) for c in self.channels], np.intp
         )

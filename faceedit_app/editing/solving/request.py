@@ -9,7 +9,7 @@ import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.filters import gaussian
 
@@ -67,25 +67,31 @@ def request(
 ) -> Request:
     """Apply `edits` in order to the tracked controls.
 
+    Fills and retimes have changed `tracked` already. A reset goes back to `recorded`, unless such
+    an edit follows it in the list.
+
     An edit that asks for more than a face can do asks for what it can do, before its strength
     applies: half of far too much is half of all that is possible.
 
     Args:
         times: (N,) seconds.
         rate: frames per second, for smoothing.
-        tracked: (N, C), mm, with fills.
+        tracked: (N, C), mm, with fills and retimes.
         medians: (C,), mm: the take's median of each control, the fixed point of `scale`.
         companions: which curves follow which; None = no curve follows.
         limits: (C,) mm each, the lowest and highest values that the take and a face can have;
             None = 0 to `FARTHEST`.
-        recorded: (N, C), mm, without fills, which a reset goes back to; None = `tracked`.
+        recorded: (N, C), mm, without fills and retimes; None = `tracked`.
     """
     low, high = limits or (np.zeros(tracked.shape[1]), np.full(tracked.shape[1], FARTHEST))
-    recorded = tracked if recorded is None else recorded
-    filled = np.abs(recorded - tracked) > SAME_MM
+    goal = recorded = tracked if recorded is None else recorded
+    filled = np.zeros(tracked.shape, np.bool_)
+    acting = active(edits)
     curves = tracked.astype(np.float64, copy=True)
     hold, influence, claimed, calm = (np.zeros_like(curves) for _ in range(4))
-    for edit in active(edits):
+    for i, edit in enumerate(acting):
+        if edit.op in OF_THE_TAKE:
+            continue
         first, last = affected(edit)
         rows = slice(*map(int, np.searchsorted(times, (first - 1e-9, last + 1e-9))))
         if rows.start == rows.stop:
@@ -94,9 +100,12 @@ def request(
         share = mask * _share(edit)
         leads = companions is not None and companions.leads(edit)
         before = curves[rows].copy() if leads else None
+        if edit.op is Op.RESET:
+            goal = _goal_of_reset(acting[i + 1 :], times, tracked, recorded)
+            filled = np.abs(goal - tracked) > SAME_MM
         for control in edit.controls:
             column = CONTROL_INDEX[control]
-            wanted = _wanted(edit, rows, times, curves, recorded, medians, rate, column)
+            wanted = _wanted(edit, rows, times, curves, goal, medians, rate, column)
             now, least, most = curves[rows, column], low[column], high[column]
             wanted = np.clip(wanted, least, most)
             curves[rows, column] = np.where(
@@ -123,6 +132,17 @@ def request(
         for column in companions.claims(edit) if companions is not None else ():
             claimed[rows, column] = np.maximum(claimed[rows, column], mask)
     return Request(curves, hold, influence, calm)
+
+
+def _goal_of_reset(
+    later: Sequence[Edit], times: Times, tracked: Doubles, recorded: Doubles
+) -> Doubles:
+    """(N, C) mm that a reset goes back to: it leaves the fills and retimes after it."""
+    kept = np.zeros(len(times), np.bool_)
+    for edit in later:
+        if edit.op in OF_THE_TAKE:
+            kept |= edit.mask(times) > 0
+    return np.where(kept[:, None], tracked, recorded)
 
 
 def _spread(edit: Edit, times: Times) -> Doubles:
@@ -171,7 +191,7 @@ def _wanted(
             return recorded[rows, column]
         case Op.DRAW:
             return _drawn(edit, times[rows])
-        case Op.FILL:  # `filling.py` has replaced the take itself
+        case Op.FILL | Op.RETIME:  # `fills.py` has changed the take itself
             return curve
         case Op.ADD:
             return curve + _drawn(edit, times[rows])

@@ -24,7 +24,7 @@ from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.regions import BROWS, JAW, REGIONS
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
@@ -39,6 +39,7 @@ from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.request import Request, active, request
+from faceedit_app.editing.solving.rounding import DECIMALS, rounded
 from faceedit_app.editing.solving.sideways import Sideways
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
@@ -46,9 +47,6 @@ from faceedit_app.formats.take import LostRows
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
-# Changed weights are multiples of this. The last bits of a matrix product depend on the processor;
-# rounded, nearly all weights are the same on every one. It moves a jaw by less than a micrometre.
-DECIMALS = 5
 # Chunks that the statistics of a take are measured on: 12 are 100 s.
 SAMPLED = 12
 # Results of regions that are kept.
@@ -66,13 +64,15 @@ _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
 class Patch:
     """A chunk's result: `asked` (N, C) mm, `weights` (N, 52), `controls` (N, C) mm.
 
-    `rotations` are (N, 9) radians; None = as tracked.
+    `rotations` are (N, 9) radians; None = the take has none. `started` (N, C) mm is what edits of
+    curves started from.
     """
 
     asked: Floats
     weights: Floats
     controls: Floats
-    rotations: Floats | None = None
+    rotations: Floats | None
+    started: Floats
 
 
 class Solver:
@@ -96,7 +96,7 @@ class Solver:
         self.medians = np.median(self.controls, axis=0).astype(np.float64)
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
         opening = self.controls[:, CONTROL_INDEX[LIP_OPENING]]
-        self._fills = Fills(clip, self.tracked, opening)
+        self._fills = Fills(clip, self.tracked, opening, self.distances.measure)
         shut = float(np.percentile(opening, _SHUT_PERCENTILE))
         self.shut = shut if shut < _SHUT_MOST else _SHUT  # mm between closed lips
         self.use_engine(engine)
@@ -109,7 +109,7 @@ class Solver:
         self._mute = self._missing | self.lacks.keys()
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
         self.chunks = Chunks(
-            clip.times, clip.rate, len(self.grid), scale, context, self._fills.around
+            clip.times, clip.rate, len(self.grid), scale, context, self._fills.reads
         )
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._sample = self._measure()
@@ -232,7 +232,7 @@ class Solver:
         """The edits without controls that the character lacks or the take cannot answer."""
         if not self._mute:
             return edits
-        whole = Op.FILL, Op.RESET  # they count by region
+        whole = *OF_THE_TAKE, Op.RESET  # they count by region
         parts = (edit if edit.op in whole else without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
 
@@ -253,21 +253,21 @@ class Solver:
         """Edit the channels of a chunk after its curves have been answered."""
         rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
         mine = self._base(task.chunk, curves)
-        weights, rotations = self._channels.apply(
-            task, rows, lambda chunk, base: self._base(chunk, base).weights, DECIMALS
-        )
+        weights, rotations = self._channels.apply(task, rows, self._base, DECIMALS)
         controls = self.distances.measure(weights)
         same = (weights == mine.weights).all(axis=1)
         controls[same] = mine.controls[same]
         # Curves that nobody asked for go where the channels take them.
-        asked = np.where(mine.asked == self.controls[rows], controls, mine.asked)
-        return Patch(asked, weights, controls, rotations)
+        asked = np.where(mine.asked == mine.started, controls, mine.asked)
+        return Patch(asked, weights, controls, rotations, mine.started)
 
     def _base(self, chunk: int, task: ChunkTask | None) -> Patch:
         """The answer to the curves of a chunk; the last ones are kept for further edits."""
         if task is None:
             rows = self.chunks.slice(chunk)
-            return Patch(self.controls[rows], self.tracked[rows], self.controls[rows])
+            tracked, turns = self.controls[rows], self.clip.rotations
+            rotations = None if turns is None else turns[rows]
+            return Patch(tracked, self.tracked[rows], tracked, rotations, tracked)
         known = self._bases.pop(chunk, None)
         if known is None or known[0] != task:
             known = task, self._answered(task)
@@ -286,7 +286,7 @@ class Solver:
             rate,
             tracked,
             self.medians,
-            [edit for edit in task.edits if edit.op is not Op.FILL],
+            task.edits,
             self._companions,
             self._limit_arrays,
             self.controls[near].astype(np.float64),
@@ -307,7 +307,7 @@ class Solver:
         if influences or mine.influence[:, self._sideways.column].any():
             change = self._wanted_change(asked, tracked)
             slow = smoothed(change, QUICK * rate)
-            answers = self._answer(task, tuple(influences), tracked, slow)
+            answers = self._answer(task, tuple(influences), before, tracked, slow)
             change, slow = change[inner], slow[inner]
             self._sideways.move(weights, change)
             for name, influence in influences.items():
@@ -335,21 +335,24 @@ class Solver:
         if self._closing is not None and settings.closes:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}
             result = self._closing(result, share)
-        result = _rounded(result, self.tracked[rows])
+        result = rounded(result, self.tracked[rows])
         controls = self.distances.measure(result)
         # The last bits of a matrix product depend on the number of frames.
         same = (result == self.tracked[rows]).all(axis=1)
         controls[same] = self.controls[rows][same]
-        return Patch(mine.curves.astype(np.float32), result, controls)
+        turned = self._fills.turned(task.edits, near)
+        rotations = None if turned is None else turned[inner]
+        started = tracked[inner].astype(np.float32)
+        return Patch(mine.curves.astype(np.float32), result, controls, rotations, started)
 
     def _start(self, task: ChunkTask) -> tuple[Floats, Doubles]:
-        """What edits of a chunk start from: the take with fills, on the frames near it.
+        """What edits of a chunk start from: the take with fills and retimes, near it.
 
         Returns:
             Weights (N', 52), and curves (N', C) mm.
         """
         near = slice(*task.near)
-        if not any(edit.op is Op.FILL for edit in task.edits):
+        if not any(edit.op in OF_THE_TAKE for edit in task.edits):
             return self.tracked[near], self.controls[near].astype(np.float64)
         weights = self._fills.applied(task.edits, near)
         controls = self.distances.measure(weights)
@@ -375,23 +378,29 @@ class Solver:
         return change
 
     def _answer(
-        self, task: ChunkTask, regions: tuple[str, ...], tracked: Doubles, change: Doubles
+        self,
+        task: ChunkTask,
+        regions: tuple[str, ...],
+        before: Doubles,
+        tracked: Doubles,
+        change: Doubles,
     ) -> dict[str, Doubles]:
         """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
 
         Args:
-            tracked: (N', C) mm, the controls near the task, with fills.
+            before: (N, 52) weights of the chunk, with fills and retimes.
+            tracked: (N', C) mm, the controls near the task, with fills and retimes.
             change: (N', C) mm by which those that are asked for differ from them.
         """
         rows, settings = self.chunks.slice(task.chunk), task.settings
         resynthesize = settings.mode is Mode.RESYNTHESIZE
-        answers = {name: self._unanswered(name, rows, resynthesize) for name in regions}
+        answers = {name: self._unanswered(name, before, resynthesize) for name in regions}
         regions = tuple(name for name in regions if not self._parts[name].is_optional)
         if self._answers is None or not regions:
             return answers
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
         times = self.clip.times[slice(*task.near)]
-        fills = any(edit.op is Op.FILL for edit in task.edits)
+        fills = any(edit.op in OF_THE_TAKE for edit in task.edits)
         start = to_grid(times, tracked, first, last) if fills else self.grid[first:last]
         edited = start + to_grid(times, change, first, last)
         grid_range = first, last
@@ -413,12 +422,12 @@ class Solver:
                 answers[name] = answer
         return answers
 
-    def _unanswered(self, name: str, rows: slice, resynthesize: bool) -> Doubles:
+    def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:
         """(N, K) what stands in for the networks' answer if there is none."""
         part = self._parts[name]
         if resynthesize and not part.is_optional:
-            return self.tracked[rows][:, part.columns].astype(np.float64)
-        return np.zeros((rows.stop - rows.start, len(part.region.channels)))
+            return before[:, part.columns]
+        return np.zeros((len(before), len(part.region.channels)))
 
     def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
         """Put a region's weights into those of a chunk (N, 52).
@@ -434,14 +443,3 @@ class Solver:
         while len(self._solved) > REMEMBERED:
             del self._solved[next(iter(self._solved))]  # the least recently used
         weights[:, part.columns[part.have]] = known[2]
-
-
-def _rounded(weights: Floats, tracked: Floats) -> Floats:
-    """(N, 52) float32: changed weights rounded, the others with the bits of the take."""
-    rounded = np.round(weights.astype(np.float64), DECIMALS).astype(np.float32)
-    result: Floats = np.where(weights == tracked, tracked, rounded)
-    jaw, lips = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
-    # Lips that are no more closed than the jaw is open stay so.
-    over = (result[:, lips] > result[:, jaw]) & (weights[:, lips] <= weights[:, jaw])
-    result[over, lips] = result[over, jaw]
-    return result

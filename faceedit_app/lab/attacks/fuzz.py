@@ -77,7 +77,7 @@ def fuzz(
         seed: the same seed makes the same inputs.
         keep: the folder for inputs that a reader did not cope with.
         samples: further valid files.
-        advance: told how many inputs are done.
+        advance: called with the number of inputs done.
     """
     findings = Findings()
     spawn = multiprocessing.get_context("spawn")

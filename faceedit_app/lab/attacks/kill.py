@@ -69,7 +69,7 @@ def kill(times: int, seed: int, advance: Callable[[int], None] = lambda done: No
     Args:
         times: how often.
         seed: the same seed makes the same gestures; the moments depend on the machine.
-        advance: told how many kills are done.
+        advance: called with the number of kills done.
     """
     killed, chance = Killed(), random.Random(seed)
     with tempfile.TemporaryDirectory() as name:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import io
+import json
 import wave
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -18,7 +19,7 @@ from faceedit_app.characters.map_file import read_map
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.scans import read_scan
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROLS, LIP_OPENING, MOUTH_CORNERS
+from faceedit_app.core.controls import CONTROL_IDS, CONTROLS, LIP_OPENING, MOUTH_CORNERS
 from faceedit_app.core.resources import DEMO_TAKE, shipped
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -29,6 +30,7 @@ from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import Project, read_project, write_project
 from faceedit_app.editing.opening import open_session, shipped_rig
 from faceedit_app.editing.steps import EditState
+from faceedit_app.formats import csv_take, metahuman
 from faceedit_app.formats.opening import encoded_take, open_take
 from faceedit_app.formats.registry import endings, writable
 from faceedit_app.media.film import Film
@@ -41,6 +43,7 @@ _EDITS = (
     Edit((LIP_OPENING,), Op.OFFSET, 0.1, 0.3, 0.1, 4.0, name="wider"),
     Edit(MOUTH_CORNERS, Op.SCALE, 0.0, 0.2, 0.1, 1.5, strength=0.5),
     Edit((LIP_OPENING,), Op.DRAW, 0.1, 0.4, 0.1, points=((0.1, 3.0), (0.3, 9.0))),
+    Edit(CONTROL_IDS, Op.RETIME, 0.0, 0.4, 0.0, pins=((0.1, 0.2), (0.2, 0.2), (0.2, 0.3))),
 )
 
 
@@ -80,6 +83,7 @@ def all_readers(folder: Path) -> list[Reader]:
     for form in writable():
         if form.write is not None:
             readers.append(Reader("takes", form.endings[0], form.write(clip), _read_take))
+    readers += [Reader("takes", ending, content, _read_take) for ending, content in _dialects(clip)]
     write_edits(folder / "edits.json", _EDITS)
     readers.append(_reader("edits", folder / "edits.json", partial(_apply_edits, take)))
     state = EditState(_EDITS)
@@ -97,6 +101,19 @@ def all_readers(folder: Path) -> list[Reader]:
     readers.append(Reader("characters", ".obj", _obj(rig), read_character))
     readers.append(Reader("maps", ".json", _MAP, read_map))
     return readers
+
+
+def _dialects(clip: Clip) -> Iterator[tuple[str, bytes]]:
+    """The clip in formats and dialects that FaceEdit reads and does not write."""
+    plain = csv_take.write(clip)
+    yield ".csv", ("\ufeff" + plain.decode()).encode("utf-16-le")
+    yield ".csv", b"# units: s\n" + plain.replace(b",", b";").replace(b".", b",")
+    rows = [dict(zip(clip.channels, row, strict=True)) for row in clip.weights.tolist()]
+    yield ".json", json.dumps([{"time": n / 60, **row} for n, row in enumerate(rows)]).encode()
+    series = dict(zip(clip.channels, clip.weights.T.tolist(), strict=True))
+    yield ".json", json.dumps({"fps": 60, "curves": series}).encode()
+    controls = ["time_s", *(f"CTRL_expressions_{metahuman.CONTROLS[c][0]}" for c in clip.channels)]
+    yield ".csv", ",".join(controls).encode() + plain[plain.index(b"\n") :]
 
 
 def readers_of(sample: Path) -> list[Reader]:

@@ -77,7 +77,7 @@ def soak(
         seconds: how long.
         seed: the same seed makes the same gestures.
         gestures: end after this many, if that is sooner.
-        advance: told the seconds that have passed.
+        advance: called with the seconds that have passed.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     application()

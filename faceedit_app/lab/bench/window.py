@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -29,12 +30,13 @@ VERTICES = 15_000
 STAGES = ("controls", "networks", "curves", "plots", "deform", "draw")
 
 
-def drag(desk: Desk, times: int) -> dict[str, Any]:
-    """Measure 1: the mouth and both lids are dragged over a whole take.
+def _begin_drag(desk: Desk, rig: Rig | None = None) -> Callable[[], float]:
+    """Press on the mouth, with both lids chosen and the whole take selected, and warm up.
 
-    So the networks of all three regions answer for all 202 frames, at each step.
+    Returns:
+        One step of the drag, which returns its milliseconds.
     """
-    clip = desk.open(long_take(FRAMES)).take.clip
+    clip = desk.open(long_take(FRAMES), rig=rig).take.clip
     desk.choose(LIP_OPENING, *LIDS)
     desk.window.timeline.show_range(0.0, clip.duration)
     desk.window.timeline.select((0.0, clip.duration))
@@ -42,6 +44,15 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
     once = desk.dragged(LIP_OPENING)
     for _ in range(20):
         once()
+    return once
+
+
+def drag(desk: Desk, times: int) -> dict[str, Any]:
+    """Measure 1: the mouth and both lids are dragged over a whole take.
+
+    So the networks of all three regions answer for all 202 frames, at each step.
+    """
+    once = _begin_drag(desk)
     steps = [(once(), desk.worked) for _ in range(times)]
     whole, worked = (Times(column) for column in zip(*steps, strict=True))
     stages = Stages()
@@ -77,14 +88,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
 def drag_dense(desk: Desk, times: int) -> dict[str, Any]:
     """The drag of measure 1 on a character with `VERTICES` vertices, as users bring them."""
     rig = denser(desk.rig, VERTICES)
-    clip = desk.open(long_take(FRAMES), rig=rig).take.clip
-    desk.choose(LIP_OPENING, *LIDS)
-    desk.window.timeline.show_range(0.0, clip.duration)
-    desk.window.timeline.select((0.0, clip.duration))
-    desk.press(LIP_OPENING, clip.duration / 2)
-    once = desk.dragged(LIP_OPENING)
-    for _ in range(20):
-        once()
+    once = _begin_drag(desk, rig)
     steps = Times([once() for _ in range(times)])
     desk.cancel()
     desk.choose()
@@ -112,6 +116,7 @@ def denser(rig: Rig, vertices: int) -> Rig:
         deltas=np.ascontiguousarray(moved.transpose(1, 0, 2), np.float32),
         colors=colors.astype(np.float32),
         materials=tuple(materials),
+        shade=None,
     )
 
 

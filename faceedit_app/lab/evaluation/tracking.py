@@ -1,4 +1,4 @@
-"""How exactly films are tracked: on films of the character, rendered from takes.
+"""How exactly films are tracked: on films of characters, rendered from takes.
 
 Three methods are compared: the weights of MediaPipe's own network, our fit of each picture by
 itself, and our fit over time.
@@ -82,8 +82,8 @@ class TrackingFigures:
     """How one method does under one kind of conditions, over all takes.
 
     Attributes:
-        conditions, method: their names.
-        error: (C,) mm, median absolute error of each control.
+        character, conditions, method: their names.
+        error: (C,) mm, median absolute error of each control, as measured on the character itself.
         moved: (C,) mm, the same without the constant part of each film, which is the person's rest.
         lips, lids: TPR and FPR of lips and lids that are shut, see `metrics.Closures`.
         lag: frames by which the mouth's opening is late.
@@ -91,6 +91,7 @@ class TrackingFigures:
         lost: share of the pictures that are gaps.
     """
 
+    character: str
     conditions: str
     method: str
     error: tuple[float, ...]
@@ -107,6 +108,7 @@ def evaluate_tracking(
     seconds: float = 6.0,
     conditions: Sequence[Conditions] = CONDITIONS,
     progress: Callable[[int, int], None] = lambda done, of: None,
+    characters: Sequence[Rig] = (),
 ) -> list[TrackingFigures]:
     """Render films of takes, track them, and compare.
 
@@ -115,6 +117,7 @@ def evaluate_tracking(
         seconds: of each, the liveliest stretch.
         conditions: how the films are taken.
         progress: films done, and films in all.
+        characters: who plays the takes; none = the shipped one.
 
     Raises:
         FileError: a take cannot be read.
@@ -122,22 +125,18 @@ def evaluate_tracking(
     """
     rig = shipped_rig()
     model, landmarker, network = FaceModel.of(rig), FaceLandmarker(threads=2), BlendshapeNetwork()
+    films = [(actor, how) for actor in characters or (rig,) for how in conditions]
     figures = []
-    for number, how in enumerate(conditions):
+    for number, (actor, how) in enumerate(films):
         found: dict[str, list[tuple[Floats, Floats, float]]] = {method: [] for method in METHODS}
         for index, take in enumerate(takes):
             truth = truth_of(take, seconds, how.rate, rig)
-            film = _film(rig, truth, how, landmarker)
+            film = _film(actor, truth, how, landmarker)
+            shown = actor.arkit_distances.measure(truth.weights)
             for method, weights, lost in _tracked(film, model, network):
-                found[method].append(
-                    (
-                        rig.arkit_distances.measure(weights),
-                        rig.arkit_distances.measure(truth.weights),
-                        lost,
-                    )
-                )
-            progress(number * len(takes) + index + 1, len(conditions) * len(takes))
-        figures += [_figures(how.name, method, found[method]) for method in METHODS]
+                found[method].append((rig.arkit_distances.measure(weights), shown, lost))
+            progress(number * len(takes) + index + 1, len(films) * len(takes))
+        figures += [_figures(actor.name, how.name, method, found[method]) for method in METHODS]
     return figures
 
 
@@ -184,7 +183,7 @@ def _tracked(
 
 
 def _figures(
-    conditions: str, method: str, films: Sequence[tuple[Floats, Floats, float]]
+    character: str, conditions: str, method: str, films: Sequence[tuple[Floats, Floats, float]]
 ) -> TrackingFigures:
     away = [found - truth for found, truth, _ in films]
     error = np.median(np.abs(np.concatenate(away)), axis=0)
@@ -193,6 +192,7 @@ def _figures(
     truth = np.concatenate([film[1] for film in films]).astype(np.float64)
     opening = CONTROL_INDEX[LIP_OPENING]
     return TrackingFigures(
+        character,
         conditions,
         method,
         tuple(error.tolist()),
@@ -240,19 +240,22 @@ def table(figures: Sequence[TrackingFigures]) -> str:
     main = [CONTROL_INDEX[control] for control in MAIN_CONTROLS]
     others = [i for i in main if i not in (opening, *lids)]
     rows = [
-        "| film | method | lips, mm | lids, mm | others, mm | others from rest, mm "
-        "| lips shut TPR / FPR | lids shut TPR / FPR | lag | jitter | lost |",
-        "|" + "---|" * 11,
+        "| character | film | method | lips, mm | lips from rest | lids | lids from rest | others "
+        "| others from rest | lips shut TPR / FPR | lids shut TPR / FPR | lag | jitter | lost |",
+        "|" + "---|" * 14,
     ]
     for one in figures:
         error, moved = np.array(one.error), np.array(one.moved)
+        errors = [
+            f"{values[columns].mean():.2f}"
+            for columns in ([opening], lids, others)
+            for values in (error, moved)
+        ]
         cells = [
+            one.character,
             one.conditions,
             one.method,
-            f"{error[opening]:.2f}",
-            f"{error[lids].mean():.2f}",
-            f"{error[others].mean():.2f}",
-            f"{moved[others].mean():.2f}",
+            *errors,
             f"{one.lips[0]:.2f} / {one.lips[1]:.2f}",
             f"{one.lids[0]:.2f} / {one.lids[1]:.2f}",
             f"{one.lag:+.2f}",

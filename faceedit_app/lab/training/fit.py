@@ -104,9 +104,7 @@ def fit_region(
             of,
             settings,
             number,
-            Checkpoint(checkpoints / f"{region.id}.{name}.safetensors", mark)
-            if checkpoints
-            else None,
+            Checkpoint.of_stage(checkpoints, region.id, name, mark),
             lambda n, loss, held: report(Epoch(region.id, name, n, of, loss, held)),
         )
 

@@ -63,9 +63,7 @@ def fit_holden(
             of,
             settings,
             number,
-            Checkpoint(checkpoints / f"{region.id}.{name}.safetensors", mark)
-            if checkpoints
-            else None,
+            Checkpoint.of_stage(checkpoints, region.id, name, mark),
             lambda n, loss, held, name=name, of=of: report(  # type: ignore[misc]
                 Epoch(region.id, name, n, of, loss, held)
             ),

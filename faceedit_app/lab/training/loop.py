@@ -49,6 +49,15 @@ class Checkpoint:
     path: Path
     fingerprint: str
 
+    @classmethod
+    def of_stage(
+        cls, folder: Path | None, region: str, name: str, fingerprint: str
+    ) -> Checkpoint | None:
+        """That of one stage of a region's training, in a folder; None without a folder."""
+        if folder is None:
+            return None
+        return cls(folder / f"{region}.{name}.safetensors", fingerprint)
+
     def write(
         self, network: nn.Module, best: State, optimiser: torch.optim.Adam, history: History
     ) -> None:

@@ -21,7 +21,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.ui.character.shape_table import ShapeModel, ShapeTable
 from faceedit_app.ui.look.widgets import resize_on_screen
 
-_SIZE = (620, 640)
+_SIZE = (760, 640)
 _NOTES_HEIGHT = 130
 
 
@@ -30,11 +30,13 @@ class CharacterChecklist(QDialog):
 
     Signals:
         shape_chosen(str, str): a channel, and the shape for it; "" for none.
+        levelled(str, object): a channel, and how strongly the character answers it.
         save_asked(): the map is to be saved beside the character.
         closed(): it was closed.
     """
 
     shape_chosen = Signal(str, str)
+    levelled = Signal(str, object)
     save_asked = Signal()
     closed = Signal()
 
@@ -45,6 +47,7 @@ class CharacterChecklist(QDialog):
         self._summary, self._notes = _text(), _text()
         self._model = ShapeModel(self)
         self._model.chosen.connect(self.shape_chosen)
+        self._model.levelled.connect(self.levelled)
         self.table = ShapeTable(self._model)
         self.only_noted = QCheckBox("Only channels with a note")
         self.only_noted.toggled.connect(self._refresh)
@@ -56,7 +59,8 @@ class CharacterChecklist(QDialog):
         self._hint.setObjectName("caption")
         self._hint.setText(
             "The twelve points are shown on the face: drag one to correct it. Double-click a shape "
-            "to choose another."
+            "to choose another, or a number to change how strongly the character shows a "
+            "channel; the take keeps its weights."
         )
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         self.save = QPushButton("Save map")

@@ -1,4 +1,4 @@
-"""The table of the checklist: ARKit's channels, and the shape of the file that makes each."""
+"""The table of the checklist: ARKit's channels, the shape that makes each, and its strength."""
 
 from __future__ import annotations
 
@@ -19,12 +19,15 @@ from PySide6.QtWidgets import (
 from faceedit_app.characters.fitted import FittedCharacter
 from faceedit_app.characters.names import Half
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.levels import UNCHANGED, Level
+from faceedit_app.ui.look.level_fields import LEVEL_HEADS, LEVEL_TIPS, LevelDelegate, changed_level
 from faceedit_app.ui.look.palette import MUTED, ORANGE
 
 Index = QModelIndex | QPersistentModelIndex
 NO_SHAPE = "– no shape –"
-_HEADS = ("Channel", "Shape in the file", "Note")
-CHANNEL, SHAPE, NOTE = range(3)
+_HEADS = ("Channel", "Shape in the file", *LEVEL_HEADS, "Note")
+CHANNEL, SHAPE, MULTIPLIER, OFFSET, LIMIT, NOTE = range(6)
+_LEVELS = (MULTIPLIER, OFFSET, LIMIT)
 
 
 class ShapeModel(QAbstractTableModel):
@@ -32,14 +35,17 @@ class ShapeModel(QAbstractTableModel):
 
     Signals:
         chosen(str, str): a channel, and the shape that the user chose; "" for none.
+        levelled(str, object): a channel, and how strongly the character answers it (`Level`).
     """
 
     chosen = Signal(str, str)
+    levelled = Signal(str, object)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._shapes: dict[str, str] = {}
         self._notes: dict[str, str] = {}
+        self._levels: dict[str, Level] = {}
         self._channels: tuple[str, ...] = ARKIT_CHANNELS
         self.targets: tuple[str, ...] = ()
 
@@ -55,6 +61,7 @@ class ShapeModel(QAbstractTableModel):
             )
             for channel, parts in shares.items()
         }
+        self._levels = dict(character.mapping.levels)
         self._notes = dict.fromkeys(check.missing, "missing")
         self._notes |= dict.fromkeys(check.several, "made of several")
         self._notes |= dict.fromkeys(check.dead, "moves nothing that can be seen")
@@ -68,23 +75,28 @@ class ShapeModel(QAbstractTableModel):
         return 0 if parent is not None and parent.isValid() else len(self._channels)
 
     def columnCount(self, parent: Index | None = None) -> int:
-        """Channel, shape, note."""
+        """Channel, shape, multiplier, offset, soft limit, note."""
         return len(_HEADS)
 
     def headerData(
         self, section: int, orientation: Qt.Orientation, role: int = Qt.ItemDataRole.DisplayRole
     ) -> Any:
         """The titles of the columns."""
-        if orientation is Qt.Orientation.Horizontal and role == Qt.ItemDataRole.DisplayRole:
-            return _HEADS[section]
+        if orientation is Qt.Orientation.Horizontal:
+            if role == Qt.ItemDataRole.DisplayRole:
+                return _HEADS[section]
+            if role == Qt.ItemDataRole.ToolTipRole and section in _LEVELS:
+                return LEVEL_TIPS[section - MULTIPLIER]
         return None
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
-        """The text of a cell; notes are orange, and what is absent is muted."""
+        """The text of a cell; notes are orange, and what is absent or usual is muted."""
         channel, column = self._channels[index.row()], index.column()
-        texts = (channel, self._shapes.get(channel, NO_SHAPE), self._notes.get(channel, ""))
+        if column in _LEVELS:
+            return self._level_data(channel, column - MULTIPLIER, role)
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.EditRole):
-            return texts[column]
+            texts = {CHANNEL: channel, SHAPE: self._shapes.get(channel, NO_SHAPE)}
+            return texts.get(column, self._notes.get(channel, ""))
         if role == Qt.ItemDataRole.ToolTipRole:
             return None if column != SHAPE else "Double-click to choose another shape"
         if role == Qt.ItemDataRole.ForegroundRole:
@@ -94,18 +106,42 @@ class ShapeModel(QAbstractTableModel):
                 return QColor(MUTED)
         return None
 
+    def _level_data(self, channel: str, place: int, role: int) -> Any:
+        value = self._levels.get(channel, UNCHANGED)[place]
+        match role:
+            case Qt.ItemDataRole.DisplayRole:
+                return f"{value:.2f}"
+            case Qt.ItemDataRole.EditRole:
+                return value
+            case Qt.ItemDataRole.TextAlignmentRole:
+                return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+            case Qt.ItemDataRole.ForegroundRole if value == UNCHANGED[place]:
+                return QColor(MUTED)
+            case _:
+                return None
+
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
-        """Choose another shape for a channel."""
-        channel, shape = self._channels[index.row()], str(value)
+        """Choose another shape for a channel, or another strength."""
+        channel, column = self._channels[index.row()], index.column()
+        if column in _LEVELS:
+            level = self._levels.get(channel, UNCHANGED)
+            changed = changed_level(level, column - MULTIPLIER, float(value))
+            if changed == level:
+                return False
+            self.levelled.emit(channel, changed)
+            return True
+        shape = str(value)
         if shape == self._shapes.get(channel, NO_SHAPE):
             return False
         self.chosen.emit(channel, "" if shape == NO_SHAPE else shape)
         return True
 
     def flags(self, index: Index) -> Qt.ItemFlag:
-        """Shapes can be chosen."""
+        """Shapes can be chosen, and the strength of channels that have one."""
         flags = super().flags(index)
-        return flags | Qt.ItemFlag.ItemIsEditable if index.column() == SHAPE else flags
+        channel, column = self._channels[index.row()], index.column()
+        can = column == SHAPE or (column in _LEVELS and channel in self._shapes)
+        return flags | Qt.ItemFlag.ItemIsEditable if can else flags
 
 
 class ShapeTable(QTableView):
@@ -115,6 +151,8 @@ class ShapeTable(QTableView):
         super().__init__()
         self.setModel(model)
         self.setItemDelegateForColumn(SHAPE, _ShapeDelegate(self))
+        for column in _LEVELS:
+            self.setItemDelegateForColumn(column, LevelDelegate(self, MULTIPLIER, is_live=False))
         self.setEditTriggers(
             QAbstractItemView.EditTrigger.DoubleClicked
             | QAbstractItemView.EditTrigger.EditKeyPressed
@@ -128,7 +166,8 @@ class ShapeTable(QTableView):
         head.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         head.setSectionResizeMode(CHANNEL, QHeaderView.ResizeMode.ResizeToContents)
         head.setSectionResizeMode(SHAPE, QHeaderView.ResizeMode.Stretch)
-        head.setSectionResizeMode(NOTE, QHeaderView.ResizeMode.ResizeToContents)
+        for column in (*_LEVELS, NOTE):
+            head.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
         self.setAccessibleName("Channels and shapes")
 
 

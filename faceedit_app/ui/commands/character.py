@@ -15,6 +15,7 @@ from faceedit_app.ui.commands.workspace import Workspace
 if TYPE_CHECKING:  # they import the loaders of characters
     from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.characters.map_file import CharacterMap
+    from faceedit_app.core.levels import Level
     from faceedit_app.core.rig import Rig
     from faceedit_app.scans.steps import Attempt
     from faceedit_app.ui.character.checklist import CharacterChecklist
@@ -30,6 +31,7 @@ class CharacterCommands:
         self._points: PointsOverlay | None = None
         self._saved: CharacterMap | None = None  # the map as it is in its file
         self._is_refit = False  # the next character is the same one with another map
+        self._awaits_hints = False  # the checklist, while the first steps are shown
         self._document.character_changed.connect(self._follow)
 
     @property
@@ -51,7 +53,7 @@ class CharacterCommands:
         def opened() -> None:
             preferences.set_folder("character", path.resolve().parent)
             preferences.add_recent_character(path)
-            self.show_checklist()
+            self._offer_checklist()
 
         def failed(problem: str) -> None:
             dialogs.show_error(self._workspace.window, problem)
@@ -135,6 +137,24 @@ class CharacterCommands:
 
     # --- the checklist ---------------------------------------------------------------------------
 
+    def _offer_checklist(self) -> None:
+        """Show the checklist now, or once the first steps are read."""
+        page = self._workspace.page
+        self._awaits_hints = page is not None and page.hints.isVisible()
+        if not self._awaits_hints:
+            self.show_checklist()
+
+    def make_room_for_hints(self) -> None:
+        """Hide the checklist while the first steps are shown: it would cover them."""
+        if self._checklist is not None and self._checklist.isVisible():
+            self._checklist.hide()
+            self._awaits_hints = True
+
+    def hints_closed(self) -> None:
+        """Show the checklist that waited for the end of the first steps."""
+        if self._awaits_hints:
+            self._offer_checklist()
+
     def show_checklist(self) -> None:
         """Show what was found in the character, and its points on the face."""
         if self._document.character is None:
@@ -144,6 +164,7 @@ class CharacterCommands:
 
             self._checklist = CharacterChecklist(self._workspace.window)
             self._checklist.shape_chosen.connect(self._choose_shape)
+            self._checklist.levelled.connect(self._set_level)
             self._checklist.save_asked.connect(self.save_map)
             self._checklist.closed.connect(self._hide_points)
         self._checklist.show()
@@ -207,6 +228,13 @@ class CharacterCommands:
             channels = dict(character.mapping.channels)
             channels[channel] = (Share(shape),) if shape else ()
             self._fit_again(character, replace(character.mapping, channels=channels))
+
+    def _set_level(self, channel: str, level: Level) -> None:
+        """Set how strongly the character answers a channel."""
+        character = self._document.character
+        if character is not None:
+            self._is_refit = True
+            self._document.use_character(character.with_level(channel, level))
 
     def _move_point(self, name: str, vertex: int) -> None:
         """Put a control point on another vertex."""

@@ -124,9 +124,11 @@ def ask_record(parent: QWidget) -> tuple[Protocol, str, int] | None:
     return dialog.chosen if dialog.exec() else None
 
 
-def ask_record_name(parent: QWidget, suggestion: Path) -> Path | None:
-    """Where to write a recording."""
-    return _save_name(parent, "Record to", suggestion, file_kinds.RECORDINGS)
+def ask_record_name(
+    parent: QWidget, suggestion: Path, kinds: str = file_kinds.RECORDINGS
+) -> Path | None:
+    """Where to write a recording, a take or a film."""
+    return _save_name(parent, "Record to", suggestion, kinds)
 
 
 def ask_stop_film(parent: QWidget) -> bool:
@@ -230,6 +232,12 @@ def ask_media(parent: QWidget, folder: Path) -> Path | None:
 def ask_words(parent: QWidget, folder: Path) -> Path | None:
     """Which file says what is said."""
     return _open_name(parent, "Open words", folder, file_kinds.WORDS)
+
+
+def ask_match(parent: QWidget, folder: Path) -> Path | None:
+    """Which sound, or file with the times of its words, the take is matched to."""
+    title = "Match another sound, or words with times"
+    return _open_name(parent, title, folder, file_kinds.SOUND_OR_WORDS)
 
 
 def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMenu
 from faceedit_app.core.controls import CONTROL_IDS, MAIN_CONTROLS, SIDED_CONTROLS
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.formats.timing import counted
+from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry
 from faceedit_app.ui.state.actions import Command, Menu
@@ -30,6 +31,7 @@ class EditCommands:
         self._workspace = workspace
         self._document, self._timeline = workspace.document, workspace.timeline
         self._clipboard: Clipboard | None = None
+        self.retime = RetimeCommands(workspace)
 
     # --- undo and reset ----------------------------------------------------------------------
 
@@ -159,7 +161,7 @@ class EditCommands:
     def paste_mirrored(self) -> None:
         """Paste what was copied at the playhead, with left and right swapped."""
         if (copied := self._copied()) is not None:
-            self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste mirrored")
+            self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste m&irrored")
 
     def mirror(self) -> None:
         """Swap left and right in the selection."""
@@ -253,6 +255,8 @@ class EditCommands:
             session.configure(replace(session.settings, mode=mode))
 
 
+TIMING, SELECTED = "&Timing", "Selected e&dit"  # submenus
+
 # fmt: off
 MENU: Menu[EditCommands] = Menu("&Edit", (
     Command("undo", "&Undo", EditCommands.undo, ("Ctrl+Z",), "Undo the last step", "undo",
@@ -264,46 +268,58 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
     Command("reset_range", "Reset ran&ge", EditCommands.reset_range, ("Ctrl+R",),
             "Go back to the take as tracked, in the selection or around the playhead", "reset",
             enabled=lambda do: do.has_edits, starts_group=True),
-    Command("reset_curve", "Reset range o&f this curve", EditCommands.reset_curve,
+    Command("reset_curve", "Reset range of this cur&ve", EditCommands.reset_curve,
             ("Ctrl+Shift+R",),
             "Go back to the take as tracked for the focused curve only",
             enabled=lambda do: do.has_edits),
     Command("copy", "&Copy range", EditCommands.copy, ("Ctrl+C",),
             "Copy what the face does in the selection", starts_group=True),
-    Command("copy_changes", "Copy changes only", EditCommands.copy_changes,
+    Command("copy_changes", "Copy changes on&ly", EditCommands.copy_changes,
             ("Ctrl+Shift+C",),
             "Copy only what your edits changed in the selection, to add it elsewhere"),
     Command("paste", "&Paste at playhead", EditCommands.paste, ("Ctrl+V",),
             "Paste what was copied at the playhead"),
-    Command("paste_mirrored", "Paste mirrored", EditCommands.paste_mirrored, ("Ctrl+Shift+V",),
+    Command("paste_mirrored", "Paste m&irrored", EditCommands.paste_mirrored, ("Ctrl+Shift+V",),
             "Paste what was copied at the playhead, with left and right swapped"),
     Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
             "Swap left and right in the selection"),
+    Command("stretch_time", "S&tretch in time…", lambda do: do.retime.stretch(), ("Shift+W",),
+            "Make the selection longer or shorter; what follows makes up for it and keeps its time",
+            starts_group=True, submenu=TIMING),
+    Command("move_time", "Mo&ve in time…", lambda do: do.retime.move(),
+            tip="Show the selection earlier or later; what is beside it makes up for it",
+            submenu=TIMING),
+    Command("cut_time", "Cut out of ti&me", lambda do: do.retime.cut(),
+            tip="Leave out the selection; what follows plays slower until it has caught up",
+            submenu=TIMING),
+    Command("insert_pause", "Insert a pa&use…", lambda do: do.retime.pause(),
+            tip="Hold the face at the playhead; what follows plays faster until it has caught up",
+            submenu=TIMING),
     Command("toggle_edit", "Switch edit &on / off",
             lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),
             "Switch the selected edit on or off",
-            enabled=lambda do: do.has_selected_edit, starts_group=True),
+            enabled=lambda do: do.has_selected_edit, starts_group=True, submenu=SELECTED),
     Command("rename_edit", "Re&name edit",
             lambda do: do.on_list(lambda edits: edits.rename()), ("F2",),
             "Rename the selected edit",
-            enabled=lambda do: do.has_selected_edit),
+            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("edit_up", "Move edit up", lambda do: do.on_list(lambda edits: edits.move_edit(-1)),
             ("Alt+Up",), "Move the selected edit up the list, to apply it earlier",
-            enabled=lambda do: do.has_selected_edit),
+            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.move_edit(1)),
             ("Alt+Down",), "Move the selected edit down the list, to apply it later",
-            enabled=lambda do: do.has_selected_edit),
+            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("delete_edit", "&Delete edit",
             lambda do: do.on_list(lambda edits: edits.delete()), ("Del",),
             "Delete the selected edit", "trash",
-            enabled=lambda do: do.has_selected_edit),
+            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),
             "Select the whole take", starts_group=True),
     Command("select_around", "Select around the pla&yhead", EditCommands.select_around,
             tip="Select a second around the playhead; its edges can be dragged"),
     Command("deselect", "D&eselect", EditCommands.deselect, ("Esc",),
             "Cancel the drag in progress, or leave the chosen edit and clear the selection"),
-    Command("preserve", "Preser&ve the take", lambda do: do.set_mode(Mode.PRESERVE),
+    Command("preserve", "Preserve the ta&ke", lambda do: do.set_mode(Mode.PRESERVE),
             tip="Change only the frames and curves that your edits affect",
             checked=lambda do: do.mode is Mode.PRESERVE, starts_group=True),
     Command("resynthesize", "Re&synthesize", lambda do: do.set_mode(Mode.RESYNTHESIZE),

@@ -79,6 +79,8 @@ class Exports:
         self._note_wait()
         document.work_off()
         take, edited = session.take, session.edited_clip()
+        page = self._workspace.page
+        options = replace(options, follows_head=page is not None and page.face.follows_head)
 
         def done(written: Exported) -> None:
             if document.session is session:

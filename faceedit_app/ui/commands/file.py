@@ -19,6 +19,7 @@ from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.character import CharacterCommands
 from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.live import LivePreview, PhoneRecording
+from faceedit_app.ui.commands.webcam import WebcamRecording
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
@@ -37,6 +38,7 @@ class FileCommands:
         self._document, self._preferences = workspace.document, workspace.preferences
         self.live = LivePreview(workspace)
         self._recording = PhoneRecording(workspace, self.open_if_saved)
+        self._webcam = WebcamRecording(workspace, self.open_if_saved, self._show_error)
         self.character = CharacterCommands(workspace)
         self._exports = Exports(workspace, self._show_error)
         workspace.opener.opened.connect(self._remember)
@@ -170,6 +172,7 @@ class FileCommands:
         self._exports.stop()
         self.live.stop()
         self._recording.stop()
+        self._webcam.stop()
 
     def live_preview(self) -> None:
         """Send the face to another program, or stop."""
@@ -178,6 +181,10 @@ class FileCommands:
     def record(self) -> None:
         """Record a take from a phone."""
         self._recording.start()
+
+    def record_webcam(self) -> None:
+        """Record a film from a webcam, and track it."""
+        self._webcam.start()
 
     def export_as(self) -> None:
         """Export the take for another program."""
@@ -255,6 +262,8 @@ MENU: Menu[FileCommands] = Menu("&File", (
     Command("recent", "Open &recent", fills=FileCommands.fill_recent, needs_take=False),
     Command("record", "Record from &phone…", FileCommands.record, (),
             "Record a take that a phone or another program sends", needs_take=False),
+    Command("record_webcam", "Record from &webcam…", FileCommands.record_webcam, (),
+            "Film yourself, and open your performance as a take", needs_take=False),
     Command("save", "&Save project", FileCommands.save, ("Ctrl+S",),
             "Save your edits, the view, sound and film as a project", "save",
             starts_group=True),

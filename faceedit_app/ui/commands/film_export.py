@@ -65,23 +65,23 @@ class FilmExport(QObject):
             self._film(path, replace(shot, overwrite=overwrite, mirrored=media.mirrored))
 
     def _film(self, path: Path, shot: Shot) -> None:
-        from faceedit_app.editing.filming import View, film_take
+        from faceedit_app.editing.filming import film_take
 
         session, page = self._workspace.session, self._workspace.page
         assert session is not None
         if page is not None:
-            width, height = shot.size
-            faces = 1 if shot.view is View.FACE else 2
-            camera = page.face.viewport.camera_for(width / faces / height)
-            shot = replace(shot, camera=camera)
+            width, height = shot.view.room(shot.size)
+            camera = page.face.viewport.camera_for(width / height)
+            shot = replace(shot, camera=camera, follows_head=page.face.follows_head)
         self._workspace.document.work_off()
         stop = self._stop = threading.Event()
         take, rig, weights = session.take, session.shown_rig, session.weights.copy()
+        turns = None if session.rotations is None else session.rotations.copy()
         placement = self._workspace.media.placement
         self._open_dialog(path, stop)
         self._workspace.background.run(
             lambda: film_take(
-                take, weights, rig, placement, path, shot, self._advanced.emit, stop.is_set
+                take, weights, rig, placement, path, shot, self._advanced.emit, stop.is_set, turns
             ),
             self._done,
             self._report,

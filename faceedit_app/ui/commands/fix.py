@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
@@ -27,7 +28,6 @@ from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
-    from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.help.problems import Problem
 
 
@@ -90,7 +90,6 @@ class FixCommands:
 
     def fill(self) -> None:
         """Preview other motion of the take in place of the selection, in four variations."""
-        from faceedit_app.editing.edits.edit import LONGEST_FILL
         from faceedit_app.editing.help import fill
 
         session, page = self._document.session, self._workspace.page
@@ -213,7 +212,6 @@ class FixCommands:
     @staticmethod
     def _variations(fix: tuple[Edit, ...]) -> list[tuple[Edit, ...]]:
         """A fix that is a fill, in four variations; else nothing."""
-        from faceedit_app.editing.edits.edit import Op
         from faceedit_app.editing.help.fill import variations
 
         if len(fix) != 1 or fix[0].op is not Op.FILL:
@@ -282,7 +280,7 @@ class FixCommands:
 
 
 # Submenus: with all their commands, the menu would be higher than a small screen.
-WORDS, PROBLEMS = "Wor&ds", "Problems in the &take"
+WORDS, PROBLEMS = "Spo&ken words", "Problems in the &take"
 
 
 def _fixes() -> Iterator[Command[FixCommands]]:
@@ -308,7 +306,7 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
             "Set how happy the mouth looks, in the selection or the whole take",
             starts_group=True),
     Command("fill", "&Fill", FixCommands.fill, ("Ctrl+I",),
-            "Replace the selection, up to 4 s, by other motion of the take that joins both sides"),
+            "Replace the selection, up to 4 s, with other motion of the take that fits both sides"),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),
@@ -322,7 +320,7 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
             "Set how clearly the words are said, with lips that still meet",
             enabled=lambda do: do.words.has_words, submenu=WORDS),
     Command("neutral_frame", "This frame is ne&utral", lambda do: do.calibration.this_frame(), (),
-            "Take the pose at the playhead away from the selection or the whole take; blinks and "
+            "Subtract the pose at the playhead from the selection or the whole take; blinks and "
             "words keep their height", starts_group=True),
     Command("levels", "Strengt&h by channel…", lambda do: do.calibration.levels(), (),
             "Set multiplier, offset and soft limit of each channel, as one edit"),
@@ -332,7 +330,7 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
     Command("previous_problem", "Previous problem", lambda do: do.step(-1), ("Up",),
             "Go to the previous problem", "up",
             enabled=lambda do: bool(do.problems), submenu=PROBLEMS),
-    Command("fix_problem", "&Fix this problem", FixCommands.fix_problem, ("P",),
+    Command("fix_problem", "Fi&x this problem", FixCommands.fix_problem, ("P",),
             "Preview a fix for the problem at the playhead, to accept or discard",
             enabled=lambda do: do.problem is not None and bool(do.problem.fix), submenu=PROBLEMS),
     Command("fix_all", "Fix all problems", FixCommands.fix_all, ("Ctrl+Shift+P",),
@@ -350,7 +348,7 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
             "Make the proposed edits", "tick",
             enabled=lambda do: do.has_proposal, submenu=PROBLEMS),
     Command("discard_fix", "Discard the proposal", FixCommands.discard, (),
-            "Drop the proposed edits (Esc)", "close",
+            "Discard the proposed edits (Esc)", "close",
             enabled=lambda do: do.has_proposal, submenu=PROBLEMS),
 ))
 # fmt: on

@@ -10,6 +10,8 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Curves", "Alt, or Ctrl and Shift, while dragging", "Edit this side of the face only"),
     ("Curves", "Wheel while dragging", "Change the falloff; with Alt, on this side only"),
     ("Curves", "Drag an edge of the selection", "Change the selection or its falloffs"),
+    ("Curves", "Retime: drag sideways", "Show the face or the selection earlier or later"),
+    ("Curves", "Retime: drag an end of the selection", "Stretch it in time"),
     ("Curves", "Ctrl and click a name", "Choose several curves to edit together"),
     ("Curves", "Esc or right button while dragging", "Cancel the drag"),
     ("Curves", "Click", "Move the playhead"),

@@ -81,11 +81,13 @@ class LivePreview(QObject):
         from faceedit_app.editing.streaming import pose_of
 
         frame = min(max(self._workspace.timeline.frame, 0), len(session.weights) - 1)
+        clip = session.take.clip
+        weights, turns = session.weights[frame], session.rotations
         if page is not None and page.face.shows_tracked:
-            weights = session.take.clip.arkit_weights()[frame]
-        else:
-            weights = session.weights[frame]
-        self._sender.send(pose_of(weights, session.take.clip.rate))
+            weights, turns = clip.arkit_weights()[frame], clip.rotations
+        follows = page is not None and page.face.follows_head
+        rotations = turns[frame] if follows and turns is not None else None
+        self._sender.send(pose_of(weights, clip.rate, rotations))
 
 
 class PhoneRecording(QObject):
@@ -146,7 +148,7 @@ class PhoneRecording(QObject):
             box.setText(f"Waiting on port {recorder.address[1]}…")
             ignored = recorder.ignored
             box.setInformativeText(
-                f"{ignored} packets came that are none of this protocol" if ignored else ""
+                f"{ignored} packets of another protocol were ignored" if ignored else ""
             )
 
     def finish(self) -> None:

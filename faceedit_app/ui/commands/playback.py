@@ -108,11 +108,11 @@ MENU: Menu[PlaybackCommands] = Menu("&Playback", (
             "back", starts_group=True),
     Command("forward", "Frame &forward", lambda do: do.step_frames(1), ("Right",),
             "Go one frame forward", "forward"),
-    Command("second_back", "Second back", lambda do: do.step_seconds(-1), ("Shift+Left",),
+    Command("second_back", "Secon&d back", lambda do: do.step_seconds(-1), ("Shift+Left",),
             "Go one second back"),
-    Command("second_forward", "Second forward", lambda do: do.step_seconds(1), ("Shift+Right",),
+    Command("second_forward", "Second f&orward", lambda do: do.step_seconds(1), ("Shift+Right",),
             "Go one second forward"),
-    Command("start", "Go to star&t", PlaybackCommands.go_to_start, ("Home",),
+    Command("start", "Go to s&tart", PlaybackCommands.go_to_start, ("Home",),
             "Go to the first frame", "start"),
     Command("end", "Go to &end", PlaybackCommands.go_to_end, ("End",), "Go to the last frame",
             "end"),
@@ -120,7 +120,7 @@ MENU: Menu[PlaybackCommands] = Menu("&Playback", (
             "Type a time to go to, in the unit in which times are shown"),
     Command("mark_start", "Start selection &here", PlaybackCommands.mark_start, ("I",),
             "Start the selection at the playhead", starts_group=True),
-    Command("mark_end", "End selection here", PlaybackCommands.mark_end, ("O",),
+    Command("mark_end", "E&nd selection here", PlaybackCommands.mark_end, ("O",),
             "End the selection at the playhead"),
 ))
 # fmt: on

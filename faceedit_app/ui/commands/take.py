@@ -14,6 +14,7 @@ from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
 from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
@@ -28,6 +29,7 @@ class TakeCommands:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._media = workspace, workspace.media
         self.words = WordCommands(workspace)
+        self.retime = RetimeCommands(workspace)
         self._dropped: list[Path] = []  # to be added once the take dropped with them is open
         workspace.opener.rate_needed.connect(self._ask_needed_rate)
 
@@ -205,13 +207,16 @@ MENU: Menu[TakeCommands] = Menu("&Take", (
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
             tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
             starts_group=True),
-    Command("remove_film", "Remo&ve film", TakeCommands.remove_film,
+    Command("remove_film", "R&emove film", TakeCommands.remove_film,
             tip="Remove the film from the take", enabled=lambda do: do.has_film),
     Command("words", "&Words…", lambda do: do.words.ask(),
             tip="Say which words are spoken; they appear under the waveform",
             starts_group=True),
     Command("find_word", "Find a wo&rd", lambda do: do.words.find(), ("Ctrl+F",),
-            "Search a word and select its time", enabled=lambda do: do.words.has_words),
+            "Find a word and select its time", enabled=lambda do: do.words.has_words),
+    Command("match_sound", "Match another so&und…", lambda do: do.retime.match_sound(),
+            tip="Retime the take so that it says its words when another sound says them",
+            enabled=lambda do: do.words.has_words),
     Command("remove_words", "Remove w&ords", lambda do: do.words.remove(),
             tip="Remove the words from the take; edits stay",
             enabled=lambda do: do.words.has_words),

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.media import beside
+from faceedit_app.media.container import Abandoned, has_sound
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 from faceedit_app.ui.state import loading
 
 if TYPE_CHECKING:  # these bring much along
     from faceedit_app.editing.session import EditSession
     from faceedit_app.tracking.tracker import Tracked
-    from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 
 
 def suggested_take(film: Path) -> Path:
@@ -40,12 +41,10 @@ class FilmTracking:
     def __init__(
         self, workspace: Workspace, film: Path, take: Path, failed: Callable[[Exception], None]
     ) -> None:
-        from faceedit_app.ui.media.tracking_dialog import TrackingDialog
-
         self._workspace, self._film, self._take, self._failed = workspace, film, take, failed
         self._face: tuple[float, float] | None = None
         self._again = False  # another face was chosen: begin again
-        self.dialog: TrackingDialog = TrackingDialog(workspace.window, film)
+        self.dialog = TrackingDialog(workspace.window, film)
         self.dialog.face_chosen.connect(self._choose)
 
     def start(self) -> None:
@@ -57,6 +56,7 @@ class FilmTracking:
         dialog, face, rig = self.dialog, self._face, self._workspace.rig
 
         def work() -> Tracked:
+            # Imported here, in the background, as it takes a moment.
             from faceedit_app.tracking.landmark_file import write_landmarks
             from faceedit_app.tracking.tracker import track_film, write_take
 
@@ -78,8 +78,6 @@ class FilmTracking:
 
     def _ended(self, error: Exception) -> None:
         """It failed, was cancelled, or another face was chosen."""
-        from faceedit_app.media.container import Abandoned
-
         if isinstance(error, Abandoned):
             if self._again:
                 self._again = False
@@ -95,8 +93,6 @@ class FilmTracking:
         self._failed(error)
 
     def _done(self, tracked: Tracked) -> None:
-        from faceedit_app.media.container import has_sound
-
         self.dialog.close()
         workspace, film = self._workspace, self._film
         begins = float(tracked.clip.times[0])  # in the film; before it there is no face

@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # comes with the page, after the first paint
     from faceedit_app.ui.curves import CurvesPanel
     from faceedit_app.ui.face.pane import FacePane
 
-CAMERA, CURVES = "Ca&mera", "C&urves"  # submenus
+CAMERA, CURVES, FILM = "Ca&mera", "C&urves", "&Film"  # submenus
 ZOOM = 0.7  # of the time in view, per step
 MARGIN = 0.1  # of the selection, on either side of it
 
@@ -239,6 +239,36 @@ class ViewCommands:
         if self.face is not None:
             self.face.glance(glancing)
 
+    # --- the film ----------------------------------------------------------------------------
+
+    @property
+    def film_place(self) -> str:
+        """Where the film is shown: beside, above or below the face."""
+        page = self._workspace.page
+        return page.film_place if page is not None else self._workspace.preferences.film_place()
+
+    def is_film_at(self, place: str) -> bool:
+        """Whether the take's film lies at a place."""
+        return self.film_place == place
+
+    def place_film(self, place: str) -> None:
+        """Show the film beside, above or below the face."""
+        self._workspace.preferences.set_film_place(place)
+        self.restore_film_place()
+
+    def restore_film_place(self) -> None:
+        """Show the film where it was last shown."""
+        from faceedit_app.ui.media.film_pane import FilmPlace
+
+        place, page = self._workspace.preferences.film_place(), self._workspace.page
+        if page is not None and place in list(FilmPlace):
+            page.place_film(FilmPlace(place))
+
+    @property
+    def has_film(self) -> bool:
+        """Whether the take has a film."""
+        return self._workspace.media.film is not None
+
     # --- the keyboard ------------------------------------------------------------------------
 
     def focus_curve(self, index: int) -> None:
@@ -288,16 +318,16 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             "Show more time around the playhead", "zoom_out"),
     Command("unit_seconds", "&Seconds", lambda do: do.show_time_as(Unit.SECONDS),
             tip="Show times in seconds", checked=lambda do: do.unit is Unit.SECONDS,
-            submenu="Sho&w time as"),
+            submenu="Show &time as"),
     Command("unit_frames", "&Frames", lambda do: do.show_time_as(Unit.FRAMES),
             tip="Show times in frames, counted from 1", checked=lambda do: do.unit is Unit.FRAMES,
-            submenu="Sho&w time as"),
+            submenu="Show &time as"),
     Command("unit_timecode", "&Timecode", lambda do: do.show_time_as(Unit.TIMECODE),
             tip="Show times as the take's timecode", checked=lambda do: do.unit is Unit.TIMECODE,
-            submenu="Sho&w time as"),
+            submenu="Show &time as"),
     Command("show_edited", "Show &edited face", ViewCommands.show_edited,
             tip="Show the face with your edits", checked=_shows_edited, starts_group=True),
-    Command("show_tracked", "Show &tracked face", ViewCommands.show_tracked, ("T",),
+    Command("show_tracked", "Sho&w tracked face", ViewCommands.show_tracked, ("T",),
             "Show the tracked face instead of the edited one; hold B to show it briefly",
             checked=lambda do: do.face is not None and do.face.shows_tracked),
     Command("show_both", "Show &both faces", ViewCommands.show_both, ("Shift+T",),
@@ -310,6 +340,12 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             "Turn the character's head as it was recorded, or keep it straight; for takes with "
             "head rotation", enabled=lambda do: do.has_rotations,
             checked=lambda do: do.face is not None and do.face.follows_head),
+    *(
+        Command(f"film_{place}", f"{label} the face", partial(ViewCommands.place_film, place=place),
+                tip=f"Show the take's film {place} the face", enabled=lambda do: do.has_film,
+                checked=partial(ViewCommands.is_film_at, place=place), submenu=FILM)
+        for place, label in (("beside", "&Beside"), ("above", "&Above"), ("below", "B&elow"))
+    ),
     *(
         Command(f"curve_{index + 1}",
                 f"&{index + 1} {control.label}" if control.key else control.label,

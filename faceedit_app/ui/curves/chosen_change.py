@@ -30,6 +30,10 @@ class ChosenChange:
             added: the edit that the drag would make by itself; None = nothing yet.
             falloffs: seconds of fading in and out, which it gets as well.
         """
+        if self.old.op is Op.RETIME:
+            if added is None:
+                return self.old
+            return replace(self.old, start=added.start, end=added.end, pins=added.pins)
         value = added.value / self.old.strength if added is not None else 0.0
         new = replace(self.old, value=self.old.value + value)
         if (self.old.falloff, self.old.fade_out) != falloffs:
@@ -60,3 +64,13 @@ def change_by(
         and hold in (selection, (edit.start, edit.end))
     )
     return ChosenChange(row, edit) if is_same else None
+
+
+def retime_by(press: Press, chosen: tuple[int, Edit] | None) -> ChosenChange | None:
+    """The change that a press with the Retime tool begins, if it is on what the chosen edit moves.
+
+    Args:
+        press: the press, with the Retime tool.
+        chosen: row and edit; None if no edit is chosen.
+    """
+    return ChosenChange(*chosen) if chosen is not None and press.retime is not None else None

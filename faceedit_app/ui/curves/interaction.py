@@ -12,7 +12,7 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
-from faceedit_app.ui.curves.chosen_change import ChosenChange, change_by
+from faceedit_app.ui.curves.chosen_change import ChosenChange, change_by, retime_by
 from faceedit_app.ui.curves.edges import GRASP
 from faceedit_app.ui.curves.gestures import (
     CurveDrag,
@@ -23,6 +23,7 @@ from faceedit_app.ui.curves.gestures import (
     stepped_falloff,
 )
 from faceedit_app.ui.curves.plot import CurvePlot
+from faceedit_app.ui.curves.retime_drag import is_on_content
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import Gesture, Press, begin, move
 from faceedit_app.ui.state.timeline import Timeline
@@ -39,6 +40,7 @@ CURSORS = {
     Tool.SMOOTH: Qt.CursorShape.CrossCursor,
     Tool.FLATTEN: Qt.CursorShape.CrossCursor,
     Tool.RESTORE: Qt.CursorShape.CrossCursor,
+    Tool.RETIME: Qt.CursorShape.SizeHorCursor,
 }
 
 
@@ -130,7 +132,7 @@ class Interaction(QObject):
             return
         self._enter(plot, pointer)
         edge = self._edges.edge_on_plot(plot.current_scale, pointer.x)
-        if edge is not None:
+        if edge is not None and self._tools.tool is not Tool.RETIME:
             self._edges.grab(edge, plot.current_scale.time_at(pointer.x))
         else:
             self._begin(plot, pointer)
@@ -240,6 +242,8 @@ class Interaction(QObject):
         session, control = self.session, plot.control.id
         assert session is not None
         frame, column = session.take.clip.frame_at(time), CONTROL_INDEX[control]
+        chosen = self.chosen_edit()
+        retime = chosen[1] if chosen is not None else None
         return Press(
             control,
             self.edited_from(control, one_side),
@@ -250,6 +254,8 @@ class Interaction(QObject):
             float(session.asked[frame, column]),
             float(session.tracked[frame, column]),
             session.limits[column],
+            session.take.clip,
+            retime if is_on_content(retime, time, slack) else None,
         )
 
     # --- a hand on the face ------------------------------------------------------------------
@@ -262,7 +268,8 @@ class Interaction(QObject):
         self.plot, self.focused = plot, plot.control.id
         self._x = plot.current_scale.x_of(line.time)
         press = self._press(plot, line.time, (self._x, 0.0), self._grasp, one_side)
-        self._change = self._change_by(press)
+        # With the Retime tool, a press on a curve would go on with the chosen retime.
+        self._change = None if self._tools.tool is Tool.RETIME else self._change_by(press)
         self.drag = replace(move(press), mm_per_pixel=_HAND)
         self.changed.emit()
         return True
@@ -321,9 +328,13 @@ class Interaction(QObject):
         self._show_edited_frame()
 
     def _change_by(self, press: Press) -> ChosenChange | None:
-        if self._tools.tool is not Tool.MOVE:
-            return None
-        return change_by(press, self.chosen_edit(), self._timeline.selection)
+        match self._tools.tool:
+            case Tool.MOVE:
+                return change_by(press, self.chosen_edit(), self._timeline.selection)
+            case Tool.RETIME:
+                return retime_by(press, self.chosen_edit())
+            case _:
+                return None
 
     def _preview_edit(self, edit: Edit | None) -> None:
         """Show a new edit, or the chosen one with what the drag adds to it."""

@@ -30,7 +30,7 @@ from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.paint import draw_tag, tag_box
 from faceedit_app.ui.curves.scale import Interval, Scale
-from faceedit_app.ui.curves.view_item import ViewItem
+from faceedit_app.ui.curves.view_item import MeasuredItem, ViewItem
 from faceedit_app.ui.look.guard import guarded
 
 LEAST_GAP = 3.0  # pixels: a lost frame must not vanish when the whole take is in view
@@ -38,7 +38,7 @@ _NONE = QPen(Qt.PenStyle.NoPen)
 _FAINTEST = 0.12  # factor on a span's opacity at the ends of its falloffs
 
 
-class SpanRegion(pg.LinearRegionItem):
+class SpanRegion(MeasuredItem, pg.LinearRegionItem):
     """A span of time with four edges: its hold, and the falloffs on either side.
 
     Its fill fades as the edit does. pyqtgraph's own two lines stay out of the plot: as separate
@@ -54,7 +54,6 @@ class SpanRegion(pg.LinearRegionItem):
         self.span = Span(0.0, 0.0, 0.0)
         self._color, self._hold, self._falloff = color, hold, falloff
         self._shown: tuple[Span | None, int] = (None, 0)
-        self._rect: QRectF | None = None
         self._fills: list[tuple[QRectF, QBrush]] = []
         self._edges: list[tuple[QPen, list[QLineF]]] = []
         for line in self.lines:
@@ -70,31 +69,13 @@ class SpanRegion(pg.LinearRegionItem):
         if span is None:
             return
         self.span = span
-        self._forget()
+        self.forget()
         self.setRegion((span.start, span.end))
         self.setBrush(style.color(self._color, alpha))
         self.update()
 
-    def viewTransformChanged(self) -> None:
-        """Fit the height of the view, and stay at least one pixel wide."""
-        super().viewTransformChanged()
-        self._forget()
-
-    def _forget(self) -> None:
-        self._rect = None
-        self.prepareGeometryChange()
-
-    def boundingRect(self) -> QRectF:
-        """The whole span, hold and falloffs."""
-        if self._rect is None:
-            view = self.getViewBox()
-            if view is None:
-                return QRectF()
-            self._rect = self._measure(view.viewRect(), view.pixel)
-        return self._rect
-
     def _measure(self, view: QRectF, pixel: float) -> QRectF:
-        """Compute the pixels of the edges; the hold of a single frame is one pixel wide."""
+        """The whole span, hold and falloffs; the hold of a single frame is one pixel wide."""
         span, top, height = self.span, view.top(), view.height()
         first, last = span.ends
         hold = max(span.end - span.start, pixel)
@@ -182,30 +163,43 @@ class Gaps(ViewItem):
             painter.fillRect(rect, self._hatch)
 
 
-class Playhead(pg.InfiniteLine):
-    """The line of the frame on screen, one dot wide so that it is crisp.
+class Pins(ViewItem):
+    """Lines where a retime shows the moments that it was pinned at."""
 
-    pyqtgraph measures its line again wherever it goes; this one is measured once for each view.
-    """
+    def __init__(self) -> None:
+        super().__init__()
+        self._times: tuple[float, ...] = ()
+        self._pen = QPen(style.color(style.ASKED, 170), 0, Qt.PenStyle.DashDotLine)
+        self.hide()
+
+    def show_pins(self, times: tuple[float, ...]) -> None:
+        """Show pins at some seconds."""
+        if times != self._times:
+            self._times = times
+            self.setVisible(bool(times))
+            self.update()
+
+    @guarded
+    def paint(
+        self, painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
+    ) -> None:
+        """Draw those that are in view."""
+        view = self.boundingRect()
+        painter.setPen(self._pen)
+        for time in self._times:
+            if view.left() <= time <= view.right():
+                painter.drawLine(QLineF(time, view.top(), time, view.bottom()))
+
+
+class Playhead(MeasuredItem, pg.InfiniteLine):
+    """The line of the frame on screen, one dot wide so that it is crisp."""
 
     def __init__(self) -> None:
         super().__init__(0.0, 90, pen=style.hairline(style.PLAYHEAD, 215))
-        self._rect: QRectF | None = None
 
-    def viewTransformChanged(self) -> None:
-        """Update the length to the height of the view."""
-        super().viewTransformChanged()
-        self._rect = None
-        self.prepareGeometryChange()
-
-    def boundingRect(self) -> QRectF:
-        """The box of the line, in its own coordinates, rotated by 90 degrees."""
-        if self._rect is None:
-            view = self.getViewBox()
-            low, high = view.viewRange()[1]
-            edge = 2.0 * view.pixel
-            self._rect = QRectF(low, -edge, high - low, 2.0 * edge)
-        return self._rect
+    def _measure(self, view: QRectF, pixel: float) -> QRectF:
+        """The box in the line's own coordinates, which are rotated by 90 degrees."""
+        return QRectF(view.top(), -2.0 * pixel, view.height(), 4.0 * pixel)
 
     @guarded
     def paint(

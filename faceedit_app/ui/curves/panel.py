@@ -34,7 +34,7 @@ from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
-_EMPTY = "Open a take (Ctrl+O) or drop a CSV here"
+_EMPTY = "Open a take (Ctrl+O) or drop one here"
 
 
 class CurvesPanel(QWidget):

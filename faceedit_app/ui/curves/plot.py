@@ -19,6 +19,7 @@ from faceedit_app.ui.curves.lines import CurveLines
 from faceedit_app.ui.curves.marks import (
     Gaps,
     Numbers,
+    Pins,
     Playhead,
     dot,
     edit_region,
@@ -137,7 +138,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         color = self.control.color
         self._selection, self._edit = selection_region(), edit_region()
         self._gaps, self._lines = Gaps(_GAP_ALPHA), CurveLines(color)
-        self._playhead = Playhead()
+        self._pins, self._playhead = Pins(), Playhead()
         self._dot = dot(2.5, color, color)
         self._handle_dot = dot(5.0, style.PLOT, style.ASKED)
         self._numbers = Numbers(style.scaled_font(self, 0.9))
@@ -147,6 +148,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
             self._selection,
             self._edit,
             self._gaps,
+            self._pins,
             GridLines(self.axis),
             self._lines,
             self._playhead,
@@ -186,6 +188,10 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
     def show_gaps(self, gaps: Sequence[Interval]) -> None:
         """Mark the gaps."""
         self._gaps.show_gaps(gaps)
+
+    def show_pins(self, times: tuple[float, ...]) -> None:
+        """Mark the pins of the chosen retime, seconds."""
+        self._pins.show_pins(times)
 
     @property
     def columns(self) -> int:

@@ -12,11 +12,14 @@ from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.legend import Legend
 from faceedit_app.ui.curves.plot import CurvePlot, Handle, Marks
+from faceedit_app.ui.curves.retime_drag import RetimeDrag
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.words import CHOSEN_HINT, IDLE_HINTS, length, note_on
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
+
+_MOST_PINS = 4
 
 
 class Readout:
@@ -62,6 +65,7 @@ class Readout:
         plain = Marks(selection, span if dragging else None, style.WEAK)
         lit = Marks(selection, span, style.STRONG if dragging else style.HOVER)
         edited = mouse.drag.controls if mouse.drag is not None and mouse.drag.moving else ()
+        pins = self._pins()
         rows = list(zip(self._headers, self._plots, values, strict=True))
         for i in columns:
             header, plot, (tracked, asked, face) = rows[i]
@@ -69,6 +73,7 @@ class Readout:
             marks = lit if (plot.control.id in edited if dragging else here) else plain
             handle = self._handle(session, i) if here else None
             plot.show_marks(marks, timeline.time, handle, face)
+            plot.show_pins(pins)
             low, high = limits[i]
             share = f"{100 * (face - low) / (high - low):.0f} %" if high > low else ""
             header.show_value(f"{one_decimal(face)} mm", note_on(tracked, asked, face), share)
@@ -77,6 +82,15 @@ class Readout:
         span = span or span_at(timeline.time, timeline.own_selection, *fades)
         self._ruler.show_marks(Marks(selection, span, style.STRONG), timeline.time)
         self._legend.show_hint(self._hint())
+
+    def _pins(self) -> tuple[float, ...]:
+        """Where the retime that is dragged or chosen shows what it was pinned at, seconds."""
+        drag, chosen = self._mouse.drag, self._mouse.chosen_edit()
+        if isinstance(drag, RetimeDrag) and drag.moving:
+            return drag.goal
+        pins = chosen[1].pins if chosen is not None else ()
+        # Those of whole sentences would hide the curves.
+        return tuple(now for _, now in pins) if len(pins) <= _MOST_PINS else ()
 
     def _handle(self, session: EditSession, control: int) -> Handle | None:
         """The dot under the pointer, on the curve as asked for, since a drag moves that."""

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+from faceedit_app.core.clip import Clip
 from faceedit_app.editing.edits.describe import one_decimal
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.gestures import (
@@ -18,6 +19,7 @@ from faceedit_app.ui.curves.gestures import (
     clamped,
     moved_together,
 )
+from faceedit_app.ui.curves.retime_drag import begin_retime
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.state.tools import Tool
 
@@ -224,6 +226,8 @@ class Press:
         span: of the edit.
         asked, tracked: millimetres of the curve at that frame.
         limits: lowest and highest millimetre that a face can do with this control.
+        clip: the take.
+        retime: the chosen edit, if it is a retime and the press is on what it moves.
     """
 
     control: str
@@ -235,6 +239,8 @@ class Press:
     asked: float
     tracked: float
     limits: Interval
+    clip: Clip
+    retime: Edit | None = None
 
 
 def begin(tool: Tool, press: Press, smooth: float) -> Gesture:
@@ -249,14 +255,17 @@ def begin(tool: Tool, press: Press, smooth: float) -> Gesture:
             return ScaleDrag(press.controls, time, hold, press.at, press.at)
         case Tool.DRAW:
             x, y = press.at
-            at = scale.time_at(x), clamped(scale.value_at(y), press.limits)
-            return DrawDrag(pair, time, scale, press.limits, at, (at,))
+            pen = scale.time_at(x), clamped(scale.value_at(y), press.limits)
+            return DrawDrag(pair, time, scale, press.limits, pen, (pen,))
         case Tool.SMOOTH:
             return PaintDrag(Op.SMOOTH, smooth, press.controls, time, hold, scale, selected)
         case Tool.FLATTEN:
             return PaintDrag(Op.SET, press.asked, pair, time, hold, scale, selected)
         case Tool.RESTORE:
             return PaintDrag(Op.RESET, 0.0, press.controls, time, hold, scale, selected)
+        case Tool.RETIME:
+            at, span = press.at, press.span
+            return begin_retime(press.controls, press.clip, scale, at, time, span, press.retime)
         case Tool.MOVE:
             return move(press)
 

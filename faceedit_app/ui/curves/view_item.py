@@ -1,4 +1,4 @@
-"""What fills the view of a plot, whatever is in view."""
+"""Items in the view of a plot that are measured once for each view."""
 
 from __future__ import annotations
 
@@ -6,15 +6,10 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 
 
-class ViewItem(pg.GraphicsObject):
-    """An item as large as its view box, in seconds and millimetres.
+class MeasuredItem(pg.GraphicsItem):
+    """Keeps an item's box until the view changes; pyqtgraph's own items measure it each time."""
 
-    As pyqtgraph's `UIGraphicsItem`, which measures a view before it has changed.
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._rect: QRectF | None = None
+    _rect: QRectF | None = None
 
     def viewTransformChanged(self) -> None:
         """Other seconds or millimetres are in view, or the view has another size."""
@@ -27,10 +22,24 @@ class ViewItem(pg.GraphicsObject):
         self.prepareGeometryChange()
 
     def boundingRect(self) -> QRectF:
-        """All that is in view."""
+        """The box, in seconds and millimetres."""
         if self._rect is None:
             view = self.getViewBox()
             if view is None:
                 return QRectF()
-            self._rect = view.viewRect()
+            self._rect = self._measure(view.viewRect(), view.pixel)
         return self._rect
+
+    def _measure(self, view: QRectF, pixel: float) -> QRectF:
+        """The box in this view; `pixel` is its width in seconds."""
+        raise NotImplementedError
+
+
+class ViewItem(MeasuredItem, pg.GraphicsObject):
+    """An item as large as its view box.
+
+    As pyqtgraph's `UIGraphicsItem`, which measures a view before it has changed.
+    """
+
+    def _measure(self, view: QRectF, _pixel: float) -> QRectF:
+        return view

@@ -16,6 +16,7 @@ IDLE_HINTS = {
     Tool.SCALE: "Drag a curve up to enlarge movements, down to reduce them",
     Tool.FLATTEN: "Paint over a curve to hold it at the value where you pressed",
     Tool.RESTORE: "Paint over edits to go back to the tracked take",
+    Tool.RETIME: "Drag the curve or the selection sideways to move it in time, an end to stretch",
 }
 
 

@@ -20,6 +20,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.fields import clean_text
 from faceedit_app.editing.edits.describe import describe, describe_what
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.help.retime import reshaped
 from faceedit_app.ui.edits.groups import Key, groups_of, key_of
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.state.clock import Unit, label
@@ -134,7 +135,9 @@ class EditsModel(QAbstractListModel):
             self._change(row, lambda edit: replace(edit, strength=strength), "Edit strength")
             return True
         if role == RANGE:
-            self._change(row, lambda edit: edit.stretched(*value), "Range")
+            self._change(
+                row, lambda edit: reshaped(edit, *value, edit.falloff, edit.fade_out), "Range"
+            )
             return True
         if role == Qt.ItemDataRole.EditRole and str(value) != self.data(index):
             typed = clean_text(str(value).strip())

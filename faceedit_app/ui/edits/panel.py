@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.help.retime import reshaped
 from faceedit_app.ui.edits.delegate import STRONGEST, EditsDelegate, Part
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.look.gesture_slider import GestureSlider
@@ -335,8 +336,7 @@ class EditsPanel(QWidget):
             return
         edits, rows = list(self.model.edits), self.bound
         for row in rows:
-            shaped = edits[row].stretched(start, end)
-            edits[row] = replace(shaped, falloff=fade_in, falloff_out=fade_out)
+            edits[row] = reshaped(edits[row], start, end, fade_in, fade_out)
         if self._is_new:
             self._timeline.keep_falloffs()
         self._is_reshaped = True

@@ -42,8 +42,11 @@ class FacePicture:
         self._rotation_beside: Floats | None = None
         self._begun = False
 
-    def open(self, rig: Rig, size: Size) -> None:
+    def open(self, rig: Rig, size: Size, ready: render.FaceRenderer | None = None) -> None:
         """Start drawing a character.
+
+        Args:
+            ready: a renderer from `render.open_ahead`, used if it draws this character.
 
         Raises:
             FaceEditError: it cannot be drawn on this machine.
@@ -53,7 +56,11 @@ class FacePicture:
             # Weights of another character do not apply.
             self._weights = self._beside = self._against = None
         self._rig, self._head = rig, None
-        self._renderer = render.open_renderer(rig, *size)
+        if ready is not None and ready.rig is not rig:
+            with contextlib.suppress(Exception):  # a lost context cannot be freed
+                ready.close()
+            ready = None
+        self._renderer = render.open_renderer(rig, *size) if ready is None else ready
 
     def close(self) -> None:
         """Free the graphics memory."""

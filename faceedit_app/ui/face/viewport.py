@@ -28,7 +28,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.rig import Rig
-from faceedit_app.render import Aim, Camera
+from faceedit_app.render import Aim, Camera, FaceRenderer
 from faceedit_app.ui.face.camera_keys import moved_by_key
 from faceedit_app.ui.face.camera_mouse import ZOOM_STEP, CameraMouse
 from faceedit_app.ui.face.difference_legend import DifferenceLegend
@@ -89,11 +89,11 @@ class Viewport(QWidget):
 
     # --- what is shown -----------------------------------------------------------------------
 
-    def open(self, rig: Rig) -> None:
-        """Start drawing a character; if that is impossible, show why."""
+    def open(self, rig: Rig, ready: FaceRenderer | None = None) -> None:
+        """Start drawing a character, perhaps by a renderer that is ready; else show why not."""
         self.legend.open(rig)
         try:
-            self._picture.open(rig, self._pixels())
+            self._picture.open(rig, self._pixels(), ready)
             self._show_note("")
         except FaceEditError as error:
             self._show_note(str(error))

@@ -1,8 +1,9 @@
-"""The film beside the face, at the playhead."""
+"""The film beside, above or below the face, at the playhead."""
 
 from __future__ import annotations
 
 import contextlib
+from enum import StrEnum
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QContextMenuEvent, QImage, QPainter, QPaintEvent
@@ -20,6 +21,14 @@ from faceedit_app.ui.media.landmark_paint import paint_landmarks
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
+
+
+class FilmPlace(StrEnum):
+    """Where the film is shown."""
+
+    BESIDE = "beside"
+    ABOVE = "above"
+    BELOW = "below"
 
 
 class Screen(QWidget):

@@ -15,7 +15,7 @@ from PySide6.QtGui import (
     QPen,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QMenu, QSizePolicy, QWidget
+from PySide6.QtWidgets import QGridLayout, QMenu, QSizePolicy, QWidget
 
 from faceedit_app.ui.curves import paint, style
 from faceedit_app.ui.curves.gestures import Pan, Span
@@ -23,6 +23,7 @@ from faceedit_app.ui.curves.paint import turn_wheel
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.media.parts import Name, OffsetBox, placing_actions, remove_button
+from faceedit_app.ui.media.strip_row import StripRow
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.state.timeline import Timeline
 
@@ -224,24 +225,20 @@ def sound_menu(parent: QWidget, media: TakeMedia, timeline: Timeline) -> QMenu:
     return menu
 
 
-class SoundRow(QWidget):
+class SoundRow(StripRow):
     """The waveform and its header, aligned with the plots. Hidden without sound."""
 
     def __init__(self, media: TakeMedia, timeline: Timeline) -> None:
-        super().__init__()
+        self.waveform = Waveform(media, timeline)
+        super().__init__(self.waveform, HEIGHT)
         self._media = media
         self.name = Name()
         self.offset = OffsetBox("sound")
         self.offset.valueChanged.connect(media.move_sound)
         self.offset.editingFinished.connect(media.acted)
-        self.waveform = Waveform(media, timeline)
         remove = remove_button("sound")
         remove.clicked.connect(media.remove_sound)
-        head = QWidget()
-        head.setObjectName("sound_head")
-        head.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        head.setFixedWidth(style.HEADER_WIDTH)
-        grid = QGridLayout(head)
+        grid = QGridLayout(self.head)
         grid.setContentsMargins(12, 4, 6, 4)
         grid.setHorizontalSpacing(4)
         grid.setVerticalSpacing(2)
@@ -249,13 +246,6 @@ class SoundRow(QWidget):
         grid.addWidget(remove, 0, 1)
         grid.addWidget(self.offset, 1, 0, 1, 2)
         grid.setColumnStretch(0, 1)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, style.ROW_GAP, style.RIGHT_MARGIN, style.ROW_GAP)
-        row.setSpacing(0)
-        row.addWidget(head)
-        row.addWidget(self.waveform, 1)
-        self.setFixedHeight(HEIGHT + 2 * style.ROW_GAP)
-        self.setObjectName("sound_row")
         media.sound_changed.connect(self._show)
         media.placed.connect(self._show)
         self._show()

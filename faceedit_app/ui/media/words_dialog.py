@@ -26,12 +26,13 @@ from PySide6.QtWidgets import (
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.look.texts import plain_label
 from faceedit_app.ui.state.background import Background
+from faceedit_app.words import aligning, files
+from faceedit_app.words.denoising import Stopped
 from faceedit_app.words.dictionary import LANGUAGE, spoken, unknown_words
 from faceedit_app.words.transcript import Transcript
 
-if TYPE_CHECKING:  # these import PyAV and scipy
+if TYPE_CHECKING:  # it imports PyAV
     from faceedit_app.media.sound import Sound
-    from faceedit_app.words.files import Imported
 
 _STEPS = 1000  # of the progress bar
 _MOST_ASKED = 12  # unknown words at once; the others are asked for after these
@@ -61,7 +62,7 @@ class WordsDialog(QDialog):
         place: where to look.
         present: the take's words, if it has any.
         choose: asks for a file with words.
-        save: asks where to write words, and writes them.
+        save: asks where to write words, and writes them; None = they cannot be written.
         make: called with the words that were found.
     """
 
@@ -72,13 +73,13 @@ class WordsDialog(QDialog):
         place: Place,
         present: Transcript | None,
         choose: Callable[[], Path | None],
-        save: Callable[[], None],
+        save: Callable[[], None] | None,
         make: Callable[[Transcript], None],
     ) -> None:
         super().__init__(parent)
         self._background, self._place, self._present = background, place, present
         self._choose, self._make = choose, make
-        self._imported: Imported | None = None  # the file whose text is in the field
+        self._imported: files.Imported | None = None  # the file whose text is in the field
         self._spellings = dict(present.sounds_like) if present is not None else {}
         self._asked: dict[str, QLineEdit] = {}
         self._job: _Job | None = None
@@ -90,7 +91,7 @@ class WordsDialog(QDialog):
         self.text.textChanged.connect(self._edited)
         self._show_state()
 
-    def _lay_out(self, save: Callable[[], None]) -> None:
+    def _lay_out(self, save: Callable[[], None] | None) -> None:
         self.text = QPlainTextEdit()
         self.text.setPlaceholderText("Type or paste what is said")
         self.text.setAccessibleName("What is said")
@@ -118,7 +119,9 @@ class WordsDialog(QDialog):
         self.export = buttons.addButton("&Export…", role.ActionRole)
         self.export.setToolTip("Write the take's words as TextGrid, SRT or JSON")
         self.export.setEnabled(self._present is not None)
-        self.export.clicked.connect(save)
+        self.export.setVisible(save is not None)
+        if save is not None:
+            self.export.clicked.connect(save)
         buttons.addButton(self.search, role.AcceptRole)
         self.stop = buttons.addButton(QDialogButtonBox.StandardButton.Cancel)
         self.stop.clicked.connect(self._stop)
@@ -180,18 +183,15 @@ class WordsDialog(QDialog):
         wanted = place.selection if self.in_selection.isChecked() else None
 
         def work() -> Transcript:
-            from faceedit_app.words.aligning import Line, align_part
-            from faceedit_app.words.files import spread
-
-            said = lines or (Line(text),)
+            said = lines or (aligning.Line(text),)
             if place.sound is None:
                 if any(line.end is None for line in said):
                     raise FaceEditError("The take has no sound; add it, or open a file with times")
-                return spread(said, place.take[1])
+                return files.spread(said, place.take[1])
             sound = place.sound
             first, last = (t - place.offset for t in (wanted or place.take))
             part = max(first, sound.start), min(last, sound.end)
-            found = align_part(
+            found = aligning.align_part(
                 sound.samples, sound.rate, sound.start, part, said, spellings, job.report
             )
             return found.shifted(place.offset)
@@ -226,8 +226,6 @@ class WordsDialog(QDialog):
         self.accept()
 
     def _failed(self, error: Exception) -> None:
-        from faceedit_app.words.denoising import Stopped
-
         self._job = None
         self._show_state()
         if isinstance(error, Stopped):
@@ -244,13 +242,11 @@ class WordsDialog(QDialog):
 
     def _open(self) -> None:
         """Fill the field from a file."""
-        from faceedit_app.words.files import read_words
-
         path = self._choose()
         if path is None:
             return
         try:
-            imported = read_words(path)
+            imported = files.read_words(path)
         except FaceEditError as error:
             self.message.setText(f"{error}.")
             return

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit
 
-from faceedit_app.ui.curves import style
 from faceedit_app.ui.look.widgets import context_menu, icon_button
+from faceedit_app.ui.media.strip_row import StripRow
 from faceedit_app.ui.media.words_strip import HEIGHT, WordsStrip
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
@@ -17,7 +17,8 @@ from faceedit_app.words.transcript import Transcript
 _MENU = (
     ("play_around", "loop"),
     ("close_on_words", "shape_on_words", "say_clearly"),
-    ("words", "remove_words"),
+    ("words", "match_sound", "remove_words"),
+    ("stretch_time", "move_time", "cut_time", "insert_pause"),
 )
 
 
@@ -43,14 +44,14 @@ class _Search(QLineEdit):
             super().keyPressEvent(event)
 
 
-class WordsRow(QWidget):
+class WordsRow(StripRow):
     """Under the waveform, aligned with the plots; hidden unless the take has words."""
 
     def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
-        super().__init__()
+        self.strip = WordsStrip(document, timeline)
+        super().__init__(self.strip, HEIGHT)
         self._actions = actions
         self._shown: Transcript | None = None
-        self.strip = WordsStrip(document, timeline)
         self.strip.menu_asked.connect(self._show_menu)
         self.search = _Search()
         self.search.setObjectName("find_word")
@@ -64,22 +65,11 @@ class WordsRow(QWidget):
         self.search.setAcceptDrops(False)  # dropped files go to the window
         self.search.returnPressed.connect(self._find)
         self.search.textEdited.connect(lambda _text: self._show_found(True))
-        head = QWidget()
-        head.setObjectName("sound_head")
-        head.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        head.setFixedWidth(style.HEADER_WIDTH)
-        line = QHBoxLayout(head)
+        line = QHBoxLayout(self.head)
         line.setContentsMargins(8, 2, 4, 2)
         line.setSpacing(2)
         line.addWidget(self.search, 1)
         line.addWidget(icon_button(actions["close_on_words"], "small"))
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, style.ROW_GAP, style.RIGHT_MARGIN, style.ROW_GAP)
-        row.setSpacing(0)
-        row.addWidget(head)
-        row.addWidget(self.strip, 1)
-        self.setFixedHeight(HEIGHT + 2 * style.ROW_GAP)
-        self.setObjectName("words_row")
         for changed in (document.opened, document.changed, document.previewed):
             changed.connect(self.sync)
         self.hide()

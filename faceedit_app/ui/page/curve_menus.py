@@ -20,8 +20,10 @@ NAME: Groups = (
     ("show_only_curve", "hide_curve", "show_all_curves"),
     ("enlarge_curve", "fit_values"),
 )
+RETIME = ("stretch_time", "move_time", "cut_time", "insert_pause")
 RULER: Groups = (
     ("mark_start", "mark_end", "select_around", "select_all", "deselect"),
+    RETIME,
     ("fit", "view_all", "zoom_in", "zoom_out"),
     ("unit_seconds", "unit_frames", "unit_timecode"),
     ("go_to", "play_around", "loop"),
@@ -40,6 +42,7 @@ def curve_groups(control: str) -> Groups:
         (*fixes, "fix_problem"),
         ("reset_curve", "reset_range"),
         ("copy", "copy_changes", "paste", "paste_mirrored"),
+        RETIME,
         ("select_around", "mark_start", "mark_end", "select_all", "deselect"),
         ("fit", "view_all", "fit_values"),
     )

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.face.pane import FacePane
-from faceedit_app.ui.media.film_pane import FilmPane
+from faceedit_app.ui.media.film_pane import FilmPane, FilmPlace
 from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
@@ -134,6 +134,20 @@ class Editor(QWidget):
             changed.connect(self._name_tabs)
         self.face.switched.connect(actions.refresh)
         connect_menus(self.curves, actions)
+
+    @property
+    def film_place(self) -> FilmPlace:
+        """Where the film is shown."""
+        if self.stage.orientation() == Qt.Orientation.Horizontal:
+            return FilmPlace.BESIDE
+        return FilmPlace.ABOVE if self.stage.indexOf(self.film) == 0 else FilmPlace.BELOW
+
+    def place_film(self, place: FilmPlace) -> None:
+        """Show the film beside, above or below the face, in equal shares."""
+        beside = place is FilmPlace.BESIDE
+        self.stage.setOrientation(Qt.Orientation.Horizontal if beside else Qt.Orientation.Vertical)
+        self.stage.insertWidget(1 if place is FilmPlace.BELOW else 0, self.film)
+        self.stage.setSizes([1000, 1000])
 
     def _name_tabs(self) -> None:
         """Show how many edits and problems there are."""

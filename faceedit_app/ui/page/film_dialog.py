@@ -20,10 +20,13 @@ from faceedit_app.ui.look.widgets import Choice
 _VIEWS = {
     View.FACE: "The face",
     View.BOTH: "Both faces: tracked and edited",
-    View.FILM: "The take’s film and the face",
+    View.FILM: "The take’s film beside the face",
+    View.FILM_ABOVE: "The take’s film above the face",
+    View.FILM_BELOW: "The take’s film below the face",
 }
 _HEIGHTS = (720, 1080, 480, 1440)
 _ASPECTS = {View.FACE: 1.0, View.BOTH: 2.0, View.FILM: 16 / 9}
+_STACKED = 8 / 9  # two landscape pictures, one above the other
 _FASTEST = 60.0  # pictures per second that are offered
 _NOTES = {"mp4": "plays everywhere", "webm": "for the web", "png": "numbered, in a folder"}
 
@@ -48,7 +51,7 @@ class FilmDialog(QDialog):
         form.setLabelAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.view = Choice()
         for view, text in _VIEWS.items():
-            if view is not View.FILM or has_film:
+            if has_film or not view.has_film:
                 self.view.addItem(text, view)
         form.addRow("&Show", self.view)
         self.picture_size = Choice()
@@ -95,7 +98,7 @@ class FilmDialog(QDialog):
 
     def _offer_sizes(self) -> None:
         before = max(self.picture_size.currentIndex(), 0)
-        aspect = _ASPECTS[View(self.view.currentData())]
+        aspect = _ASPECTS.get(View(self.view.currentData()), _STACKED)
         self.picture_size.clear()
         for height in _HEIGHTS:
             width = 2 * round(height * aspect / 2)

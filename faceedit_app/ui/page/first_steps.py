@@ -36,9 +36,11 @@ class HintLayer(QWidget):
     """Darkens all but the targets of a step, and explains them.
 
     Signals:
+        began(): the first step is shown.
         closed(): the last step was read, or the rest was skipped.
     """
 
+    began = Signal()
     closed = Signal()
 
     def __init__(self, parent: QWidget, steps: Sequence[Step]) -> None:
@@ -83,6 +85,7 @@ class HintLayer(QWidget):
         self.raise_()
         self._show_step()
         self.next_button.setFocus()
+        self.began.emit()
 
     @property
     def _parent(self) -> QWidget:

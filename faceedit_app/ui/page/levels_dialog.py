@@ -6,11 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from PySide6.QtCore import (
-    QAbstractItemModel,
     QAbstractTableModel,
     QModelIndex,
     QPersistentModelIndex,
-    QSignalBlocker,
     QSortFilterProxyModel,
     Qt,
     QTimer,
@@ -20,34 +18,24 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QDialog,
     QDialogButtonBox,
-    QDoubleSpinBox,
     QHeaderView,
     QLabel,
     QLineEdit,
-    QStyledItemDelegate,
-    QStyleOptionViewItem,
     QTableView,
     QVBoxLayout,
     QWidget,
 )
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.editing.edits.channels import STRONGEST_LEVEL
+from faceedit_app.core.levels import UNCHANGED, Level
 from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.editing.help.calibrating import UNCHANGED, Level
+from faceedit_app.ui.look.level_fields import LEVEL_HEADS, LEVEL_TIPS, LevelDelegate, changed_level
 from faceedit_app.ui.state.document import Document
 
 Index = QModelIndex | QPersistentModelIndex
 _ROOT = QModelIndex()
-_HEADS = ("Channel", "Multiplier", "Offset", "Soft limit")
-_TIPS = (
-    "ARKit's name of the channel",
-    "1 leaves the channel as it is, 0 mutes it",
-    "Added after the multiplier; from -1 to 1",
-    "The weight that is approached smoothly and never passed; 1 does not limit",
-)
-# Lowest, highest and step of each number.
-_RANGES = ((0.0, STRONGEST_LEVEL, 0.05), (-1.0, 1.0, 0.01), (0.05, 1.0, 0.05))
+_HEADS = ("Channel", *LEVEL_HEADS)
+_TIPS = ("ARKit's name of the channel", *LEVEL_TIPS)
 _LIVE_MS = 60
 
 
@@ -100,11 +88,8 @@ class LevelsModel(QAbstractTableModel):
         """Change a number."""
         if role != Qt.ItemDataRole.EditRole or not index.column():
             return False
-        low, high, _ = _RANGES[index.column() - 1]
         name = self.channels[index.row()]
-        numbers = list(self.levels[name])
-        numbers[index.column() - 1] = round(min(max(float(value), low), high), 4)
-        self.levels[name] = (numbers[0], numbers[1], numbers[2])
+        self.levels[name] = changed_level(self.levels[name], index.column() - 1, float(value))
         self.dataChanged.emit(self.index(index.row(), 0), self.index(index.row(), 3))
         return True
 
@@ -112,36 +97,6 @@ class LevelsModel(QAbstractTableModel):
         """Numbers can be edited."""
         flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
         return flags | Qt.ItemFlag.ItemIsEditable if index.column() else flags
-
-
-class _NumberDelegate(QStyledItemDelegate):
-    """Edits a number with the range of its column."""
-
-    def createEditor(
-        self, parent: QWidget, option: QStyleOptionViewItem, index: Index
-    ) -> QDoubleSpinBox:
-        """A field with arrows."""
-        low, high, step = _RANGES[index.column() - 1]
-        field = QDoubleSpinBox(parent)
-        field.setRange(low, high)
-        field.setSingleStep(step)
-        field.setDecimals(2)
-        field.setFrame(False)
-        field.valueChanged.connect(lambda _value: self.commitData.emit(field))
-        return field
-
-    def setEditorData(self, editor: QWidget, index: Index) -> None:
-        """Show the number, unless it is the one that was just typed."""
-        value = index.data(Qt.ItemDataRole.EditRole)
-        if isinstance(editor, QDoubleSpinBox) and editor.value() != value:
-            with QSignalBlocker(editor):
-                editor.setValue(value)
-
-    def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
-        """Take the number."""
-        if isinstance(editor, QDoubleSpinBox):
-            editor.interpretText()
-            model.setData(index, editor.value(), Qt.ItemDataRole.EditRole)
 
 
 class LevelsDialog(QDialog):
@@ -179,7 +134,7 @@ class LevelsDialog(QDialog):
         self.search.textChanged.connect(self.found.setFilterFixedString)
         self.table = QTableView()
         self.table.setModel(self.found)
-        self.table.setItemDelegate(_NumberDelegate(self.table))
+        self.table.setItemDelegate(LevelDelegate(self.table, 1, is_live=True))
         self.table.setAccessibleName("Channels")
         self.table.setEditTriggers(QAbstractItemView.EditTrigger.AllEditTriggers)
         self.table.verticalHeader().hide()

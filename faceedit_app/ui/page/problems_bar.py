@@ -8,6 +8,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QToolTip, QWidget
 
+from faceedit_app.editing.help.confidence import confidence_of
 from faceedit_app.editing.help.problems import Problem, find_problems, problems_of
 from faceedit_app.editing.help.spoken import closures_of
 from faceedit_app.editing.session import EditSession
@@ -36,6 +37,7 @@ COLORS = {
     "jitter": "#cc79a7",
     "character": style.CHARACTER,
     "dropped": "#9aa0aa",
+    "unsure": "#56b4e9",
 }
 NAMES = {
     "lips": "lips that stay open",
@@ -43,6 +45,7 @@ NAMES = {
     "jitter": "shaking",
     "character": "open on your character",
     "dropped": "lost frames",
+    "unsure": "hidden faces",
 }
 ONE = {
     "lips": "Lips stay open",
@@ -50,6 +53,7 @@ ONE = {
     "jitter": "Shaking",
     "character": "Open on your character",
     "dropped": "Lost frames",
+    "unsure": "Hidden face",
 }
 
 
@@ -106,7 +110,9 @@ class ProblemsBar(QWidget):
         self._newest += 1
         number, clip = self._newest, session.take.clip
         weights, controls = session.weights.copy(), session.achieved.copy()
-        rigs, spoken = (session.rig, session.shown_rig), closures_of(session)
+        rigs, spoken, take = (session.rig, session.shown_rig), closures_of(session), session.take
+        lost = take.lost_rows.positions if take.lost_rows is not None else ()
+        edits = session.edits
 
         def done(problems: list[Problem]) -> None:
             if number == self._newest and self._document.session is session:
@@ -118,7 +124,8 @@ class ProblemsBar(QWidget):
             """Show no marks."""
 
         def work() -> list[Problem]:
-            return problems_of(clip, weights, controls, rigs, spoken)
+            sure = confidence_of(take)
+            return problems_of(clip, weights, controls, rigs, spoken, lost, sure, edits)
 
         self._background.run(work, done, failed)
 
@@ -271,7 +278,7 @@ class ProblemsBar(QWidget):
     def _paint_mark(painter: QPainter, at: QPointF, kind: str, severity: float, lit: bool) -> None:
         """A circle for lips, a diamond for blinks, triangles for shaking and the user's character.
 
-        A square is for gaps. The worse the problem, the larger.
+        A square is for gaps, an upright bar for hidden faces. The worse the problem, the larger.
         """
         size = _SIZES[0] + severity * (_SIZES[1] - _SIZES[0]) + (1.0 if lit else 0.0)
         painter.setPen(QPen(style.color(style.TEXT if lit else style.BACKGROUND), 1.4))
@@ -284,6 +291,7 @@ class ProblemsBar(QWidget):
             "jitter": [(-1.1, 0.9), (0, -1.1), (1.1, 0.9)],
             "character": [(-1.1, -0.9), (0, 1.1), (1.1, -0.9)],
             "dropped": [(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+            "unsure": [(-0.55, -1.2), (0.55, -1.2), (0.55, 1.2), (-0.55, 1.2)],
         }
         corners = [QPointF(at.x() + size * x, at.y() + size * y) for x, y in shapes[kind]]
         painter.drawPolygon(QPolygonF(corners))

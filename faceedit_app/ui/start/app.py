@@ -9,8 +9,11 @@ from pathlib import Path
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from faceedit_app.ui.start import crash, smoke
 from faceedit_app.ui.start.application import application, keep_for_good, rarely_collect
+
+# The module above makes the imports below quicker.
+# isort: split
+from faceedit_app.ui.start import crash, smoke
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.preferences import Preferences
 

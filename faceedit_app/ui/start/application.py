@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import sys
 from importlib import import_module
+from typing import Any
 
 from PySide6.QtWidgets import QApplication
 
@@ -17,7 +18,6 @@ _RARELY = 200_000  # new objects between two collections
 
 def application() -> QApplication:
     """The Qt application of this process, created on the first call."""
-    _read_no_sources()
     existing = QApplication.instance()
     app = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])
     app.setApplicationName("FaceEdit")
@@ -52,8 +52,11 @@ def _read_no_sources() -> None:
     import …`), which no module of FaceEdit does. The sources would also stay in memory.
     """
     try:
-        features = import_module("shibokensupport.feature")
+        features: Any = import_module("shibokensupport.feature")
     except ImportError:  # another version of PySide6, which starts more slowly
         return
     if hasattr(features, "_mod_uses_pyside"):
         features._mod_uses_pyside = lambda _module: False
+
+
+_read_no_sources()  # now, because importing the window is most of what it speeds up

@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.media import is_film, is_media
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, dropping
 from faceedit_app.ui.commands.menus import Commands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.icons import app_icon
@@ -31,6 +30,7 @@ if TYPE_CHECKING:  # these import a lot; the window appears first
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
+    from faceedit_app.render import FaceRenderer
     from faceedit_app.ui.page.editor import Editor
 
 _FIRST_SIZE, _SMALLEST = QSize(1440, 900), QSize(1000, 600)
@@ -55,7 +55,9 @@ class MainWindow(WindowBase):
         self.media, self.sound_player = workspace.media, workspace.sound_player
         self._preferences, self._background = preferences, workspace.background
         self._can_draw = False  # once the renderer is prepared
+        self._ready: FaceRenderer | None = None  # opened in the background, not used yet
         self._draws = False  # once a face has been opened
+        self._awaited = 2  # until start-up is over: the face and the model
         self._slow_reading = QTimer(self, singleShot=True, interval=_SLOW_MS)
         self._slow_reading.timeout.connect(self._clear)
         self._journal_note = ""  # as last shown
@@ -104,7 +106,7 @@ class MainWindow(WindowBase):
         self.document.saved.connect(self._mark_modified)
         self.document.character_changed.connect(self._show_character)
         opener.reading.connect(self._show_reading)
-        opener.character_loaded.connect(self._prepare_face)
+        opener.character_loaded.connect(self._load_model)
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
         workspace.warning.connect(self.banner.show_message)
@@ -144,6 +146,7 @@ class MainWindow(WindowBase):
         self, take: Path | None = None, demo: bool = False, character: Path | None = None
     ) -> None:
         """Start loading; call it once the window is on the screen."""
+        self._background.run(loading.prepare_renderer, self._use_renderer, self._show_error)
         self.document.keeps_journal = self.document.awaits_engine = True
         if not offer_recovery(self.workspace):
             if take is not None:
@@ -191,6 +194,8 @@ class MainWindow(WindowBase):
         self._preferences.restore_panes(page.panes, page.side)
         page.problems.picked.connect(self.commands.fix.go_to)
         page.hints.closed.connect(page.curves.setFocus)
+        page.hints.began.connect(self.commands.file.character.make_room_for_hints)
+        page.hints.closed.connect(self.commands.file.character.hints_closed)
         page.solving.advanced.connect(self.status.show_work)
         page.solving.finished.connect(self.status.show_work)
         self.status.cancelled.connect(page.solving.cancel)
@@ -199,29 +204,36 @@ class MainWindow(WindowBase):
         page.curves.shown.unfold(self._preferences.unfolds_curves())
         page.curves.shown.unfolded.connect(self._preferences.set_unfolds_curves)
         page.curves.shown.changed.connect(self.actions_.refresh)
+        self.commands.view.restore_film_place()
         self.actions_.refresh()
         return page
 
-    def _prepare_face(self, rig: Rig) -> None:
-        """The character is loaded: prepare to draw it, then load the model."""
+    def _load_model(self, rig: Rig) -> None:
+        """The character is loaded: load the model that was made for it."""
         if rig.missing_note:
             self.banner.show_message(rig.missing_note)
+        self._background.run(
+            lambda: loading.load_engine(rig), self._use_engine, self._continue_without_engine
+        )
 
-        def prepared(_: None) -> None:
-            self._can_draw = True
-            self._open_face()
-            self._background.run(
-                lambda: loading.load_engine(rig), self._use_engine, self._continue_without_engine
-            )
+    def _use_renderer(self, ready: FaceRenderer | None) -> None:
+        self._can_draw, self._ready = True, ready
+        self._open_face()
+        self._settle()
 
-        self._background.run(loading.prepare_renderer, prepared, self._show_error)
+    def _settle(self) -> None:
+        """One of what start-up waits for is there, or has failed."""
+        self._awaited -= 1
+        if not self._awaited:
+            self.settled.emit()
 
     def _open_face(self) -> None:
         """Start drawing the face as soon as a take is open."""
         session = self.document.session
         if self._can_draw and session is not None:
             self._can_draw, self._draws = False, True
-            self.build_editor().face.viewport.open(session.shown_rig)
+            ready, self._ready = self._ready, None
+            self.build_editor().face.viewport.open(session.shown_rig, ready)
 
     def _show_character(self) -> None:
         """Draw another character, if one is drawn."""
@@ -237,7 +249,7 @@ class MainWindow(WindowBase):
     def _use_engine(self, engine: Engine) -> None:
         self.document.use_engine(engine)
         self.status.set_networks("ready")
-        self.settled.emit()
+        self._settle()
 
     def _continue_without_engine(self, error: Exception) -> None:
         self.document.settle_engine()
@@ -246,7 +258,7 @@ class MainWindow(WindowBase):
             f"The face model could not be loaded, so edits look less natural. {error}",
             str(error),
         )
-        self.settled.emit()
+        self._settle()
 
     # --- following the document --------------------------------------------------------------
 
@@ -339,37 +351,8 @@ class MainWindow(WindowBase):
         self.start_page.show_drop(active)
 
     def take_files(self, paths: list[Path]) -> None:
-        """Open a take or a character, load edits, add sound or film."""
-        media = [path for path in paths if is_media(path)]
-        path = next((path for path in paths if path not in media), None)
-        film = next((path for path in media if is_film(path)), None)
-        if path is None and film is not None and self.document.session is None:
-            self.commands.file.track(film)
-            return
-        self.commands.take.drop(media, opens_take=path is not None)
-        if path is None:
-            return
-        from faceedit_app.characters.registry import is_character
-        from faceedit_app.formats.registry import is_take  # not needed before the window is up
-
-        if is_character(path):
-            self._take_character(path, is_take(path))
-            return
-        is_open = self.document.session is not None
-        if path.suffix.lower() == ".json" and is_open and not is_take(path):
-            self.commands.file.load_edits(path)
-        else:
-            self.commands.file.open_if_saved(path)
-
-    def _take_character(self, path: Path, is_take: bool) -> None:
-        """A character was dropped, or a file that may be one."""
-        as_what = dialogs.OpenAs.CHARACTER
-        if is_take:
-            as_what = dialogs.ask_take_or_character(self, path.name)
-        if as_what is dialogs.OpenAs.TAKE:
-            self.commands.file.open_if_saved(path)
-        elif as_what is dialogs.OpenAs.CHARACTER:
-            self.commands.file.character.open(path)
+        """Open or add files that were dropped; see `commands.dropping`."""
+        dropping.take_files(self.workspace, self.commands, paths)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Take the keyboard from the start."""
@@ -391,3 +374,5 @@ class MainWindow(WindowBase):
         """Stop everything and free the graphics memory."""
         self.commands.file.stop()
         self.workspace.close()
+        if self._ready is not None:
+            self._ready.close()

@@ -6,6 +6,8 @@ The functions import what they need themselves, because importing is what takes 
 from __future__ import annotations
 
 import importlib
+import threading
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,14 +16,23 @@ if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
+    from faceedit_app.render import FaceRenderer
+
+_reading = threading.Lock()
 
 
 def load_character() -> Rig:
-    """The shipped character.
+    """The shipped character, read once.
 
     Raises:
         FileError: it is missing or damaged.
     """
+    with _reading:
+        return _shipped()
+
+
+@cache
+def _shipped() -> Rig:
     from faceedit_app.editing import opening
 
     return opening.shipped_rig()
@@ -53,16 +64,22 @@ def open_session(path: Path, rig: Rig, fps: float | None = None) -> EditSession:
     return opening.open_session(path, rig, fps=fps)
 
 
-def prepare_renderer() -> None:
-    """Import what drawing needs, so that the first picture does not block the window."""
-    from faceedit_app.render import contexts
+def prepare_renderer() -> FaceRenderer | None:
+    """Open a renderer for the shipped character.
+
+    Returns:
+        The renderer, or None if the window has to open it, or to say why it cannot: what drawing
+        needs is imported all the same, so that it does not block the window.
+    """
+    from faceedit_app.render import contexts, open_ahead
 
     try:
         backend = contexts.choose_backend()  # before OpenGL is imported
         importlib.import_module("faceedit_app.render.studio")
         contexts.platform_class(backend)
+        return open_ahead(load_character())
     except Exception:  # drivers and PyOpenGL raise all kinds
-        return  # opening the renderer raises it again, where it can be shown
+        return None  # opening it again raises it where it can be shown
 
 
 def load_engine(rig: Rig) -> Engine:

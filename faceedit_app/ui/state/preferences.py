@@ -100,6 +100,14 @@ class Preferences:
         """Remember whether the optional curves are shown."""
         self._settings.setValue("optional_curves", "true" if unfolded else "false")
 
+    def film_place(self) -> str:
+        """Where the film was last shown: beside, above or below the face."""
+        return str(self._settings.value("film_place", "beside"))
+
+    def set_film_place(self, place: str) -> None:
+        """Remember where the film is shown."""
+        self._settings.setValue("film_place", place)
+
     def hints_wanted(self) -> bool:
         """Whether the first steps have not been shown yet."""
         return self._settings.value("hints_seen") is None

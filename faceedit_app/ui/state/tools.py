@@ -19,6 +19,7 @@ class Tool(StrEnum):
     SCALE = "scale"
     FLATTEN = "flatten"
     RESTORE = "restore"
+    RETIME = "retime"
 
 
 class Tools(QObject):

@@ -1,0 +1,96 @@
+"""Edits that stay on what they were made on when a retime after them in the list changes.
+
+A retime moves the take's content in time. What was edited there moves along, and back when the
+retime is switched off or deleted; edits below it in the list were made on the retimed take, and
+stay. Fills, resets and other retimes stay too: they act before all others, in their own order.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faceedit_app.editing.edits.clock import Clock, clock_of
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
+
+_SAME = 1e-6  # seconds
+
+
+def following(before: Sequence[Edit], after: Sequence[Edit]) -> tuple[Edit, ...]:
+    """A changed list of edits, in which those that did not change follow the retimes that did.
+
+    Args:
+        before, after: the lists, oldest edit first.
+    """
+    found = list(after)
+    retimes = any(edit.op is Op.RETIME for edit in (*before, *after))
+    if not retimes or Counter(before) == Counter(after):  # a list that was only reordered
+        return tuple(found)
+    # How many edits above a retime were there before it changed.
+    kept = Counter(before) & Counter(after)
+    for place, old, new in _changes(before, after):
+        left = kept.copy()
+        for i, edit in enumerate(after[:place]):
+            if left[edit] > 0:
+                left[edit] -= 1
+                found[i] = _moved(found[i], _clock(old), _clock(new))
+    return tuple(found)
+
+
+def _changes(
+    before: Sequence[Edit], after: Sequence[Edit]
+) -> Iterator[tuple[int, Edit | None, Edit | None]]:
+    """Each retime that changed: its place in `after`, and it before and after; None if absent."""
+    if len(before) == len(after):
+        for i, (old, new) in enumerate(zip(before, after, strict=True)):
+            if old != new and Op.RETIME in (old.op, new.op):
+                yield i, old, new
+        return
+    new_ones, gone = Counter(after) - Counter(before), Counter(before) - Counter(after)
+    passed = 0  # edits of `before` that are still there, up to the one at hand
+    for edit in before:
+        if gone[edit] > 0:
+            gone[edit] -= 1
+            if edit.op is Op.RETIME:
+                yield passed, edit, None
+        else:
+            passed += 1
+    for i, edit in enumerate(after):
+        if new_ones[edit] > 0 and edit.op is Op.RETIME:
+            new_ones[edit] -= 1
+            yield i, None, edit
+
+
+def _clock(edit: Edit | None) -> Clock | None:
+    if edit is None or edit.op is not Op.RETIME or edit.effect is None:
+        return None
+    return clock_of(edit.effect)
+
+
+def _moved(edit: Edit, before: Clock | None, after: Clock | None) -> Edit:
+    """An edit on the same moments of the take; one whose moments are cut is switched off."""
+    if edit.op in (*OF_THE_TAKE, Op.RESET) or before is after:
+        return edit
+    first, last = edit.span
+    old = np.array([first, edit.start, edit.end, last, *(time for time, _ in edit.points)])
+    moments = old if before is None else before.moments(old)
+    if after is not None and after.cuts_out(moments[1:3]).all():
+        return replace(edit, enabled=False)
+    new = moments if after is None else after.shown(moments)
+    if np.abs(new - old).max() < _SAME:
+        return edit
+    first, start, end, last, *times = new.round(6).tolist()
+    fades = max(start - first, 0.0), max(last - end, 0.0)
+    # Points that are cut fall together; the last of them stays.
+    points = dict(zip(times, (value for _, value in edit.points), strict=True))
+    return replace(
+        edit,
+        start=start,
+        end=end,
+        falloff=fades[0],
+        falloff_out=None if fades[0] == fades[1] else fades[1],
+        points=tuple(points.items()),
+    )

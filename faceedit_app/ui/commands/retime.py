@@ -1,0 +1,262 @@
+"""What the Edit and Take menus do to the time of the take: stretch, move, cut, pause, match."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.media import MediaFile
+from faceedit_app.media import is_media
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.edits.retime_dialog import Asked, RetimeDialog
+
+if TYPE_CHECKING:  # the window is there before the solver, and before sounds can be read
+    from faceedit_app.core.clip import Clip
+    from faceedit_app.editing.edits.edit import Edit
+    from faceedit_app.media.sound import Sound
+    from faceedit_app.words.transcript import Transcript
+
+_FIRST_PAUSE = 0.3  # seconds
+_LONGEST_PAUSE = 10.0
+
+
+class RetimeCommands:
+    """Asks how far, previews and makes retimes; matches the take to another sound."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
+        self._document, self._timeline = workspace.document, workspace.timeline
+
+    # --- by hand -----------------------------------------------------------------------------
+
+    def stretch(self) -> None:
+        """Make the selection longer or shorter."""
+        from faceedit_app.editing.help.retime import FASTEST, SLOWEST, stretched
+
+        found = self._selected("stretch")
+        if found is None:
+            return
+        clip, span = found
+        asked = Asked(
+            "Stretch",
+            f"How long {self._workspace.shown_range(*span)} becomes; what follows makes up for it.",
+            "Length",
+            "%",
+            100.0,
+            100.0 / FASTEST,
+            100.0 / SLOWEST,
+            5.0,
+            1,
+        )
+        self._ask(asked, lambda value, _: stretched(clip, span, value / 100), neutral=100.0)
+
+    def move(self) -> None:
+        """Show the selection earlier or later."""
+        from faceedit_app.editing.help.retime import moved
+
+        found = self._selected("move")
+        if found is None:
+            return
+        clip, span = found
+        asked = Asked(
+            "Move in time",
+            f"How much later {self._workspace.shown_range(*span)} is shown; below 0: earlier.",
+            "Later by",
+            "s",
+            0.0,
+            -clip.duration,
+            clip.duration,
+            1.0 / clip.rate,
+            3,
+        )
+        self._ask(asked, lambda value, _: moved(clip, span, value), neutral=0.0)
+
+    def cut(self) -> None:
+        """Leave out the selection; what follows plays slower until it has caught up."""
+        from faceedit_app.editing.help.retime import cut
+
+        found = self._selected("cut")
+        if found is None:
+            return
+        try:
+            edit = cut(*found)
+        except FaceEditError as error:
+            self._workspace.message.emit(str(error))
+            return
+        self._make((edit,))
+
+    def pause(self) -> None:
+        """Insert a pause at the playhead; what follows plays faster until it has caught up."""
+        from faceedit_app.editing.edits.edit import LONGEST_FILL
+        from faceedit_app.editing.help.fill import fill_edit
+        from faceedit_app.editing.help.retime import pause
+
+        session, clip = self._document.session, self._timeline.clip
+        if session is None or clip is None:
+            return
+        self._workspace.end_gestures()
+        at = self._timeline.time
+
+        def edits(seconds: float, filled: bool) -> tuple[Edit, ...]:
+            edit = pause(clip, at, seconds)
+            (_, start), (_, end) = edit.pins[:2]
+            if not filled:
+                return (edit,)
+            if seconds > LONGEST_FILL:
+                raise FaceEditError(f"Other motion fills up to {LONGEST_FILL:.0f} s")
+            return edit, fill_edit(session, start, end)
+
+        asked = Asked(
+            "Insert a pause",
+            f"How long the face pauses at {at:.2f} s; what follows makes room.",
+            "Pause",
+            "s",
+            _FIRST_PAUSE,
+            0.02,
+            _LONGEST_PAUSE,
+            0.05,
+            option="&Fill it with other motion of the take",
+        )
+        dialog = RetimeDialog(self._workspace.window, self._document, asked, edits, self._make)
+        self._open(dialog)
+
+    def _selected(self, what: str) -> tuple[Clip, tuple[float, float]] | None:
+        """The take and the selection, after any gesture in progress; None without either."""
+        clip = self._timeline.clip
+        if clip is None:
+            return None
+        self._workspace.end_gestures()
+        selection = self._timeline.selection
+        if selection is None or selection[1] <= selection[0]:
+            self._workspace.message.emit(f"Select the range to {what} first")
+            return None
+        return clip, selection
+
+    def _ask(self, asked: Asked, edit_for: Callable[[float, bool], Edit], neutral: float) -> None:
+        def edits(value: float, ticked: bool) -> tuple[Edit, ...]:
+            return () if value == neutral else (edit_for(value, ticked),)
+
+        self._open(RetimeDialog(self._workspace.window, self._document, asked, edits, self._make))
+
+    @staticmethod
+    def _open(dialog: RetimeDialog) -> None:
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.show()
+
+    def _make(self, edits: tuple[Edit, ...]) -> None:
+        from faceedit_app.editing.edits.describe import describe
+
+        name = describe(edits[0])
+        self._workspace.add_edits(edits, name)
+        first, last = edits[0].start, edits[0].end
+        self._workspace.message.emit(
+            f"{name}; changes {self._workspace.shown_range(first, last)}, "
+            "all that follows keeps its time"
+        )
+
+    # --- another sound -----------------------------------------------------------------------
+
+    def match_sound(self) -> None:
+        """Retime the take so that its words are said when another sound, or a file, says them."""
+        session = self._document.session
+        if session is None:
+            return
+        self._workspace.end_gestures()
+        if session.words is None:
+            self._workspace.message.emit("Say what the take says first: Take > Words…")
+            return
+        path = dialogs.ask_match(self._workspace.window, self._workspace.beside("words"))
+        if path is None:
+            return
+        self._workspace.preferences.set_folder("words", path.resolve().parent)
+        if is_media(path):
+            self._read_sound(path)
+            return
+        from faceedit_app.words.files import read_words, spread
+
+        try:
+            said = read_words(path)
+        except FaceEditError as error:
+            dialogs.show_error(self._workspace.window, error)
+            return
+        if said.transcript is not None:
+            self._match(said.transcript, None)
+        elif all(line.end is not None for line in said.lines):
+            self._match(spread(said.lines, 0.0), None)
+        else:
+            self._workspace.message.emit(
+                f"{path.name} does not say when its words are said; open the sound instead"
+            )
+
+    def _read_sound(self, path: Path) -> None:
+        def read() -> Sound | None:
+            from faceedit_app.media.sound import read_sound
+
+            return read_sound(path)
+
+        def done(sound: Sound | None) -> None:
+            if sound is None:
+                self._workspace.message.emit(f"{path.name} has no sound; choose another file")
+            else:
+                self._ask_their_words(sound)
+
+        self._workspace.message.emit(f"Reading {path.name}…")
+        self._workspace.background.run(read, done, self._failed)
+
+    def _failed(self, error: Exception) -> None:
+        if not isinstance(error, FaceEditError):
+            raise error
+        dialogs.show_error(self._workspace.window, error)
+
+    def _ask_their_words(self, sound: Sound) -> None:
+        """Ask what the other sound says; at first what the take says."""
+        from faceedit_app.ui.media.words_dialog import Place, WordsDialog
+
+        session = self._document.session
+        if session is None:
+            return
+
+        def choose() -> Path | None:
+            return dialogs.ask_words(self._workspace.window, sound.path.parent)
+
+        def make(words: Transcript) -> None:
+            self._match(words, sound)
+
+        dialog = WordsDialog(
+            self._workspace.window,
+            self._workspace.background,
+            Place(sound, 0.0, (sound.start, sound.end), None),
+            session.words,
+            choose,
+            None,
+            make,
+        )
+        dialog.setWindowTitle(f"Words of {sound.path.name}")
+        dialog.open()
+
+    def _match(self, theirs: Transcript, sound: Sound | None) -> None:
+        """Retime the take, and play the other sound with it from now on."""
+        from faceedit_app.editing.help.dubbing import keep, match
+
+        session = self._document.session
+        if session is None or session.words is None:
+            return
+        try:
+            found = match(session.take.clip, session.words, theirs)
+        except FaceEditError as error:
+            dialogs.show_error(self._workspace.window, error)
+            return
+        placement = self._workspace.media.placement
+        keep(session, found, placement, None if sound is None else MediaFile(sound.path))
+        page = self._workspace.page
+        if page is not None:
+            page.list_edits()
+            page.edits.select_new()
+        self._workspace.message.emit(found.message)
+        if found.limited or found.unmatched:
+            self._workspace.warning.emit(found.message)

@@ -1,0 +1,129 @@
+"""A number that says how a retime goes, previewed before it is made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QDialog,
+    QDialogButtonBox,
+    QDoubleSpinBox,
+    QFormLayout,
+    QLabel,
+    QVBoxLayout,
+    QWidget,
+)
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.ui.look.texts import plain_label
+from faceedit_app.ui.state.document import Document
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.edits.edit import Edit
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked for.
+
+    Attributes:
+        title: of the window, such as “Stretch”.
+        question: above the field.
+        label: of the field.
+        unit: behind the number.
+        value: at first.
+        low, high: the least and the greatest number.
+        step: of the arrows beside the field.
+        decimals: of the number.
+        option: a box to tick below it; empty = none.
+    """
+
+    title: str
+    question: str
+    label: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    step: float
+    decimals: int = 2
+    option: str = ""
+
+
+class RetimeDialog(QDialog):
+    """The face follows the number; OK makes the edits.
+
+    Args:
+        asked: what is asked for.
+        edits_for: the edits for a number, and whether the box is ticked; raises a `FaceEditError`
+            that says why there are none.
+        make: called with the edits to make.
+    """
+
+    def __init__(
+        self,
+        parent: QWidget,
+        document: Document,
+        asked: Asked,
+        edits_for: Callable[[float, bool], tuple[Edit, ...]],
+        make: Callable[[tuple[Edit, ...]], None],
+    ) -> None:
+        super().__init__(parent)
+        self._document, self._edits_for, self._make = document, edits_for, make
+        self._edits: tuple[Edit, ...] = ()
+        self.setWindowTitle(asked.title)
+        self.number = QDoubleSpinBox()
+        self.number.setDecimals(asked.decimals)
+        self.number.setRange(asked.low, asked.high)
+        self.number.setSingleStep(asked.step)
+        self.number.setSuffix(f" {asked.unit}")
+        self.number.setValue(asked.value)
+        self.number.setAccessibleName(asked.label)
+        self.number.selectAll()
+        self.option = QCheckBox(asked.option)
+        self.option.setVisible(bool(asked.option))
+        self.message = plain_label()
+        self.message.setWordWrap(True)
+        self.message.setMinimumWidth(360)
+        buttons = QDialogButtonBox(
+            QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
+        )
+        self.ok = buttons.button(QDialogButtonBox.StandardButton.Ok)
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        form = QFormLayout()
+        form.addRow(asked.label, self.number)
+        column = QVBoxLayout(self)
+        column.addWidget(QLabel(asked.question))
+        column.addLayout(form)
+        column.addWidget(self.option)
+        column.addWidget(self.message)
+        column.addWidget(buttons)
+        self.number.valueChanged.connect(self._preview)
+        self.option.toggled.connect(self._preview)
+        self._preview()
+
+    def _preview(self) -> None:
+        """Show the take with this number, or say why that cannot be."""
+        try:
+            self._edits = self._edits_for(self.number.value(), self.option.isChecked())
+            text = ""
+        except FaceEditError as error:
+            self._edits, text = (), f"{error}."
+        if self._edits:
+            edit = self._edits[0]
+            text = f"Changes {edit.start:.2f} to {edit.end:.2f} s; all that follows keeps its time."
+        self.message.setText(text)
+        self.ok.setEnabled(bool(self._edits))
+        self._document.preview(*self._edits)
+
+    def done(self, result: int) -> None:
+        """Make the edits, or leave the take unchanged."""
+        if result == QDialog.DialogCode.Accepted and self._edits:
+            self._make(self._edits)
+        else:
+            self._document.cancel()
+        super().done(result)

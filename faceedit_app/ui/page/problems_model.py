@@ -1,0 +1,150 @@
+"""The rows of the list of problems; their texts are made when they come into view."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from PySide6.QtCore import (
+    QAbstractTableModel,
+    QModelIndex,
+    QObject,
+    QPersistentModelIndex,
+    Qt,
+    Signal,
+)
+
+from faceedit_app.editing.help.problems import Problem
+from faceedit_app.ui.page.problems_bar import ONE
+
+KIND, TIME, AMOUNT = range(3)
+_HEADS = ("Problem", "Time", "How bad")
+Index = QModelIndex | QPersistentModelIndex
+_ROOT = QModelIndex()
+_KEYS: tuple[Callable[[Problem], Any], ...] = (
+    lambda problem: problem.kind.value,
+    lambda problem: problem.time,
+    lambda problem: problem.severity,
+)
+
+
+class ProblemsModel(QAbstractTableModel):
+    """Problems with ticks, sorted by a column.
+
+    Ticks are kept when the take is searched again.
+
+    Signals:
+        ticked(): a tick was set or removed.
+    """
+
+    ticked = Signal()
+
+    def __init__(self, shown_time: Callable[[float], str], parent: QObject | None = None) -> None:
+        """
+        Args:
+            shown_time: seconds as the user reads them.
+        """
+        super().__init__(parent)
+        self._shown_time = shown_time
+        self._problems: tuple[Problem, ...] = ()
+        self._order: list[int] = []  # of the problems in each row
+        self._unticked: set[tuple[str, float]] = set()
+        self._column, self._is_descending = TIME, False
+
+    @property
+    def chosen(self) -> tuple[Problem, ...]:
+        """The ticked problems in the list that can be fixed, in order of time."""
+        shown = (self._problems[number] for number in sorted(self._order))
+        return tuple(problem for problem in shown if self._is_ticked(problem))
+
+    def show(self, problems: tuple[Problem, ...], kind: str | None) -> None:
+        """Show problems of one kind, or all if None."""
+        self.beginResetModel()
+        self._problems = problems
+        self._unticked &= {_key(problem) for problem in problems}
+        self._order = [i for i, found in enumerate(problems) if kind is None or found.kind == kind]
+        self._sort()
+        self.endResetModel()
+
+    def sort(self, column: int, order: Qt.SortOrder = Qt.SortOrder.AscendingOrder) -> None:
+        """Sort the rows by kind, time or severity."""
+        self.beginResetModel()
+        self._column, self._is_descending = column, order is Qt.SortOrder.DescendingOrder
+        self._sort()
+        self.endResetModel()
+
+    def _sort(self) -> None:
+        key = _KEYS[self._column]
+        self._order.sort(key=lambda i: key(self._problems[i]), reverse=self._is_descending)
+
+    def number(self, index: Index) -> int:
+        """Which of the problems is in a row."""
+        return self._order[index.row()]
+
+    def row_of(self, number: int) -> Index | None:
+        """The row of a problem; None if it is not in the list."""
+        return self.index(self._order.index(number), 0) if number in self._order else None
+
+    def rowCount(self, parent: Index = _ROOT) -> int:
+        """One row a problem."""
+        return 0 if parent.isValid() else len(self._order)
+
+    def columnCount(self, parent: Index = _ROOT) -> int:
+        """What, when, and how bad."""
+        return 0 if parent.isValid() else len(_HEADS)
+
+    def headerData(
+        self, section: int, orientation: Qt.Orientation, role: int = Qt.ItemDataRole.DisplayRole
+    ) -> Any:
+        """The titles of the columns."""
+        if orientation is not Qt.Orientation.Horizontal:
+            return None
+        if role == Qt.ItemDataRole.TextAlignmentRole and section == AMOUNT:
+            return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        return _HEADS[section] if role == Qt.ItemDataRole.DisplayRole else None
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        """What can be fixed has a tick."""
+        flags = super().flags(index)
+        can_tick = index.column() == KIND and bool(self._problems[self.number(index)].fix)
+        return flags | Qt.ItemFlag.ItemIsUserCheckable if can_tick else flags
+
+    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+        """A text, or the tick."""
+        problem, column = self._problems[self.number(index)], index.column()
+        match role:
+            case Qt.ItemDataRole.DisplayRole if column == TIME:
+                return self._shown_time(problem.time)
+            case Qt.ItemDataRole.DisplayRole:
+                return ONE[problem.kind] if column == KIND else problem.amount
+            case Qt.ItemDataRole.CheckStateRole if column == KIND and problem.fix:
+                on = self._is_ticked(problem)
+                return Qt.CheckState.Checked if on else Qt.CheckState.Unchecked
+            case Qt.ItemDataRole.ToolTipRole:
+                return problem.message
+            case Qt.ItemDataRole.AccessibleTextRole if column == KIND:
+                return f"{problem.message}, at {self._shown_time(problem.time)}"
+            case Qt.ItemDataRole.TextAlignmentRole if column == AMOUNT:
+                return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+            case _:
+                return None
+
+    def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
+        """Set or remove a tick."""
+        if role != Qt.ItemDataRole.CheckStateRole:
+            return False
+        key = _key(self._problems[self.number(index)])
+        if Qt.CheckState(value) is Qt.CheckState.Checked:
+            self._unticked.discard(key)
+        else:
+            self._unticked.add(key)
+        self.dataChanged.emit(index, index)
+        self.ticked.emit()
+        return True
+
+    def _is_ticked(self, problem: Problem) -> bool:
+        return bool(problem.fix) and _key(problem) not in self._unticked
+
+
+def _key(problem: Problem) -> tuple[str, float]:
+    return problem.kind.value, problem.time

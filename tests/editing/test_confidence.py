@@ -1,0 +1,106 @@
+"""Frames in which the tracker hardly saw the face are problems that can be filled."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.faces import shipped_rig
+from support.takes import make_livelink_csv
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.clip import Clip, Gap
+from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.help.confidence import confidence_of
+from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
+from faceedit_app.editing.opening import open_session
+from faceedit_app.editing.session import EditSession
+from faceedit_app.tracking.film_landmarks import FilmLandmarks
+from faceedit_app.tracking.landmark_file import beside, write_landmarks
+from faceedit_app.tracking.person import Person
+from faceedit_app.tracking.pose import Lens
+from faceedit_app.tracking.tracker import Tracked
+
+
+def tracked_take(folder: Path, confidence: Doubles) -> EditSession:
+    """A take, and beside it what the tracker kept of its film."""
+    take = make_livelink_csv(folder / "take.csv", seconds=3.0)
+    count = len(confidence)
+    film = FilmLandmarks(
+        folder / "take.mp4",
+        np.arange(count) / 60.0,
+        60.0,
+        None,
+        (64, 64),
+        np.ones((count, 478, 3)),
+        np.ones(count),
+        np.zeros((count, 478, 3), np.uint8),
+    )
+    lens = Lens(np.zeros(2), 800.0)
+    person = Person(np.zeros((1, 3)), np.zeros(1, np.intp), lens, 0.0, np.ones((2, 2)))
+    nothing = np.zeros((count, 52)), np.zeros((count, 3))
+    write_landmarks(Tracked(film, *nothing, confidence, person), take)
+    return open_session(take, shipped_rig())
+
+
+def unsure(session: EditSession) -> list[Problem]:
+    return [problem for problem in find_problems(session) if problem.kind is Kind.UNSURE]
+
+
+@pytest.fixture
+def frames(tmp_path: Path) -> int:
+    return len(open_session(make_livelink_csv(tmp_path / "take.csv", seconds=3.0)).take.clip)
+
+
+def test_uncertain_frames_are_a_problem_with_a_fill(tmp_path: Path, frames: int) -> None:
+    confidence = np.ones(frames)
+    confidence[60:70] = 0.7
+    confidence[64] = 0.6
+    session = tracked_take(tmp_path, confidence)
+    (problem,) = unsure(session)
+    times = session.take.clip.times
+    assert (problem.start, problem.end) == pytest.approx((times[60], times[69]), abs=1e-3)
+    assert problem.time == times[64]
+    assert "60 % sure" in problem.message
+    (fill,) = problem.fix
+    assert fill.op is Op.FILL
+    session.add(fill)
+    assert not unsure(session)
+    session.undo()
+    assert len(unsure(session)) == 1
+
+
+def test_gaps_keep_frames_and_confidence_together(tmp_path: Path, frames: int) -> None:
+    """The take has no frame where the tracker lost the face."""
+    confidence = np.insert(np.ones(frames), 30, np.full(7, 0.2))
+    confidence[90] = 0.55
+    session = tracked_take(tmp_path, confidence)
+    kept = confidence_of(session.take)
+    assert kept is not None
+    assert np.flatnonzero(kept < 0.8).tolist() == [83]
+
+
+def test_what_is_uncertain_beside_a_gap_belongs_to_the_gap() -> None:
+    weights = np.zeros((40, 52), np.float32)
+    times = np.arange(40) / 25.0
+    times[20:] += 0.4
+    clip = Clip(weights, ARKIT_CHANNELS, times, 25.0, gaps=(Gap(19, 10),))
+    confidence = np.ones(40)
+    confidence[[18, 19, 20, 35]] = 0.6
+    rig = shipped_rig()
+    found = problems_of(clip, weights, rig.arkit_distances.measure(weights), confidence=confidence)
+    assert [problem.kind for problem in found] == [Kind.DROPPED, Kind.UNSURE]
+    assert found[1].start == pytest.approx(times[35])
+    assert found[1].fix
+
+
+def test_a_take_of_another_rate_or_with_a_damaged_file_has_none(
+    tmp_path: Path, frames: int
+) -> None:
+    session = tracked_take(tmp_path, np.full(frames + 5, 0.6))
+    assert confidence_of(session.take) is None
+    assert not unsure(session)
+    beside(session.take.path).write_bytes(b"damaged")
+    assert confidence_of(session.take) is None
