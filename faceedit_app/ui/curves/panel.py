@@ -224,8 +224,7 @@ class CurvesPanel(QWidget):
     def _read_curves(self) -> None:
         assert self.session is not None
         self._columns_read = self.shown.columns
-        self._curves = VisibleCurves(self.session, self._columns_read)
-        self._axes.curves = self._curves
+        self._curves = self._axes.curves = VisibleCurves(self.session, self._columns_read)
 
     @property
     def is_reshaping(self) -> bool:
