@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import multiprocessing
+import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -154,9 +155,10 @@ def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
     """
     if not source.is_dir():
         raise FileError(source, "is not a folder", "give the folder with the takes")
-    if source.resolve() == output.resolve():
+    results = Path(os.path.realpath(output))  # Path.resolve() raises if links go round in a circle
+    if os.path.realpath(source) == str(results):
         raise FileError(output, "is the folder of the takes", "choose another folder for results")
-    found = [p for p in takes_below(source) if output.resolve() not in p.resolve().parents]
+    found = [p for p in takes_below(source) if results not in Path(os.path.realpath(p)).parents]
     if not found:
         raise FileError(source, "holds no takes", "choose another folder")
     ending = exporting.choose(Path(), recipe.form).ending if recipe.form else ""

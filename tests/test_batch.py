@@ -269,3 +269,34 @@ def test_a_take_without_a_rate_says_which_option_gives_it(tmp_path: Path, models
     assert command("none", folder, out, models) == 1
     assert "--take-fps" in outcomes_in(out)[0]["error"]
     assert command("none", folder, out, models, "--take-fps", 30) == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no named pipes in folders")
+def test_pipes_devices_and_links_in_a_circle_stop_nothing(tmp_path: Path, models: str) -> None:
+    folder, out = tmp_path / "takes", tmp_path / "out"
+    folder.mkdir()
+    make_livelink_csv(folder / "good.csv")
+    os.mkfifo(folder / "pipe.csv")
+    (folder / "endless.csv").symlink_to("/dev/zero")
+    (folder / "circle.csv").symlink_to("circle.csv")
+    (folder / "folder.csv").mkdir()
+    assert command("none", folder, out, models) == 1
+    said = {outcome["name"]: outcome["error"] for outcome in outcomes_in(out)}
+    assert said.pop("good.csv") == ""
+    assert sorted(said) == ["circle.csv", "endless.csv", "folder.csv", "pipe.csv"]
+    for error in said.values():
+        assert "Error:" not in error
+        assert len(error) <= 300
+    assert (out / "good.csv").read_bytes() == (folder / "good.csv").read_bytes()
+
+
+def test_every_take_keeps_its_ending(tmp_path: Path, models: str) -> None:
+    folder, out = tmp_path / "takes", tmp_path / "out"
+    folder.mkdir()
+    frames = [{"time": n / 30, "blendshapes": {"jawOpen": 0.01 * n}} for n in range(40)]
+    (folder / "lines.jsonl").write_text("".join(json.dumps(frame) + "\n" for frame in frames))
+    rows = "".join(f"{n / 30:.4f}\t{0.01 * n:.3f}\n" for n in range(40))
+    (folder / "tabs.tsv").write_text("time_s\tjawOpen\n" + rows)
+    assert command("none", folder, out, models) == 0
+    for name in ("lines.jsonl", "tabs.tsv"):
+        assert (out / name).read_bytes() == (folder / name).read_bytes()

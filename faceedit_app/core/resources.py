@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from faceedit_app.core.errors import FileError
@@ -25,6 +26,7 @@ def shipped(name: str) -> Path:
 def is_demo_take(path: Path) -> bool:
     """Whether a file is the demo take; its folder belongs to the installation."""
     try:
-        return path.resolve() == shipped(DEMO_TAKE).resolve()
+        # Path.resolve() raises if links go round in a circle.
+        return os.path.realpath(path) == os.path.realpath(shipped(DEMO_TAKE))
     except FileError:
         return False

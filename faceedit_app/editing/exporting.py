@@ -118,7 +118,7 @@ def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutF
     Args:
         path: the file; its ending decides if `key` is None.
         key: `OutFormat.key`.
-        take: if its own format has this ending, that is chosen.
+        take: if its file or its own format has this ending, its own format is chosen.
 
     Raises:
         FaceEditError: there is no such format, or the file ends like one of another format.
@@ -134,6 +134,8 @@ def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutF
                 return form
         raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
     own = own_format(take) if take is not None else None
+    if own is not None and take is not None and ending == take.path.suffix.lower():
+        return own
     for form in (*([own] if own is not None else []), *formats):
         if ending in _all_endings(form):
             return form

@@ -10,7 +10,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 
 from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.editing.edits.following import following
+from faceedit_app.editing.edits.following import following, words_following
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.words.transcript import Transcript
@@ -73,12 +73,18 @@ class Steps:
     def show(self, state: EditState) -> bool:
         """Preview a state; edits that it leaves as they were follow the retimes that it changes.
 
+        So do words of a take that has no sound: they were found in the face. Others stay with the
+        sound.
+
         Returns:
             Whether the preview has changed.
         """
         before, after = self.state.edits, state.edits
         if after is not before:
-            state = replace(state, edits=following(before, after))
+            words, media = state.words, state.media
+            if words is not None and words is self.state.words and media == Placement():
+                words = words_following(words, before, after)
+            state = replace(state, edits=following(before, after), words=words)
         is_new, self.preview = state != self.preview, state
         return is_new
 

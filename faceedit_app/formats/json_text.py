@@ -28,6 +28,9 @@ from faceedit_app.formats.numbers import detect_format
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
 _SPACE = re.compile(r"[ \t\r\n]*")
 _FORMAT_SAMPLE = 10_000
+# Python needs up to a hundred bytes for a number: this is a gigabyte or two.
+_LARGEST, _MOST_NUMBERS = 400 << 20, 25_000_000
+_SMALLER = "split the take, or save it as CSV"
 _DAMAGED = "copy it from its source again"
 
 Places = NDArray[np.int64]
@@ -117,9 +120,13 @@ def read_json(path: Path, content: bytes) -> JsonText:
         FileError: it is not text, or not JSON.
     """
     check_text(path, content)
+    if len(content) > _LARGEST:
+        raise FileError(path, f"is JSON of over {_LARGEST >> 20} MB", _SMALLER)
     values = array("d")
 
     def number(text: str) -> Place:
+        if len(values) >= _MOST_NUMBERS:
+            raise FileError(path, f"has over {_MOST_NUMBERS:,} numbers", _SMALLER)
         values.append(float(text))
         return Place(len(values) - 1)
 

@@ -19,6 +19,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Indices
 from faceedit_app.formats.csv_table import read_table
 from faceedit_app.formats.csv_take import csv_take
+from faceedit_app.formats.files import shown
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.named_weights import read_named
 from faceedit_app.formats.take import FillableSource, RotatingSource, Source, Take
@@ -140,8 +141,8 @@ def _without_channel(take: Take) -> tuple[str, ...]:
     if not names:
         return ()
     more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
-    shown = ", ".join(names[:_LISTED])
-    return (f"{len(names)} controls without an ARKit channel are carried: {shown}{more}",)
+    listed = ", ".join(map(shown, names[:_LISTED]))
+    return (f"{len(names)} controls without an ARKit channel are carried: {listed}{more}",)
 
 
 @dataclass(frozen=True)

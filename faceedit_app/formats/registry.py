@@ -73,7 +73,7 @@ FORMATS: tuple[Format, ...] = (
                ("Blender", "the add-on Faceit imports it (Mocap > Import Live Link Face)"),
                ("Maya", "write FBX instead, or run the script in docs/formats.md on a plain CSV"),
            )),
-    Format("csv", "CSV with ARKit names", (".csv",), "text/csv",
+    Format("csv", "CSV with ARKit names", (".csv", ".tsv"), "text/csv",
            "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
            csv_take.sniff, csv_take.read, csv_take.write, hints=(
                ("Blender, Maya", "the scripts in docs/formats.md put it on a mesh with its shapes"),

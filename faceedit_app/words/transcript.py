@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
+from faceedit_app.core.arrays import Times
 from faceedit_app.core.fields import FieldError, Fields
 
 VERSION = 1
@@ -85,6 +89,28 @@ class Transcript:
         if not seconds:
             return self
         return replace(self, words=tuple(_shifted(word, seconds) for word in self.words))
+
+    def at_times(self, at: Callable[[Times], Times]) -> Transcript:
+        """With its edges at other times; what becomes too short is left out.
+
+        Args:
+            at: gives the new times (N,) for old ones, in the same order.
+        """
+        old = np.array(self.edges, np.float64)
+        to: dict[float, float] = dict(zip(self.edges, at(old).round(4).tolist(), strict=True))
+
+        def moved(time: float) -> float:
+            nearest = bisect_left(self.edges, time - _SAME)
+            return to[self.edges[nearest]]
+
+        words = []
+        for word in self.words:
+            parts = [Phoneme(p.symbol, moved(p.start), moved(p.end)) for p in word.phonemes]
+            kept = tuple(part for part in parts if part.end - part.start >= SHORTEST)
+            start, end = moved(word.start), moved(word.end)
+            if end - start >= SHORTEST:
+                words.append(Word(word.text, start, end, kept))
+        return replace(self, words=tuple(words))
 
     def with_edge(self, edge: float, to: float) -> Transcript:
         """With an edge moved, no farther than to the next one on either side.

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.edits import pins
 from support.sessions import demo_take, session_by_networks, session_by_rig
+from support.speech import said
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.arkit import ARKIT_INDEX
@@ -22,6 +23,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.clock import Clock
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op, from_json, to_json
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.editing.help import retime
@@ -379,6 +381,30 @@ def test_other_changes_of_the_list_move_nothing() -> None:
     assert session.edits == (MADE, STRETCH)
     session.rename(1, "Slower")
     assert session.edits[0] == MADE
+
+
+@pytest.mark.parametrize("has_sound", [False, True])
+def test_words_follow_the_face_if_there_is_no_sound_that_says_them(has_sound: bool) -> None:
+    session = session_by_rig(clip_of())
+    sound = MediaFile(Path("a.wav")) if has_sound else None
+    words = said(("map", "M AE P"), ("boom", "B UW M"), start=3.0)
+    session.say(words, Placement(sound))
+    session.preview(retime.moved(session.take.clip, (2.9, 3.8), 0.1))
+    session.preview(retime.moved(session.take.clip, (2.9, 3.8), 0.2))
+    session.commit()
+    found = session.words
+    assert found is not None
+    assert found.words[0].start == pytest.approx(3.0 if has_sound else 3.2, abs=0.02)
+    assert [len(word.phonemes) for word in found.words] == [3, 3]
+    session.remove(0)
+    assert session.words is not None
+    assert session.words.edges == pytest.approx(words.edges, abs=2e-4)
+    session.undo()
+    assert session.words == found
+    if not has_sound:
+        session.put([retime.cut(session.take.clip, (3.0, 3.37))])
+        assert session.words is not None
+        assert session.words.text == "boom"
 
 
 # --- by hand ----------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Edits that stay on what they were made on when a retime after them in the list changes.
+"""Edits and words that stay on what they were made on when a retime changes.
 
 A retime moves the take's content in time. What was edited there moves along, and back when the
 retime is switched off or deleted; edits below it in the list were made on the retimed take, and
@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from faceedit_app.core.arrays import Times
 from faceedit_app.editing.edits.clock import Clock, clock_of
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
+from faceedit_app.words.transcript import Transcript
 
 _SAME = 1e-6  # seconds
 
@@ -26,12 +29,10 @@ def following(before: Sequence[Edit], after: Sequence[Edit]) -> tuple[Edit, ...]
         before, after: the lists, oldest edit first.
     """
     found = list(after)
-    retimes = any(edit.op is Op.RETIME for edit in (*before, *after))
-    if not retimes or Counter(before) == Counter(after):  # a list that was only reordered
-        return tuple(found)
     # How many edits above a retime were there before it changed.
-    kept = Counter(before) & Counter(after)
+    kept: Counter[Edit] | None = None
     for place, old, new in _changes(before, after):
+        kept = kept or Counter(before) & Counter(after)
         left = kept.copy()
         for i, edit in enumerate(after[:place]):
             if left[edit] > 0:
@@ -40,10 +41,21 @@ def following(before: Sequence[Edit], after: Sequence[Edit]) -> tuple[Edit, ...]
     return tuple(found)
 
 
+def words_following(words: Transcript, before: Sequence[Edit], after: Sequence[Edit]) -> Transcript:
+    """Words that belong to the face, and follow the retimes that changed; a cut removes them."""
+    for _, old, new in _changes(before, after):
+        words = words.at_times(partial(_times, before=_clock(old), after=_clock(new)))
+    return words
+
+
 def _changes(
     before: Sequence[Edit], after: Sequence[Edit]
 ) -> Iterator[tuple[int, Edit | None, Edit | None]]:
     """Each retime that changed: its place in `after`, and it before and after; None if absent."""
+    if not any(edit.op is Op.RETIME for edit in (*before, *after)):
+        return
+    if Counter(before) == Counter(after):  # a list that was only reordered
+        return
     if len(before) == len(after):
         for i, (old, new) in enumerate(zip(before, after, strict=True)):
             if old != new and Op.RETIME in (old.op, new.op):
@@ -70,6 +82,12 @@ def _clock(edit: Edit | None) -> Clock | None:
     return clock_of(edit.effect)
 
 
+def _times(old: Times, before: Clock | None, after: Clock | None) -> Times:
+    """(N,) when what was shown at `old` (N,) is shown now."""
+    moments = old if before is None else before.moments(old)
+    return moments if after is None else after.shown(moments)
+
+
 def _moved(edit: Edit, before: Clock | None, after: Clock | None) -> Edit:
     """An edit on the same moments of the take; one whose moments are cut is switched off."""
     if edit.op in (*OF_THE_TAKE, Op.RESET) or before is after:
@@ -79,7 +97,7 @@ def _moved(edit: Edit, before: Clock | None, after: Clock | None) -> Edit:
     moments = old if before is None else before.moments(old)
     if after is not None and after.cuts_out(moments[1:3]).all():
         return replace(edit, enabled=False)
-    new = moments if after is None else after.shown(moments)
+    new = _times(old, before, after)
     if np.abs(new - old).max() < _SAME:
         return edit
     first, start, end, last, *times = new.round(6).tolist()

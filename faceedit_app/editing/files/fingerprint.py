@@ -41,6 +41,8 @@ def fingerprint(path: Path) -> Fingerprint:
     Raises:
         FileError: it cannot be read.
     """
+    if path.exists() and not path.is_file():  # a pipe or a device may never end
+        raise FileError(path, "cannot be read (it is not a file)", "check the path")
     try:
         with path.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256")

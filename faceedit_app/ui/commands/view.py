@@ -247,10 +247,6 @@ class ViewCommands:
         page = self._workspace.page
         return page.film_place if page is not None else self._workspace.preferences.film_place()
 
-    def is_film_at(self, place: str) -> bool:
-        """Whether the take's film lies at a place."""
-        return self.film_place == place
-
     def place_film(self, place: str) -> None:
         """Show the film beside, above or below the face."""
         self._workspace.preferences.set_film_place(place)
@@ -292,6 +288,10 @@ def _png(picture: QImage) -> bytes:
 
 def _shows_edited(do: ViewCommands) -> bool:
     return do.face is None or not (do.face.shows_tracked or do.face.shows_both)
+
+
+def _shows_film(place: str, do: ViewCommands) -> bool:
+    return do.film_place == place
 
 
 # fmt: off
@@ -343,7 +343,7 @@ MENU: Menu[ViewCommands] = Menu("&View", (
     *(
         Command(f"film_{place}", f"{label} the face", partial(ViewCommands.place_film, place=place),
                 tip=f"Show the take's film {place} the face", enabled=lambda do: do.has_film,
-                checked=partial(ViewCommands.is_film_at, place=place), submenu=FILM)
+                checked=partial(_shows_film, place), submenu=FILM)
         for place, label in (("beside", "&Beside"), ("above", "&Above"), ("below", "B&elow"))
     ),
     *(
