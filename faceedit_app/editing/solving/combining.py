@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
+from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.filters import smoothed
@@ -16,9 +16,6 @@ from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
 from faceedit_app.editing.solving.take_statistics import WAKES
 
-# Changed weights are multiples of this. The last bits of a matrix product depend on the processor;
-# rounded, nearly all weights are the same on every one. It moves a jaw by less than a micrometre.
-DECIMALS = 5
 # How much a calmed curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 1.0
 # mm that all curves of a region may miss where all of them are asked to be calm.
@@ -320,14 +317,3 @@ def _couple(weights: Doubles, old: Doubles, columns: Indices, where: Bools) -> N
     slack = np.maximum(before[:, close] - before[:, jaw], 0.0)
     limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
     weights[where, close] = limit[where]
-
-
-def rounded(weights: Floats, tracked: Floats) -> Floats:
-    """(N, 52) float32: changed weights rounded, the others with the bits of the take."""
-    rounded = np.round(weights.astype(np.float64), DECIMALS).astype(np.float32)
-    result: Floats = np.where(weights == tracked, tracked, rounded)
-    jaw, lips = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
-    # Lips that are no more closed than the jaw is open stay so.
-    over = (result[:, lips] > result[:, jaw]) & (weights[:, lips] <= weights[:, jaw])
-    result[over, lips] = result[over, jaw]
-    return result

@@ -21,7 +21,7 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
-from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.regions import BROWS, JAW, REGIONS
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
@@ -32,7 +32,7 @@ from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.channel_edits import ChannelEdits, ChannelTask, Task
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
-from faceedit_app.editing.solving.combining import DECIMALS, Combining, RegionRequest, rounded
+from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
@@ -40,6 +40,8 @@ from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.request import Request, active, request
 from faceedit_app.editing.solving.residual import Residuals
+from faceedit_app.editing.solving.rounding import DECIMALS, rounded
+from faceedit_app.editing.solving.sideways import Sideways
 from faceedit_app.editing.solving.start import Start, Starts
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
@@ -116,8 +118,9 @@ class Solver:
         self._sample = self._measure()
         self._parts = {
             region.id: Part(region, engine, self.distances, may, self._missing, self._sample)
-            for region in REGIONS
+            for region in (BROWS, *REGIONS)
         }
+        self._sideways = Sideways(self.distances, may, self._sample)
         # Brows move lids a little; the mouth, which is edited most, comes last.
         self._in_order = sorted(self._parts.items(), key=lambda entry: len(entry[1].own))
         self._companions = Companions(
@@ -125,6 +128,8 @@ class Solver:
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
+        jaw = self._sideways.column
+        self._low[jaw], self._high[jaw] = self._sideways.limits
         self._answers = Answers(engine, self.grid) if engine else None
         moves = self._sample.high - self._sample.low > IDLE
         used = [c for c in self.clip.channels if moves[ARKIT_INDEX[c]]]
@@ -136,7 +141,7 @@ class Solver:
         self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
         self._layers: dict[tuple[str, float], LastLayer] = {}
         self._residuals = Residuals()
-        for name in self._parts if engine else ():
+        for name in engine.models if engine else ():
             self._last_layer(name, Settings())  # now, so that the first drag need not wait for it
         self.limits = self._limits()
         self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
@@ -186,6 +191,8 @@ class Solver:
         """The take's own last layer of a region; None if it has no part in the answer."""
         if self.engine is None or settings.mode is Mode.RESYNTHESIZE:
             return None
+        if region not in self.engine.models:
+            return None
         return self._fitted_layer(region, settings.naturalness, self.engine)
 
     def _fitted_layer(self, region: str, naturalness: float, engine: Engine) -> LastLayer:
@@ -211,7 +218,8 @@ class Solver:
         """
         high = np.where(np.isfinite(self._high), self._high, self.distances.farthest)
         low = np.where(np.isfinite(self._low), self._low, 0.0)
-        low = np.maximum(low - BEYOND * (high - low), 0.0)
+        beyond = np.maximum(low - BEYOND * (high - low), 0.0)
+        low = np.where(self.distances.least < 0, low, beyond)
         low = np.minimum(low, self.controls.min(axis=0))
         high = np.maximum(high, self.controls.max(axis=0))
         return list(zip(low.tolist(), high.tolist(), strict=True))
@@ -219,6 +227,7 @@ class Solver:
     def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Task]:
         """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
+        listening[JAW.id] = JAW.own
         curves = [edit for edit in edits if not edit.channels]
         tasks = self.chunks.tasks(self._possible(curves), settings, listening)
         return self._channels.tasks(tasks, self._channels.possible(edits), self.chunks)
@@ -294,22 +303,25 @@ class Solver:
         weights = before.copy()
         influences = {}
         for name, part in self._in_order:
+            if part.is_optional and not mine.influence[:, part.own_columns].any():
+                continue
             influence = part.influence(mine.influence)
-            if name in task.regions:
+            if name in task.regions and not part.is_optional:
                 influence = np.ones_like(influence)
             if influence.any():
                 influences[name] = influence
-        if influences:
+        if influences or mine.influence[:, self._sideways.column].any():
             change = self._wanted_change(asked, tracked)
             change = start.without_twitches(change, asked.calm, rate)
             slow = smoothed(change, QUICK * rate)
             answers, exchanges = self._answer(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
+            self._sideways.move(weights, change)
             for name, influence in influences.items():
                 part = self._parts[name]
                 heard, own = part.layer_columns, part.own_columns
                 wanted = RegionRequest(
-                    settings=settings,
+                    settings=part.answered_by(settings),
                     layer=self._last_layer(name, settings),
                     answer=answers[name],
                     exchange=exchanges[name],
@@ -350,7 +362,7 @@ class Solver:
         change: Doubles = wanted - tracked
         for part in self._parts.values():
             own = part.own_columns
-            if len(own):
+            if len(own) and not (part.is_optional and not asked.hold[:, own].any()):
                 change[:, own] = part.expectation.fill(change[:, own], asked.hold[:, own] > 0)
         return change
 
@@ -376,6 +388,7 @@ class Solver:
         before = begin.weights[rows.start - first : rows.stop - first].astype(np.float64)
         answers = {name: self._unanswered(name, before, resynthesize) for name in regions}
         still = {n: np.zeros((len(answers[n]), len(self._parts[n].columns))) for n in regions}
+        regions = tuple(name for name in regions if not self._parts[name].is_optional)
         if self._answers is None or not regions:
             return answers, still
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
@@ -421,7 +434,7 @@ class Solver:
     def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:
         """(N, K) what stands in for the networks' answer if there is none."""
         part = self._parts[name]
-        if resynthesize:
+        if resynthesize and not part.is_optional:
             return before[:, part.columns]
         return np.zeros((len(before), len(part.region.channels)))
 

@@ -89,7 +89,7 @@ MENU: Menu[ToolCommands] = Menu("T&ools", (
             "Lower the focused curve by 0.5 mm"),
     Command("raise_fine", "Raise a l&ittle", lambda do: do.nudge(FINE_STEP), ("Ctrl+Shift+Up",),
             "Raise the focused curve by 0.05 mm"),
-    Command("lower_fine", "Lower a li&ttle", lambda do: do.nudge(-FINE_STEP),
+    Command("lower_fine", "Lower &a little", lambda do: do.nudge(-FINE_STEP),
             ("Ctrl+Shift+Down",), "Lower the focused curve by 0.05 mm"),
 ))
 # fmt: on

@@ -32,7 +32,7 @@ QMenuBar {{ background: {BACKGROUND}; padding: 2px 4px; }}
 QMenuBar::item {{ padding: 4px 9px; border-radius: 4px; background: transparent; }}
 QMenuBar::item:selected {{ background: {RAISED}; }}
 QMenu {{ background: {PANEL}; border: 1px solid {BORDER}; padding: 4px; }}
-QMenu::item {{ padding: 5px 26px 5px 26px; border-radius: 3px; }}
+QMenu::item {{ padding: 4px 26px 4px 26px; border-radius: 3px; }}
 QMenu::item:selected {{ background: {ACCENT_DEEP}; }}
 QMenu::item:disabled {{ color: {DISABLED}; }}
 QMenu::separator {{ height: 1px; background: {BORDER}; margin: 4px 6px; }}
