@@ -21,7 +21,7 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
-from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.regions import BROWS, JAW, REGIONS
 from faceedit_app.core.resample import from_grid, grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
@@ -39,15 +39,16 @@ from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.request import Request, active, request
+from faceedit_app.editing.solving.residual import Residuals
+from faceedit_app.editing.solving.rounding import DECIMALS, rounded
+from faceedit_app.editing.solving.sideways import Sideways
+from faceedit_app.editing.solving.start import Start, Starts
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
-# Changed weights are multiples of this. The last bits of a matrix product depend on the processor;
-# rounded, nearly all weights are the same on every one. It moves a jaw by less than a micrometre.
-DECIMALS = 5
 # Chunks that the statistics of a take are measured on: 12 are 100 s.
 SAMPLED = 12
 # Results of regions that are kept.
@@ -98,6 +99,7 @@ class Solver:
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
         opening = self.controls[:, CONTROL_INDEX[LIP_OPENING]]
         self._fills = Fills(clip, self.tracked, opening, self.distances.measure)
+        self._starts = Starts(clip, self.tracked, self.controls, self.distances, self._fills)
         shut = float(np.percentile(opening, _SHUT_PERCENTILE))
         self.shut = shut if shut < _SHUT_MOST else _SHUT  # mm between closed lips
         self.use_engine(engine)
@@ -116,8 +118,9 @@ class Solver:
         self._sample = self._measure()
         self._parts = {
             region.id: Part(region, engine, self.distances, may, self._missing, self._sample)
-            for region in REGIONS
+            for region in (BROWS, *REGIONS)
         }
+        self._sideways = Sideways(self.distances, may, self._sample)
         # Brows move lids a little; the mouth, which is edited most, comes last.
         self._in_order = sorted(self._parts.items(), key=lambda entry: len(entry[1].own))
         self._companions = Companions(
@@ -125,6 +128,8 @@ class Solver:
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
+        jaw = self._sideways.column
+        self._low[jaw], self._high[jaw] = self._sideways.limits
         self._answers = Answers(engine, self.grid) if engine else None
         moves = self._sample.high - self._sample.low > IDLE
         used = [c for c in self.clip.channels if moves[ARKIT_INDEX[c]]]
@@ -135,7 +140,8 @@ class Solver:
         }
         self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
         self._layers: dict[tuple[str, float], LastLayer] = {}
-        for name in self._parts if engine else ():
+        self._residuals = Residuals()
+        for name in engine.models if engine else ():
             self._last_layer(name, Settings())  # now, so that the first drag need not wait for it
         self.limits = self._limits()
         self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
@@ -185,6 +191,8 @@ class Solver:
         """The take's own last layer of a region; None if it has no part in the answer."""
         if self.engine is None or settings.mode is Mode.RESYNTHESIZE:
             return None
+        if region not in self.engine.models:
+            return None
         return self._fitted_layer(region, settings.naturalness, self.engine)
 
     def _fitted_layer(self, region: str, naturalness: float, engine: Engine) -> LastLayer:
@@ -210,7 +218,8 @@ class Solver:
         """
         high = np.where(np.isfinite(self._high), self._high, self.distances.farthest)
         low = np.where(np.isfinite(self._low), self._low, 0.0)
-        low = np.maximum(low - BEYOND * (high - low), 0.0)
+        beyond = np.maximum(low - BEYOND * (high - low), 0.0)
+        low = np.where(self.distances.least < 0, low, beyond)
         low = np.minimum(low, self.controls.min(axis=0))
         high = np.maximum(high, self.controls.max(axis=0))
         return list(zip(low.tolist(), high.tolist(), strict=True))
@@ -218,6 +227,7 @@ class Solver:
     def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Task]:
         """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
+        listening[JAW.id] = JAW.own
         curves = [edit for edit in edits if not edit.channels]
         tasks = self.chunks.tasks(self._possible(curves), settings, listening)
         return self._channels.tasks(tasks, self._channels.possible(edits), self.chunks)
@@ -248,9 +258,7 @@ class Solver:
         rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
         mine = self._base(task.chunk, curves)
         weights, rotations = self._channels.apply(task, rows, self._base, DECIMALS)
-        controls = self.distances.measure(weights)
-        same = (weights == mine.weights).all(axis=1)
-        controls[same] = mine.controls[same]
+        controls = self._starts.measured(weights, mine.weights, mine.controls)
         # Curves that nobody asked for go where the channels take them.
         asked = np.where(mine.asked == mine.started, controls, mine.asked)
         return Patch(asked, weights, controls, rotations, mine.started)
@@ -274,11 +282,11 @@ class Solver:
         """Answer the curves of one chunk."""
         rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
         times, rate = self.clip.times[near], self.clip.rate
-        filled, tracked = self._start(task)
+        start = self._starts.filled(task)
         asked = request(
             times,
             rate,
-            tracked,
+            start.curves,
             self.medians,
             task.edits,
             self._companions,
@@ -287,27 +295,36 @@ class Solver:
         )
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = asked.at(inner)
-        before = filled[inner].astype(np.float64)
+        regions = (part.calmed(self._mute) for part in self._parts.values())
+        started = start.curves[inner].astype(np.float32)
+        start = self._starts.calmed(start, task, regions)
+        tracked = start.curves
+        before = start.weights[inner].astype(np.float64)
         weights = before.copy()
         influences = {}
         for name, part in self._in_order:
+            if part.is_optional and not mine.influence[:, part.own_columns].any():
+                continue
             influence = part.influence(mine.influence)
-            if name in task.regions:
+            if name in task.regions and not part.is_optional:
                 influence = np.ones_like(influence)
             if influence.any():
                 influences[name] = influence
-        if influences:
+        if influences or mine.influence[:, self._sideways.column].any():
             change = self._wanted_change(asked, tracked)
+            change = start.without_twitches(change, asked.calm, rate)
             slow = smoothed(change, QUICK * rate)
-            answers = self._answer(task, tuple(influences), before, tracked, slow)
+            answers, exchanges = self._answer(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
+            self._sideways.move(weights, change)
             for name, influence in influences.items():
                 part = self._parts[name]
                 heard, own = part.layer_columns, part.own_columns
                 wanted = RegionRequest(
-                    settings=settings,
+                    settings=part.answered_by(settings),
                     layer=self._last_layer(name, settings),
                     answer=answers[name],
+                    exchange=exchanges[name],
                     unlike=part.unlike(change[:, own]),
                     influence=influence,
                     slow=slow[:, heard],
@@ -326,30 +343,11 @@ class Solver:
         if self._closing is not None and settings.closes:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}
             result = self._closing(result, share)
-        result = _rounded(result, self.tracked[rows])
-        controls = self.distances.measure(result)
-        # The last bits of a matrix product depend on the number of frames.
-        same = (result == self.tracked[rows]).all(axis=1)
-        controls[same] = self.controls[rows][same]
+        result = rounded(result, self.tracked[rows])
+        controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
         turned = self._fills.turned(task.edits, near)
         rotations = None if turned is None else turned[inner]
-        started = tracked[inner].astype(np.float32)
         return Patch(mine.curves.astype(np.float32), result, controls, rotations, started)
-
-    def _start(self, task: ChunkTask) -> tuple[Floats, Doubles]:
-        """What edits of a chunk start from: the take with fills and retimes, near it.
-
-        Returns:
-            Weights (N', 52), and curves (N', C) mm.
-        """
-        near = slice(*task.near)
-        if not any(edit.op in OF_THE_TAKE for edit in task.edits):
-            return self.tracked[near], self.controls[near].astype(np.float64)
-        weights = self._fills.applied(task.edits, near)
-        controls = self.distances.measure(weights)
-        same = (weights == self.tracked[near]).all(axis=1)
-        controls[same] = self.controls[near][same]
-        return weights, controls.astype(np.float64)
 
     def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
@@ -364,7 +362,7 @@ class Solver:
         change: Doubles = wanted - tracked
         for part in self._parts.values():
             own = part.own_columns
-            if len(own):
+            if len(own) and not (part.is_optional and not asked.hold[:, own].any()):
                 change[:, own] = part.expectation.fill(change[:, own], asked.hold[:, own] > 0)
         return change
 
@@ -372,36 +370,56 @@ class Solver:
         self,
         task: ChunkTask,
         regions: tuple[str, ...],
-        before: Doubles,
-        tracked: Doubles,
+        begin: Start,
         change: Doubles,
-    ) -> dict[str, Doubles]:
+    ) -> tuple[dict[str, Doubles], dict[str, Doubles]]:
         """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
 
         Args:
-            before: (N, 52) weights of the chunk, with fills and retimes.
-            tracked: (N', C) mm, the controls near the task, with fills and retimes.
-            change: (N', C) mm by which those that are asked for differ from them.
+            begin: what the edits start from, on the N' frames near the task.
+            change: (N', C) mm by which the controls that are asked for differ from it.
+
+        Returns:
+            The answers, and by how much the poses' residuals change, see `residual.py`.
         """
         rows, settings = self.chunks.slice(task.chunk), task.settings
         resynthesize = settings.mode is Mode.RESYNTHESIZE
+        first, last = task.near
+        before = begin.weights[rows.start - first : rows.stop - first].astype(np.float64)
         answers = {name: self._unanswered(name, before, resynthesize) for name in regions}
+        still = {n: np.zeros((len(answers[n]), len(self._parts[n].columns))) for n in regions}
+        regions = tuple(name for name in regions if not self._parts[name].is_optional)
         if self._answers is None or not regions:
-            return answers
+            return answers, still
         first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
         times = self.clip.times[slice(*task.near)]
-        fills = any(edit.op in OF_THE_TAKE for edit in task.edits)
-        start = to_grid(times, tracked, first, last) if fills else self.grid[first:last]
+        same = begin.as_tracked
+        start = self.grid[first:last] if same else to_grid(times, begin.curves, first, last)
         edited = start + to_grid(times, change, first, last)
         grid_range = first, last
         found = self._answers.to(regions, grid_range, edited, settings.naturalness)
+        exchanges: dict[str, Doubles] = {}
         if not resynthesize:
             unedited = (
-                self._answers.to(regions, grid_range, start, settings.naturalness)
-                if fills
-                else self._answers.to_tracked(regions, grid_range, settings.naturalness)
+                self._answers.to_tracked(regions, grid_range, settings.naturalness)
+                if same
+                else self._answers.to(regions, grid_range, start, settings.naturalness)
             )
             found = {name: answer - unedited[name] for name, answer in found.items()}
+            for name in regions:
+                part, layer = self._parts[name], self._last_layer(name, settings)
+                if layer is None or not len(part.own):
+                    continue
+                heard, key = part.layer_columns, (task.chunk, name, settings.naturalness)
+
+                def lacking(part: Part = part, answer: Doubles = unedited[name]) -> Doubles:
+                    weights = to_grid(times, begin.weights[:, part.columns], first, last)
+                    return weights - part.whole(answer)
+
+                now, change_by = start[:, heard], (edited - start)[:, heard]
+                exchanges[name] = self._residuals.exchange(
+                    key if same else None, layer, lacking, now, change_by
+                )
         stacked = np.concatenate([found[name] for name in regions], axis=1)
         ends = np.cumsum([found[name].shape[1] for name in regions])[:-1]
         parts = np.split(from_grid(stacked, first, self.clip.times[rows]), ends, axis=1)
@@ -410,12 +428,13 @@ class Solver:
                 answers[name][:, : answer.shape[1]] = answer
             else:
                 answers[name] = answer
-        return answers
+        still |= {name: from_grid(e, first, self.clip.times[rows]) for name, e in exchanges.items()}
+        return answers, still
 
     def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:
         """(N, K) what stands in for the networks' answer if there is none."""
         part = self._parts[name]
-        if resynthesize:
+        if resynthesize and not part.is_optional:
             return before[:, part.columns]
         return np.zeros((len(before), len(part.region.channels)))
 
@@ -433,14 +452,3 @@ class Solver:
         while len(self._solved) > REMEMBERED:
             del self._solved[next(iter(self._solved))]  # the least recently used
         weights[:, part.columns[part.have]] = known[2]
-
-
-def _rounded(weights: Floats, tracked: Floats) -> Floats:
-    """(N, 52) float32: changed weights rounded, the others with the bits of the take."""
-    rounded = np.round(weights.astype(np.float64), DECIMALS).astype(np.float32)
-    result: Floats = np.where(weights == tracked, tracked, rounded)
-    jaw, lips = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
-    # Lips that are no more closed than the jaw is open stay so.
-    over = (result[:, lips] > result[:, jaw]) & (weights[:, lips] <= weights[:, jaw])
-    result[over, lips] = result[over, jaw]
-    return result
