@@ -106,12 +106,17 @@ class LastLayer:
         answer: Doubles = _functions(within, self.poses) @ self.coefficients + self.constant
         return answer
 
-    def change(self, curves: Doubles, to: Doubles) -> Doubles:
-        """(N, K) how the correction changes from curves (N, C) to others."""
+    def change(self, curves: Doubles, to: Doubles, known: Doubles | None = None) -> Doubles:
+        """(N, K) how the correction changes from curves (N, C) to others.
+
+        Args:
+            known: (N, K) the correction for `curves`; None = not known yet.
+        """
         change = np.zeros((len(curves), len(self.constant)))
         moved = np.flatnonzero((curves != to).any(axis=1))
         if len(moved):
-            change[moved] = self(to[moved]) - self(curves[moved])
+            known = self(curves) if known is None else known
+            change[moved] = self(to[moved]) - known[moved]
         return change
 
     def distance(self, change: Doubles) -> Doubles:
