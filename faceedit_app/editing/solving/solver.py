@@ -288,7 +288,7 @@ class Solver:
             slow = smoothed(change, QUICK * rate)
             answers, exchanges = self._networks.answer(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
-            self._sideways.move(weights, change)
+            self._sideways.move(weights, change, mine.hold)
             for name, influence in influences.items():
                 part = self._parts[name]
                 heard, own = part.layer_columns, part.own_columns
