@@ -21,13 +21,13 @@ import numpy as np
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.core.arrays import Floats, Times
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing import exporting, filming
-from faceedit_app.editing.edits.channels import CHANNEL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.help.by_name import check_inside, control_by_name, edit_by_name
 from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Alone, find_preset
@@ -35,7 +35,6 @@ from faceedit_app.editing.help.problems import Kind, Problem, find_problems
 from faceedit_app.editing.help.retime import by_pins
 from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.solving.channel_edits import missing_channels
 from faceedit_app.networks.engine import Engine
 
 FIXES = {"lips": Kind.LIPS, "blinks": Kind.BLINK, "shaking": Kind.JITTER, "gaps": Kind.DROPPED}
@@ -125,7 +124,7 @@ class Take:
         """
         self.session.live.work()
         values = self.session.tracked if tracked else self.session.achieved
-        return np.array(values[:, CONTROL_INDEX[_control(name)]], np.float32)
+        return np.array(values[:, CONTROL_INDEX[control_by_name(name)]], np.float32)
 
     def problems(self) -> list[Problem]:
         """The places that are probably wrong, in order of time."""
@@ -180,31 +179,8 @@ class Take:
             FaceEditError: a name or a number is wrong, or the times are outside the take.
         """
         ways = {Op.OFFSET: by, Op.SET: to, Op.SCALE: times, Op.SMOOTH: smooth}
-        given = [(op, value) for op, value in ways.items() if value is not None]
-        if len(given) != 1:
-            raise FaceEditError("An edit needs exactly one of by, to, times and smooth")
-        [(op, value)] = given
-        names = (curves,) if isinstance(curves, str) else tuple(curves)
-        channels = names if all(name in CHANNEL_INDEX for name in names) else ()
-        controls = () if channels else tuple(map(_control, names))
-        last = float(self.times[-1]) if end is None else end
-        try:
-            edit = Edit(
-                controls,
-                op,
-                start,
-                last,
-                falloff,
-                value,
-                strength=strength,
-                channels=channels,
-            )
-        except ValueError as error:
-            raise FaceEditError(f"The edit cannot be made: {error}") from error
-        if missing := missing_channels([edit], self.session.take.clip):
-            raise FaceEditError(f"The edit cannot be made: {missing}")
-        self._check_inside(start, last)
-        self.session.add(edit)
+        clip, span = self.session.take.clip, (start, end)
+        self.session.add(edit_by_name(clip, curves, ways, span, falloff, strength))
         return self
 
     def retime(
@@ -290,7 +266,7 @@ class Take:
         if start is not None or end is not None:
             last = float(self.times[-1])
             span = (start if start is not None else 0.0, end if end is not None else last)
-            self._check_inside(*span)
+            check_inside(self.session.take.clip, *span)
         elif preset.alone is not Alone.TAKE:
             raise FaceEditError(
                 f"{preset.name} acts at a place; give start and end, or fix what is wrong instead"
@@ -394,14 +370,6 @@ class Take:
         assert filmed is not None  # nothing stops it
         return filmed
 
-    def _check_inside(self, start: float, end: float) -> None:
-        """Refuse what acts nowhere, such as frame numbers given as seconds."""
-        first, last = float(self.times[0]), float(self.times[-1])
-        if start > last or end < first:
-            raise FaceEditError(
-                f"{start:g} to {end:g} s is outside the take: it lasts from {first:g} to {last:g} s"
-            )
-
     def save_edits(self, path: Path | str) -> None:
         """Save the edits, for another take.
 
@@ -409,13 +377,6 @@ class Take:
             FaceEditError: the file cannot be written.
         """
         self.session.save_edits(path)
-
-
-def _control(name: str) -> str:
-    for control in CONTROLS:
-        if name in (control.id, control.label):
-            return control.id
-    raise FaceEditError(f"{name}: there is no such curve; use one of {', '.join(CONTROL_IDS)}")
 
 
 def _with_strength(edit: Edit, strength: float) -> Edit:

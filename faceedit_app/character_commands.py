@@ -147,6 +147,8 @@ def make(
     middle, most = made.distance_to(head)
     for sentence in head.remarks:
         say(f"{scan}: {sentence}", to=sys.stderr)
+    if made.parted:
+        say(f"{scan}: its lips are {made.parted:.1f} mm apart; they were closed", to=sys.stderr)
     say(
         f"{output}: {len(landmarks.positions)} landmarks; the skin of the face is {middle:.2f} mm "
         f"from the scan (95 % within {most:.2f} mm)"

@@ -61,6 +61,7 @@ app.command()(export_commands.batch)
 app.command()(export_commands.live)
 app.command()(export_commands.record)
 app.command("track")(tracking_commands.track)
+app.command("webcam")(tracking_commands.webcam)
 
 
 def run_command(given: list[str]) -> int:

@@ -1,15 +1,16 @@
-"""`faceedit track`: from films to takes."""
+"""`faceedit track` and `faceedit webcam`: from a performance to a take."""
 
 from __future__ import annotations
 
 import json
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
-from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 from faceedit_app.options import JsonOption
 
 if TYPE_CHECKING:
@@ -75,6 +76,58 @@ def track(
     if as_json:
         print(json.dumps(facts if film.is_dir() else facts[0], indent=2))
     return code
+
+
+def webcam(
+    output: Annotated[Path, typer.Argument(help="The new film: an MP4.")],
+    name: Annotated[
+        str, typer.Option("--webcam", help="A part of its name; default: the system's choice.")
+    ] = "",
+    seconds: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(min=0.1, help="Stop after so many seconds; default: at Ctrl+C."),
+    ] = None,
+    sound: Annotated[bool, typer.Option(help="Record the microphone.")] = True,
+) -> None:
+    """Record a film from a webcam, to be tracked."""
+    import threading
+
+    from faceedit_app.media.microphone import Microphone
+    from faceedit_app.media.webcam import WebcamRecorder, find_webcam
+
+    if output.suffix.lower() != ".mp4":
+        raise FileError(output, "is no name for an MP4", "let it end in .mp4")
+    chosen = find_webcam(name)
+    started, ended, errors = threading.Event(), threading.Event(), list[FaceEditError]()
+
+    def failed(error: FaceEditError) -> None:
+        errors.append(error)
+        ended.set()
+        started.set()
+
+    microphone = None
+    if sound:
+        try:
+            microphone = Microphone()
+        except Unavailable as error:
+            print(f"{error}: the film has no sound", file=sys.stderr)
+    recorder = WebcamRecorder(chosen, lambda picture: started.set(), failed)
+    has_film = False
+    try:
+        recorder.begin(output, microphone)
+        print(f"Recording {chosen.name}; Ctrl+C stops")
+        with suppress(KeyboardInterrupt):
+            started.wait()  # it may take a second or two
+            ended.wait(seconds)
+        has_film = recorder.end()
+    finally:
+        recorder.close()
+    if has_film:
+        print(f"{output}: {recorder.seconds:.1f} s; faceedit track {output} makes a take of it")
+    if errors:
+        raise errors[0]
+    if not has_film:
+        raise FaceEditError(f"{chosen.name} sent no picture")
 
 
 def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:

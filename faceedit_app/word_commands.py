@@ -110,8 +110,7 @@ def words(
         if character is not None:
             session.use_character(character_commands.rig_of(character))
         if retime_to is not None:
-            their = said.lines[0].text if their_text is None and text is not None else their_text
-            found = _match(session, transcript, retime_to, their, spellings, their_start)
+            found = _match(session, transcript, retime_to, their_text, spellings, their_start)
             report = {"retime": _matched(found)}
             transcript = found.words
         closures = _closures(session, fix, output, models, overwrite)
@@ -198,9 +197,8 @@ def _match(
     from faceedit_app.words.files import Imported, read_words, spread
 
     if is_media(path):
-        if text is None:
-            raise FaceEditError("--retime-to SOUND needs what it says: --their-text TEXT")
-        theirs, _ = _words_of_sound(path, Imported((Line(text),)), spellings)
+        said = Imported((Line(ours.text if text is None else text),))
+        theirs, _ = _words_of_sound(path, said, spellings)
     else:
         said = read_words(path)
         if said.transcript is None and any(line.end is None for line in said.lines):

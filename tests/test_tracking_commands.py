@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import json
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+import av
 import pytest
 from support.face_films import face_pictures, make_face_film, speaking
 from support.films import make_film
@@ -14,6 +19,9 @@ from faceedit_app.cli import main
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.opening import open_session
 from faceedit_app.formats.opening import open_take
+from faceedit_app.media import webcam
+from faceedit_app.media.film import Film
+from faceedit_app.media.webcam import WebcamRecorder
 
 pytestmark = needs_tracker
 FRAMES = 12
@@ -84,6 +92,42 @@ def test_a_report_shows_edits(
         "side_by_side.mp4",
         "side_by_side.png",
     ]
+
+
+def test_a_webcam_is_recorded_until_it_ends(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A film stands in for the webcam; it is unplugged when the film is over."""
+    source, film = make_film(tmp_path / "source.mp4", frames=20), tmp_path / "me.mp4"
+    found = [webcam.Webcam("Desk", str(source)), webcam.Webcam("Other", "none")]
+    monkeypatch.setattr(webcam, "webcams", lambda: found)
+    begun, begin, pictures_of = threading.Event(), WebcamRecorder.begin, webcam.pictures_of
+
+    @contextmanager
+    def waiting(chosen: webcam.Webcam) -> Iterator[Iterator[av.VideoFrame]]:
+        with pictures_of(chosen) as frames:
+            assert begun.wait(20)
+            yield frames
+
+    def noted(recorder: WebcamRecorder, *given: Any) -> None:
+        begin(recorder, *given)
+        begun.set()
+
+    monkeypatch.setattr(webcam, "pictures_of", waiting)
+    monkeypatch.setattr(WebcamRecorder, "begin", noted)
+    assert main(["webcam", str(film), "--webcam", "desk", "--no-sound"]) == 2
+    said = capsys.readouterr()
+    assert "Desk was disconnected" in said.err
+    assert str(film) in said.out
+    assert len(Film(film)) == 20
+    assert main(["webcam", str(tmp_path / "b.mp4"), "--webcam", "roof"]) == 2
+    assert "There is no webcam roof; there are Desk, Other" in capsys.readouterr().err
+    assert main(["webcam", str(film), "--webcam", "desk", "--no-sound"]) == 2
+    assert "exists; choose a new name" in capsys.readouterr().err
+    found.clear()
+    assert main(["webcam", str(tmp_path / "b.mp4")]) == 2
+    assert "No webcam was found" in capsys.readouterr().err
+    assert not (tmp_path / "b.mp4").exists()
 
 
 def test_a_film_that_does_not_exist_says_what_to_check(

@@ -18,11 +18,11 @@ from support.places import ROOT
 
 NEEDED = ("faceedit_app", "assets", "models", "tests", "docs")
 
-LEFT_BROW = """
+OUTER_BROW = """
     Control(
-        "left_brow",
-        "Left brow height",
-        "Distance from the character's left eye to the brow. Up raises the brow.",
+        "outer_brow",
+        "Outer brow height",
+        "Distance from the character's left eye to the end of the brow. Up raises it.",
         region="upper",
         key="",
         color="#009e73",
@@ -75,7 +75,7 @@ def run_tests(project: Path, *tests: str) -> None:
 def test_a_ninth_control_takes_a_row_of_the_table_a_character_and_a_model(project: Path) -> None:
     table = project / "faceedit_app" / "core" / "controls.py"
     rows, end = table.read_text(encoding="utf-8").split("\n)\n\nCONTROL_IDS")
-    table.write_text(f"{rows}{LEFT_BROW.rstrip()}\n)\n\nCONTROL_IDS{end}", encoding="utf-8")
+    table.write_text(f"{rows}{OUTER_BROW.rstrip()}\n)\n\nCONTROL_IDS{end}", encoding="utf-8")
     run_tests(project, "tests/additions/ninth_control.py", "tests/core/test_controls.py")
 
 

@@ -184,7 +184,7 @@ def test_what_cannot_be_retimed_is_one_line(tmp_path: Path, complaint: Callable[
     assert f"{other}: Only" in complaint(*mine, "--retime-to", other, "-o", out)
     assert f"{lines}: does not say when" in complaint(*mine, "--retime-to", lines, "-o", out)
     sound = make_wav(tmp_path / "beep.wav")
-    assert "--their-text" in complaint(*mine, "--retime-to", sound, "-o", out)
+    assert f"{sound}: The words do not fit" in complaint(*mine, "--retime-to", sound, "-o", out)
     assert "need a take" in complaint(sound, "--text", "a", "--retime-to", grid, "-o", out)
     assert "none.wav" in complaint(
         *mine, "--retime-to", tmp_path / "none.wav", "--their-text", "a", "-o", out

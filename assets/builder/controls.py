@@ -13,6 +13,7 @@ from faceedit_app.core.rig import Rig
 
 LEFT_CORNER, RIGHT_CORNER = 7185, 425
 _UPPER_LIP, _LOWER_LIP = 466, 496
+_BRIDGE, _CHIN = 134, 5162
 
 # Vertices of the "hm08" base mesh, by `Control.id`.
 PAIRS: dict[str, tuple[int, int]] = {
@@ -20,10 +21,14 @@ PAIRS: dict[str, tuple[int, int]] = {
     "mouth_width": (LEFT_CORNER, RIGHT_CORNER),
     "left_corner": (_UPPER_LIP, LEFT_CORNER),
     "right_corner": (_UPPER_LIP, RIGHT_CORNER),
-    "upper_lip": (134, _UPPER_LIP),
-    "lower_lip": (5162, _LOWER_LIP),
+    "upper_lip": (_BRIDGE, _UPPER_LIP),
+    "lower_lip": (_CHIN, _LOWER_LIP),
     "left_eyelid": (6785, 6828),
     "right_eyelid": (1, 44),
+    # From the inner corner of the eye, which neither a blink nor a squint moves.
+    "left_brow": (6851, 6979),
+    "right_brow": (67, 204),
+    "jaw_side": (_BRIDGE, _CHIN),
 }
 
 

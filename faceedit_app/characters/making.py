@@ -32,6 +32,8 @@ _ANCHORS = 1200
 _COLOR_FROM = 6.0  # mm; skin nearer than this takes the scan's colours
 _FRONT, _UNDER_CHIN = -20.0, 15.0  # mm; anything farther back or lower is not the face
 _SHUT = 0.5  # share of what the template's own blink leaves open
+_PARTED = 1.0  # mm; lips that rest farther apart than the template's are open
+_MOST_RAISED = 0.6  # of jawOpen
 _MOST_TRIM = 6.0  # mm; the largest trim
 
 
@@ -98,6 +100,7 @@ class Made:
         moves: (K, W, 3) mm, the displacements of each channel.
         to_scan: (4, 4) from the rig's millimetres to the scan's coordinates.
         face: (W,) which skin vertices are the face, without neck, ears and the back of the head.
+        parted: mm by which the lips of the scan were parted; those of the rig are closed.
     """
 
     rig: Rig
@@ -105,6 +108,7 @@ class Made:
     moves: Doubles
     to_scan: Doubles
     face: Bools
+    parted: float = 0.0
 
     def distance_to(self, scan: Scan) -> tuple[float, float]:
         """Median and 95th percentile of the distance from the face's skin to the scan, mm."""
@@ -129,15 +133,38 @@ def make(template: Template, scan: Scan, landmarks: Landmarks, name: str) -> Mad
     fitted = register(template.vertices, template.faces, landmarks, surface)
     back = np.linalg.inv(fitted.similarity)
     skin = trimesh.transform_points(fitted.vertices, back)
-    here = Fitted(skin, np.eye(4))  # the fit, in the template's coordinates
     still = np.abs(template.moves).max(axis=(0, 2)) < _STILL
     transfer = Transfer(template.vertices, skin, template.faces, still)
     moves = np.stack([transfer(one) for one in template.moves])
-    trim(moves, skin, template)
+    closed, parted = _with_closed_lips(skin, moves, template)
+    here = Fitted(closed, np.eye(4))  # the fit, in the template's coordinates
+    trim(moves, closed, template)
     rig = _rig(template, here, moves, scan, fitted, name)
     chin = template.vertices[template.points["chin"], 1]
     face = (template.vertices[:, 2] > _FRONT) & (template.vertices[:, 1] > chin - _UNDER_CHIN)
-    return Made(rig, skin, moves, fitted.similarity, face)
+    return Made(rig, skin, moves, fitted.similarity, face, parted)
+
+
+def _with_closed_lips(skin: Doubles, moves: Doubles, template: Template) -> tuple[Doubles, float]:
+    """The skin (W, 3) with its jaw raised until the lips rest as the template's do.
+
+    Weights are measured from a closed mouth: a rest with open lips could never close them.
+
+    Returns:
+        The skin, and by how many mm the lips were parted; 0 if they were closed.
+    """
+    index = template.rig.channel_index
+    if "jawOpen" not in index:
+        return skin, 0.0
+    jaw = moves[index["jawOpen"]]
+    upper, lower = template.points["inner_upper_lip"], template.points["inner_lower_lip"]
+    rest = float(np.linalg.norm(template.vertices[lower] - template.vertices[upper]))
+    gap, drop = skin[lower] - skin[upper], jaw[lower] - jaw[upper]
+    parted, length = float(np.linalg.norm(gap)) - rest, float(np.linalg.norm(drop))
+    if parted < _PARTED or length < _STILL:
+        return skin, 0.0
+    raised = float(np.clip((gap @ drop / length - rest) / length, 0.0, _MOST_RAISED))
+    return skin - raised * jaw, parted
 
 
 def trim(moves: Doubles, skin: Doubles, template: Template) -> None:

@@ -4,6 +4,9 @@
 the code asks the rows which controls are mouth corners, eyelids or lip openings. To add a control,
 add a row here, its control points to a character (`Rig.control_pairs`), and a model trained with
 it. Characters and models without it keep working, without its curve.
+
+Optional controls are for what few takes need, such as a raised brow. Their curves are folded away,
+no network listens to them, and what is edited without naming them leaves them alone.
 """
 
 from __future__ import annotations
@@ -23,6 +26,9 @@ class Closes(StrEnum):
 class Control:
     """A distance between two vertices of a rig, in millimetres.
 
+    One that is `sideways` is the part of it across the face: 0 in the middle, above 0 towards the
+    character's left, and below 0 towards the right.
+
     Attributes:
         id: the name in files and on the command line; it never changes.
         label: the name in the window; a higher value means more of it.
@@ -41,6 +47,8 @@ class Control:
             not say where they are (`characters/points.py`); None = only its own file can say.
         handle: which of the two, 0 or 1, is dragged on the face; None if it would lie on that of
             another control.
+        optional: whether it belongs to the group of curves that is folded away.
+        sideways: whether only the part across the face counts, with its sign.
     """
 
     id: str
@@ -58,10 +66,12 @@ class Control:
     shuts: bool = False
     between: tuple[str, str] | None = None
     handle: int | None = None
+    optional: bool = False
+    sideways: bool = False
 
 
 # Okabe and Ito's colours: distinguishable with any kind of colour blindness.
-_SKY, _ORANGE = "#56b4e9", "#e69f00"
+_SKY, _ORANGE, _PURPLE = "#56b4e9", "#e69f00", "#cc79a7"
 _CORNERS, _WIDTH = ("left_corner", "right_corner"), "mouth_width"
 
 CONTROLS: tuple[Control, ...] = (
@@ -166,14 +176,53 @@ CONTROLS: tuple[Control, ...] = (
         closes=Closes.EYES,
         shuts=True,
     ),
+    Control(
+        "left_brow",
+        "Left brow height",
+        "Inner corner of the character's left eye to the brow. Up raises the brow, down frowns.",
+        handle=1,
+        region="brow_region",
+        key="",
+        color=_PURPLE,
+        mirror="right_brow",
+        together="Brow height",
+        optional=True,
+    ),
+    Control(
+        "right_brow",
+        "Right brow height",
+        "Inner corner of the character's right eye to the brow. Up raises the brow, down frowns.",
+        handle=1,
+        region="brow_region",
+        key="",
+        color=_PURPLE,
+        mirror="left_brow",
+        together="Brow height",
+        optional=True,
+    ),
+    Control(
+        "jaw_side",
+        "Jaw to the side",
+        "How far the chin is from the middle. Up moves the jaw to the character's left, down to "
+        "the right.",
+        handle=1,
+        region="jaw_region",
+        key="",
+        color=_PURPLE,
+        optional=True,
+        sideways=True,
+    ),
 )
 
 CONTROL_IDS: tuple[str, ...] = tuple(control.id for control in CONTROLS)
+MAIN_CONTROLS: tuple[str, ...] = tuple(c.id for c in CONTROLS if not c.optional)
+OPTIONAL_CONTROLS: tuple[str, ...] = tuple(c.id for c in CONTROLS if c.optional)
 CONTROL_INDEX: dict[str, int] = {name: i for i, name in enumerate(CONTROL_IDS)}
 MIRRORED_CONTROL: dict[str, str] = {
     control.id: control.mirror or control.id for control in CONTROLS
 }
-SIDED_CONTROLS: tuple[str, ...] = tuple(c.id for c in CONTROLS if c.mirror)
+SIDED_CONTROLS: tuple[str, ...] = tuple(c.id for c in CONTROLS if c.mirror or c.sideways)
+SIGNED_CONTROLS: tuple[str, ...] = tuple(c.id for c in CONTROLS if c.sideways)
 
 
 def control_named(name: str) -> Control:

@@ -1,4 +1,8 @@
-"""The three face regions: each has one pair of networks, from controls to channels."""
+"""The three face regions: each has one pair of networks, from controls to channels.
+
+Optional controls have regions too, which no network answers; their channels are moved by reach
+alone.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ from faceedit_app.core.controls import CONTROLS
 
 @dataclass(frozen=True)
 class Region:
-    """A part of the face with one pair of networks: controls in, channel weights out.
+    """A part of the face with one pair of networks, if any: controls in, channel weights out.
 
     Attributes:
         id: the name in files and on the command line.
@@ -37,7 +41,7 @@ class Region:
 def _region(
     name: str, label: str, together: str, *channels: str, accompanying: tuple[str, ...] = ()
 ) -> Region:
-    heard = tuple(c.id for c in CONTROLS if name in (c.region, *c.heard_by))
+    heard = tuple(c.id for c in CONTROLS if name in (c.region, *c.heard_by) and not c.optional)
     return Region(name, label, together, channels, heard, accompanying)
 
 
@@ -80,6 +84,10 @@ EYELIDS = _region(
     *_both("eyeBlink", "eyeSquint", "eyeWide"),
 )
 
+BROWS = _region("brow_region", "Brows", "Brow height", *UPPER.channels)
+JAW = _region("jaw_region", "Jaw", "Jaw", *_both("jaw", "mouth"))
+
 REGIONS: tuple[Region, ...] = (LOWER, UPPER, EYELIDS)
+OPTIONAL_REGIONS: tuple[Region, ...] = (BROWS, JAW)
 MODELLED_CHANNELS: tuple[str, ...] = tuple(c for region in REGIONS for c in region.channels)
 ACCOMPANYING_CHANNELS: tuple[str, ...] = tuple(c for r in REGIONS for c in r.accompanying)

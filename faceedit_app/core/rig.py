@@ -133,6 +133,8 @@ class Rig:
             offsets=MILLIMETRES * (self.neutral[b] - self.neutral[a]),
             gradients=MILLIMETRES * (self.deltas[:, b] - self.deltas[:, a]),
             shuts=np.array([control.shuts for control in CONTROLS]),
+            sideways=np.array([control.sideways for control in CONTROLS]),
+            apart=np.array([control.optional for control in CONTROLS]),
         )
 
     @cached_property
@@ -173,22 +175,33 @@ class Distances:
     """Distances between vertex pairs that move linearly with the weights.
 
     The two lids of an eye pass each other if a tracker closes them farther than they are apart.
-    Such a distance counts as 0, although the length of the vector grows again.
+    Such a distance counts as 0, although the length of the vector grows again. Of a pair that is
+    measured sideways only the part along X counts, with its sign.
 
     Attributes:
         offsets: (C, 3) float32, mm: the vector from the first to the second vertex, neutral.
         gradients: (K, C, 3) float32, mm: how each weight changes that vector.
         shuts: (C,) bool: pairs that can pass each other, so that the lower vertex is above.
+        sideways: (C,) bool: pairs that are measured along X; None = none of them.
+        apart: (C,) bool: pairs that are measured in a matrix product of their own, whose size
+            would change the last bits of the others; None = none of them.
     """
 
     offsets: Floats
     gradients: Floats
     shuts: Bools
+    sideways: Bools | None = None
+    apart: Bools | None = None
 
     def select(self, controls: Sequence[int] | Indices) -> Distances:
         """Some of the distances."""
         rows = np.asarray(controls, np.intp)
-        return Distances(self.offsets[rows], self.gradients[:, rows], self.shuts[rows])
+        sideways, apart = (
+            None if flags is None else flags[rows] for flags in (self.sideways, self.apart)
+        )
+        return Distances(
+            self.offsets[rows], self.gradients[:, rows], self.shuts[rows], sideways, apart
+        )
 
     @cached_property
     def farthest(self) -> Floats:
@@ -200,17 +213,45 @@ class Distances:
     def vectors(self, weights: NDArray[Any]) -> NDArray[Any]:
         """Weights (T, K) -> vectors (T, C, 3), mm, in the precision of the weights."""
         k, c, _ = self.gradients.shape
-        moved: NDArray[Any] = weights @ self.gradients.reshape(k, c * 3)
-        vectors: NDArray[Any] = self.offsets + moved.reshape(len(weights), c, 3)
-        return vectors
+        if self._groups is None:
+            moved: NDArray[Any] = weights @ self.gradients.reshape(k, c * 3)
+            vectors: NDArray[Any] = self.offsets + moved.reshape(len(weights), c, 3)
+            return vectors
+        apart = np.empty((len(weights), c, 3), np.result_type(weights, self.gradients))
+        for rows, gradients in self._groups:
+            apart[:, rows] = (weights @ gradients).reshape(len(weights), -1, 3)
+        apart += self.offsets
+        return apart
+
+    @cached_property
+    def _groups(self) -> list[tuple[slice | Indices, Floats]] | None:
+        """Of either group the pairs and the gradients (K, 3 C'); None if there is one group."""
+        if self.apart is None or self.apart.all() or not self.apart.any():
+            return None
+        groups: list[tuple[slice | Indices, Floats]] = []
+        for rows in (np.flatnonzero(~self.apart), np.flatnonzero(self.apart)):
+            gradients = np.ascontiguousarray(self.gradients[:, rows]).reshape(
+                len(self.gradients), -1
+            )
+            first, stop = int(rows[0]), int(rows[-1]) + 1
+            groups.append((slice(first, stop) if stop - first == len(rows) else rows, gradients))
+        return groups
 
     def signed(self, weights: Floats) -> Floats:
         """Weights (T, K) -> lengths (T, C) float32, mm; negative once a pair has passed."""
         return self.lengths(self.vectors(weights))
 
     def measure(self, weights: Floats) -> Floats:
-        """Weights (T, K) -> distances (T, C) float32, mm, 0 or more."""
-        return np.maximum(self.signed(weights), 0.0)
+        """Weights (T, K) -> distances (T, C) float32, mm, 0 or more unless sideways."""
+        return np.maximum(self.signed(weights), self.least)
+
+    @cached_property
+    def least(self) -> Floats:
+        """(C,) mm: 0, or minus infinity for pairs that are measured sideways."""
+        least = np.zeros(len(self.offsets), np.float32)
+        if self.measures_sideways:
+            least[self.sideways] = -np.inf
+        return least
 
     def jacobian(self, weights: Floats, passed: bool = False) -> tuple[Floats, Floats]:
         """`signed` (T, C), mm, and its derivative by each weight (T, C, K), mm per unit of weight.
@@ -234,12 +275,16 @@ class Distances:
         if passed:
             vectors = vectors * np.array([1, -1, 1], vectors.dtype)
         directions: NDArray[Any] = vectors / _apart_from_zero(lengths)[..., None]
+        if self.measures_sideways:
+            directions[..., self.sideways, :] = (1, 0, 0)
         return directions
 
     def lengths(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Lengths (..., C), mm, of `vectors` (..., C, 3); negative once a pair has passed."""
         x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
         plain: NDArray[Any] = np.sqrt(x * x + y * y + z * z)
+        if self.measures_sideways:
+            plain[..., self.sideways] = x[..., self.sideways]
         if not self._may_pass:
             return plain
         lengths: NDArray[Any] = np.where(self.shuts & (y * self.offsets[:, 1] < 0), -plain, plain)
@@ -248,6 +293,11 @@ class Distances:
     @cached_property
     def _may_pass(self) -> bool:
         return bool(self.shuts.any())
+
+    @cached_property
+    def measures_sideways(self) -> bool:
+        """Whether any of the pairs is measured along X."""
+        return self.sideways is not None and bool(self.sideways.any())
 
 
 def _apart_from_zero(lengths: NDArray[Any]) -> NDArray[Any]:

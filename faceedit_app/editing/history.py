@@ -66,8 +66,14 @@ class EditHistory(ABC):
 
     @property
     def is_saved(self) -> bool:
-        """Whether a project holds the edits, sound and film; an export does not."""
-        return self.state == self._saved
+        """Whether a project holds the edits, sound and film; an export does not.
+
+        Without edits there is nothing that the settings could answer, so they can wait.
+        """
+        state, saved = self.state, self._saved
+        if not state.edits and not saved.edits:
+            saved = replace(saved, settings=state.settings)
+        return state == saved
 
     def mark_saved(self) -> None:
         """Note that the present state is saved."""

@@ -69,6 +69,7 @@ def train(
     Ctrl+C keeps the best so far; the same command resumes.
     """
     require("torch", extra="training")
+    from faceedit_app.lab.training.processes import processes
     from faceedit_app.lab.training.run import TrainingPlan, train_models
 
     folders = [*(data or []), *(more or [])]
@@ -87,9 +88,13 @@ def train(
         baseline,
         fresh,
     )
-    with Progress(console=Console(stderr=True)) as progress:
+    with (
+        processes() as shared,
+        # One bar for all: two that draw in the same terminal draw over each other.
+        Progress(console=Console(stderr=True), disable=shared.number > 0) as progress,
+    ):
         try:
-            for path in train_models(plan, progress):
+            for path in train_models(plan, progress, shared):
                 print(path)
         except KeyboardInterrupt:
             progress.stop()

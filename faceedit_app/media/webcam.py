@@ -27,6 +27,9 @@ _PREVIEW = 640  # pixels of the longest side of what is shown
 _POLL = 0.004  # seconds; AVFoundation does not wait for a picture
 _BROKEN = 50  # pictures in a row that cannot be decoded; the first few often cannot
 _PATIENCE = 3.0  # seconds in which a webcam should let go
+NO_WEBCAM = (
+    "No webcam was found: connect one, or film yourself with a phone and choose File > Track a film"
+)
 _REMEDY = "close other programs that use it, or choose another one"
 # What is asked of a webcam, the best first; one without these sizes refuses all but the last.
 _WISHES: tuple[dict[str, str], ...] = (
@@ -69,6 +72,23 @@ def webcams() -> list[Webcam]:
     found = [one for one in devices if not one.media_types or "video" in one.media_types]
     found.sort(key=lambda one: not one.is_default)
     return [Webcam(one.description or one.name, _address(kind, one.name), kind) for one in found]
+
+
+def find_webcam(name: str = "") -> Webcam:
+    """The webcam with a part of this name; the system's own choice if it is empty.
+
+    Raises:
+        FaceEditError: there is none.
+        Unavailable: as `webcams`.
+    """
+    found = webcams()
+    if not found:
+        raise FaceEditError(NO_WEBCAM)
+    chosen = next((one for one in found if name.casefold() in one.name.casefold()), None)
+    if chosen is None:
+        names = ", ".join(one.name for one in found)
+        raise FaceEditError(f"There is no webcam {name}; there are {names}")
+    return chosen
 
 
 def _address(kind: str, name: str) -> str:
@@ -179,7 +199,12 @@ class WebcamRecorder:
         Raises:
             FileError: it cannot be written.
         """
-        film = GrowingFilm(path, microphone)
+        try:
+            film = GrowingFilm(path, microphone)
+        except FaceEditError:
+            if microphone is not None:
+                microphone.close()
+            raise
         with self._lock:
             self._film, self.seconds = film, 0.0
 

@@ -12,6 +12,7 @@ import numpy as np
 import trimesh
 
 from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.sparse import csr_matrix, diags_array, identity
 
@@ -90,8 +91,9 @@ def _arrived(rig: Rig, vertices: Floats, normals: Floats, depths_of: DepthsOf) -
 
 
 def _face_centre(rig: Rig) -> Doubles:
-    """The centre of the control points, (3,) metres."""
-    vertices = rig.control_pairs[rig.has_control].ravel()
+    """The centre of the control points of lips and lids, (3,) metres."""
+    main = np.array([not control.optional for control in CONTROLS])
+    vertices = rig.control_pairs[rig.has_control & main].ravel()
     if not len(vertices):
         vertices = np.arange(len(rig.neutral), dtype=np.int32)
     centre: Doubles = rig.neutral[vertices].mean(axis=0, dtype=np.float64)

@@ -1,6 +1,6 @@
 """What a further control does (run by tests/test_where_to_add.py).
 
-The table has a row more: `left_brow`, in the upper face. The character and the models that ship
+The table has a row more: `outer_brow`, in the upper face. The character and the models that ship
 know nothing of it.
 """
 
@@ -19,7 +19,13 @@ from support.windows import Bench, bench, drag_curve
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, MIRRORED_CONTROL
+from faceedit_app.core.controls import (
+    CONTROL_IDS,
+    CONTROL_INDEX,
+    LIDS,
+    MAIN_CONTROLS,
+    MIRRORED_CONTROL,
+)
 from faceedit_app.core.regions import EYELIDS, LOWER, UPPER
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
@@ -32,9 +38,9 @@ from faceedit_app.ui.state import loading
 
 __all__ = ["bench"]
 
-BROW = CONTROL_INDEX["left_brow"]
+BROW = CONTROL_INDEX["outer_brow"]
 UPPER_CHANNELS = [ARKIT_INDEX[channel] for channel in UPPER.channels]
-RAISED = Edit(("left_brow",), Op.OFFSET, 2.0, 3.0, 0.2, 3.0)
+RAISED = Edit(("outer_brow",), Op.OFFSET, 2.0, 3.0, 0.2, 3.0)
 
 
 @lru_cache(maxsize=1)
@@ -58,24 +64,24 @@ def changed_columns(session: EditSession) -> set[int]:
 
 
 def test_it_is_the_ninth_and_no_eyelid() -> None:
-    assert CONTROL_IDS[8:] == ("left_brow",)
-    assert UPPER.own == ("left_brow",)
-    assert UPPER.controls == (*LIDS, "left_brow")
+    assert CONTROL_IDS[-1:] == ("outer_brow",) == MAIN_CONTROLS[8:]
+    assert UPPER.own == ("outer_brow",)
+    assert UPPER.controls == (*LIDS, "outer_brow")
     assert EYELIDS.controls == LIDS == ("left_eyelid", "right_eyelid")
-    assert "left_brow" not in LOWER.controls
-    assert MIRRORED_CONTROL["left_brow"] == "left_brow", "there is no right one"
-    assert describe(RAISED) == "Left brow height +3.0 mm"
-    assert describe(replace(RAISED, op=Op.SET, value=0.0)) == "Left brow height to 0.0 mm"
+    assert "outer_brow" not in LOWER.controls
+    assert MIRRORED_CONTROL["outer_brow"] == "outer_brow", "there is no right one"
+    assert describe(RAISED) == "Outer brow height +3.0 mm"
+    assert describe(replace(RAISED, op=Op.SET, value=0.0)) == "Outer brow height to 0.0 mm"
 
 
 def test_the_character_that_ships_opens_without_it() -> None:
     rig = shipped_rig()
-    assert rig.missing_controls == ("left_brow",)
-    assert "“Left brow height”" in rig.missing_note
+    assert rig.missing_controls == ("outer_brow",)
+    assert "“Outer brow height”" in rig.missing_note
     session = session_on(rig, Engine.load(shipped("models"), rig))
     session.add(RAISED)
     assert session.changed_frames() == 0
-    both = replace(RAISED, controls=("left_brow", "mouth_opening"))
+    both = replace(RAISED, controls=("outer_brow", "mouth_opening"))
     session.add(both)
     assert session.changed_frames() > 0
     assert not {*UPPER_CHANNELS} & changed_columns(session)
@@ -137,7 +143,7 @@ def test_it_is_the_ninth_curve_and_says_why_it_cannot_be_edited(bench: Bench) ->
     session = window.document.session
     assert session is not None
     assert [plot.control.id for plot in window.editor.curves.plots] == list(CONTROL_IDS)
-    assert "“Left brow height”" in window.banner.text.text()
+    assert "“Outer brow height”" in window.banner.text.text()
     drag_curve(window, BROW, 1.0, 40)
     assert session.changed_frames() == 0
 
@@ -149,8 +155,8 @@ def test_dragging_the_ninth_curve_moves_the_face(
     window = bench.editing()
     session = window.document.session
     assert session is not None
-    assert window.banner.text.text().count("Left brow") == 0
+    assert window.banner.text.text().count("Outer brow") == 0
     drag_curve(window, BROW, 1.0, 40)
-    assert session.edits[0].controls == ("left_brow",)
+    assert session.edits[0].controls == ("outer_brow",)
     assert changed_columns(session)
     assert changed_columns(session) <= {*UPPER_CHANNELS}

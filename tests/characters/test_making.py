@@ -87,6 +87,24 @@ def test_lips_and_lids_close(made: Made) -> None:
     assert gaps[1, 1:].max() < 0.3
 
 
+def test_a_scan_with_open_lips_gets_a_closed_mouth(template: Template) -> None:
+    jaw = 0.3 * template.moves[template.rig.channel_index["jawOpen"]]
+
+    def open_lips(rows: slice | list[int]) -> Doubles:
+        return scanner(other((template.vertices + jaw)[rows]))
+
+    scan = Scan(open_lips(slice(None)), np.asarray(template.faces, np.int32), None)
+    points = {name: open_lips([vertex])[0] for name, vertex in template.points.items()}
+    made = make(template, scan, template.landmarks(points), "Open")
+    assert made.parted > 5
+    assert made.distance_to(scan)[0] < 0.3  # the fit itself keeps them open
+    weights = np.zeros((2, 52), np.float32)
+    weights[1, [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]] = 1.0
+    lips = made.rig.arkit_distances.measure(weights)[:, 0]
+    assert lips[0] == pytest.approx(shipped_rig().arkit_distances.measure(weights)[0, 0], abs=0.8)
+    assert lips[1] == pytest.approx(lips[0], abs=0.8)
+
+
 def test_eyes_stay_round_and_in_the_head(made: Made) -> None:
     for side in (1, -1):
         radii = []

@@ -15,12 +15,14 @@ from faceedit_app.core.controls import (
     CONTROLS,
     LIDS,
     LIP_OPENING,
+    MAIN_CONTROLS,
     MIRRORED_CONTROL,
+    OPTIONAL_CONTROLS,
     Closes,
     Control,
     control_named,
 )
-from faceedit_app.core.regions import LOWER, REGIONS
+from faceedit_app.core.regions import LOWER, OPTIONAL_REGIONS, REGIONS
 
 PACKAGE = ROOT / "faceedit_app"
 # Where an id is also another word: the command that lowers a curve, the upper and lower eyelid in
@@ -39,7 +41,8 @@ OTHER_WORDS = {
 
 @pytest.mark.parametrize("control", CONTROLS, ids=CONTROL_IDS)
 def test_row_fits_the_others(control: Control) -> None:
-    assert control.region in {region.id for region in REGIONS}
+    regions = OPTIONAL_REGIONS if control.optional else REGIONS
+    assert control.region in {region.id for region in regions}
     assert {*control.heard_by} <= {region.id for region in REGIONS} - {control.region}
     assert {*control.leads} <= {*CONTROL_IDS} - {control.id}
     assert all(control_named(name).region == control.region for name in control.leads)
@@ -66,7 +69,10 @@ def test_regions_listen_to_their_own_controls_in_the_order_of_the_table() -> Non
     for region in REGIONS:
         assert {*region.own} <= {*region.controls}
         assert list(region.controls) == sorted(region.controls, key=CONTROL_IDS.index)
-    assert sorted(name for region in REGIONS for name in region.own) == sorted(CONTROL_IDS)
+    assert sorted(name for region in REGIONS for name in region.own) == sorted(MAIN_CONTROLS)
+    optional = [name for region in OPTIONAL_REGIONS for name in region.own]
+    assert sorted(optional) == sorted(OPTIONAL_CONTROLS)
+    assert not any(region.controls for region in OPTIONAL_REGIONS), "no network listens to them"
 
 
 def test_what_closes_is_said_by_the_table() -> None:
@@ -86,7 +92,7 @@ def _files() -> list[Path]:
 
 
 def test_no_control_and_no_region_is_named_outside_core() -> None:
-    names = {*CONTROL_IDS, *(region.id for region in REGIONS)}
+    names = {*CONTROL_IDS, *(region.id for region in (*REGIONS, *OPTIONAL_REGIONS))}
     found = [
         f"{path.relative_to(PACKAGE)}:{line}: {text!r}"
         for path in _files()

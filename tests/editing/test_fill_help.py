@@ -10,7 +10,7 @@ import pytest
 from support.sessions import demo_take, session_by_rig, take_of
 
 from faceedit_app.core.clip import Gap
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIP_OPENING
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.help.fill import (
     Heard,
@@ -74,7 +74,7 @@ def test_a_sound_that_has_nothing_to_do_with_the_mouth_does_not_steer_it() -> No
 def test_a_fill_covers_all_curves_and_has_four_variations() -> None:
     session = session_by_rig(demo_take())
     edit = fill_edit(session, 4.0, 5.5)
-    assert (edit.op, edit.controls) == (Op.FILL, CONTROL_IDS)
+    assert (edit.op, edit.controls) == (Op.FILL, MAIN_CONTROLS)
     assert [each.seed for each in variations(edit)] == [0, 1, 2, 3]
 
 

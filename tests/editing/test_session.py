@@ -275,6 +275,14 @@ def test_export_opened_again_is_what_was_on_screen(tmp_path: Path) -> None:
     assert b"-0" not in (tmp_path / "b.csv").read_bytes().replace(b",-0.0", b"")
 
 
+def test_settings_that_answer_no_edit_are_nothing_to_save() -> None:
+    session = session_by_rig(talking_clip(100))
+    session.configure(Settings().with_exactness(0.7))
+    assert session.is_saved
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 1.0, 2.0, 0.1, 2.0))
+    assert not session.is_saved
+
+
 def test_edits_saved_and_loaded_give_the_same_export(tmp_path: Path) -> None:
     take = open_take(make_livelink_csv(tmp_path / "a.csv"))
     session = session_by_networks(take)

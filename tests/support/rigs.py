@@ -8,7 +8,7 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip, Gap
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, control_named
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
@@ -34,11 +34,14 @@ _MOVES: dict[str, tuple[float, dict[str, float]]] = {
     ),
     "left_eyelid": (10.0, {"eyeBlinkLeft": -9.0, "eyeWideLeft": 3.0}),
     "right_eyelid": (10.0, {"eyeBlinkRight": -9.0, "eyeWideRight": 3.0}),
+    "left_brow": (27.0, {"browDownLeft": -6.0, "browOuterUpLeft": 2.0, "browInnerUp": 2.0}),
+    "right_brow": (27.0, {"browDownRight": -6.0, "browOuterUpRight": 2.0, "browInnerUp": 2.0}),
+    "jaw_side": (0.0, {"jawLeft": 6.0, "jawRight": -6.0}),
 }
 
 
 def tiny_rig() -> Rig:
-    """Pairs of vertices, each moved apart along one axis by a few channels.
+    """Pairs of vertices, each moved along one axis, up or sideways, by a few channels.
 
     A control that `_MOVES` does not name is missing.
     """
@@ -51,7 +54,8 @@ def tiny_rig() -> Rig:
         neutral[first] = (0.02 * place, 0.0, 0.0)
         neutral[second] = (0.02 * place, rest / 1000, 0.0)
         for channel, millimetres in moves.items():
-            deltas[ARKIT_CHANNELS.index(channel), second, 1] = millimetres / 1000
+            axis = 0 if control_named(control).sideways else 1
+            deltas[ARKIT_CHANNELS.index(channel), second, axis] = millimetres / 1000
     return Rig(
         neutral=neutral,
         faces=np.array([[0, 1, 2]], np.int32),

@@ -98,3 +98,19 @@ def test_values_are_whole_and_apart(panel: CurvesPanel, height: int) -> None:
         assert not any(text.startswith("-0") and float(text) == 0.0 for _, text in numbers)
         values = [float(text) for _, text in numbers]
         assert all(low <= value <= high for value in values)
+
+
+@pytest.mark.parametrize("height", [30, 34, 40, 48, 60])
+def test_every_value_axis_has_a_number(panel: CurvesPanel, height: int) -> None:
+    """0 to 46 mm in a low plot has no room for 0, nor for 50."""
+    plot = panel.plots[0]
+    plot.setFixedHeight(height)
+    for low in (-5.1, 0.3, 26.7):
+        for span in (2.3, 5.9, 11.0, 23.0, 46.0, 57.0, 99.0):
+            plot.show_values((low, low + span))
+            QApplication.processEvents()
+            numbers = drawn(plot.axis)
+            assert numbers
+            assert_readable(numbers, plot.axis.rect())
+            for _, text in numbers:
+                assert low < float(text.replace("−", "-")) < low + span

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from support.curves import CTRL, LEFT, RIGHT, drag, place, surface
 from support.windows import Bench
 
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, LIP_OPENING
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.page import curve_menus
 from faceedit_app.ui.page.editor import Editor
@@ -172,7 +172,7 @@ def test_curves_are_hidden_and_shown(bench: Bench, window: MainWindow, panel: Cu
 
 
 def test_the_curves_that_are_left_share_the_height(panel: CurvesPanel) -> None:
-    height = panel.plots[-1].geometry().bottom() - panel.plots[0].y()
+    height = panel.plots[len(MAIN_CONTROLS) - 1].geometry().bottom() - panel.plots[0].y()
     choose(on_name(panel, 2), "show_only_curve")
     QApplication.processEvents()
     first, last = panel.plots[2:4]

@@ -145,6 +145,8 @@ def test_a_double_click_on_the_header_shows_small_movements_large(panel: CurvesP
 def test_plots_and_ruler_stand_over_each_other(panel: CurvesPanel) -> None:
     panel.resize(1003, 600)
     QApplication.processEvents()
+    panel.shown.unfold(True)
+    QApplication.processEvents()
     strips: tuple[Strip, ...] = (panel.ruler, panel.range_bar, *panel.plots)
     lefts = {surface(strip).mapTo(panel, place(strip, 0.0, 5)).x() for strip in strips}
     rights = {surface(strip).mapTo(panel, place(strip, 4.0, 5)).x() for strip in strips}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,11 @@ from support.tracker import needs_tracker
 from support.windows import Bench, drop, editor_of, open_path, session_of, trigger
 
 from faceedit_app import tracking
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.tracking import side_by_side, tracker
+from faceedit_app.tracking.film_landmarks import Progress
 from faceedit_app.ui.commands.tracking import suggested_take
 from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 from faceedit_app.ui.start.window import MainWindow
@@ -176,6 +180,41 @@ def test_a_click_on_the_picture_tracks_the_face_there(
     assert faces[0] is None
     if len(faces) > 1:  # else it was done before the click
         np.testing.assert_allclose(faces[1], (0.5, 0.5), atol=0.02)
+
+
+def test_of_two_faces_the_clicked_one_is_tracked(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The large face speaks; the small one, at the right, keeps still."""
+    speaks = face_pictures(speaking(25))
+    still = face_pictures(np.zeros((1, len(ARKIT_INDEX)), np.float32), size=240)[0]
+    side = np.zeros((SIZE, 240, 3), np.uint8)
+    side[:240] = still
+    both = [np.concatenate([large, side], axis=1) for large in speaks]
+    film = make_face_film(tmp_path / "two.mp4", both)
+    clicked = threading.Event()
+    report = TrackingDialog.report
+
+    def held(dialog: TrackingDialog, progress: Progress) -> None:
+        report(dialog, progress)
+        if progress.done == 3:  # until the user has clicked
+            assert clicked.wait(30)
+
+    monkeypatch.setattr(TrackingDialog, "report", held)
+    window = bench.window()
+    bench.answers |= {"film_to_track": film, "save_take": tmp_path / "two.csv"}
+    trigger(window, "track_film")
+    dialog = dialog_of(window)
+    bench.qtbot.waitUntil(lambda: dialog.bar.value() > 0, timeout=30_000)
+    room = dialog.picture._room()
+    small = QPointF((SIZE + 120) / (SIZE + 240) * room.width(), 120 / SIZE * room.height())
+    QTest.mouseClick(
+        dialog.picture, Qt.MouseButton.LeftButton, pos=(room.topLeft() + small).toPoint()
+    )
+    clicked.set()
+    tracked(bench, window, tmp_path / "two.csv")
+    opening = session_of(window).achieved[:, CONTROL_INDEX[LIP_OPENING]]
+    assert np.ptp(opening) < 2.0
 
 
 def test_the_name_of_a_take_that_exists_is_not_suggested(tmp_path: Path) -> None:

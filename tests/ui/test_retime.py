@@ -230,7 +230,7 @@ def test_cut_and_pause(window: MainWindow) -> None:
     retime, fill = edits_of(window)
     assert (retime.op, fill.op) == (Op.RETIME, Op.FILL)
     assert (fill.start, fill.end) == pytest.approx((3.0, 3.6), abs=0.02)
-    assert session.undo_name == "Insert 0.60 s"
+    assert session.undo_name == "Pause 0.60 s"
     trigger(window, "undo")
     assert session.edits == ()
 

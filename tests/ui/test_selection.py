@@ -211,3 +211,14 @@ def test_esc_brings_back_what_was_selected(panel: CurvesPanel) -> None:
     assert line.selection == pytest.approx((1.0, 2.0))
     let_go(bar, at(panel, 3.2))
     assert line.selection == pytest.approx((1.0, 2.0))
+
+
+def test_the_wheel_passes_over_the_numbers_and_changes_none(panel: CurvesPanel) -> None:
+    """A selection that nobody made would limit the next fix to it."""
+    panel.plots[0].setFocus()
+    line = panel.timeline
+    before = line.selection, line.falloff, line.falloff_out
+    for field in (panel.fields.start, panel.fields.end, panel.fields.fade_in):
+        assert not field.hasFocus()
+        turn(field, field.rect().center(), 1)
+    assert (line.selection, line.falloff, line.falloff_out) == before

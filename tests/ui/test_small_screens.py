@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QScreen
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QMenu, QWidget
 from pytestqt.qtbot import QtBot
+from support.windows import Bench
 
 from faceedit_app.ui.character.checklist import CharacterChecklist
 from faceedit_app.ui.commands.help import about_dialog
@@ -22,3 +23,25 @@ def test_a_dialog_is_no_larger_than_the_screen(
     dialog = CharacterChecklist(parent) if kind == "checklist" else about_dialog(parent, "")
     assert dialog.width() <= 500
     assert dialog.height() < 480
+
+
+def test_every_menu_is_one_column_on_a_small_laptop(bench: Bench) -> None:
+    """1920 x 1080 at twice the size are 540 pixels; a menu that is higher becomes two columns."""
+    window = bench.window()
+    menus = window.menuBar().findChildren(QMenu)
+    assert len(menus) > 8
+    for menu in menus:
+        assert menu.sizeHint().height() <= 540, menu.title()
+
+
+def test_the_window_fits_1080_lines_at_twice_the_size(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(QScreen, "availableSize", lambda _: QSize(960, 540))
+    window = bench.editing()
+    window.resize(960, 510)
+    bench.qtbot.waitUntil(lambda: window.width() <= 960)
+    assert window.height() <= 540
+    assert window.editor is not None
+    bottom = window.editor.transport.mapTo(window, window.editor.transport.rect().bottomLeft())
+    assert bottom.y() < window.height()

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS, control_named
+from faceedit_app.core.controls import (
+    CONTROL_IDS,
+    CONTROL_INDEX,
+    CONTROLS,
+    MAIN_CONTROLS,
+    control_named,
+)
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.channels import CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -16,7 +22,8 @@ def _together() -> Iterator[tuple[frozenset[str], str]]:
         yield frozenset(region.own), region.together
     for name in dict.fromkeys(control.together for control in CONTROLS if control.together):
         yield frozenset(c.id for c in CONTROLS if c.together == name), name
-    yield frozenset(CONTROL_IDS), "All curves"
+    for every in (MAIN_CONTROLS, CONTROL_IDS):
+        yield frozenset(every), "All curves"
 
 
 _SAME = 2e-4  # seconds, twice their rounding
@@ -32,7 +39,7 @@ def describe(edit: Edit) -> str:
     what = describe_controls(edit.controls)
     match edit.op:
         case Op.OFFSET:
-            return f"{what} {edit.value:+.1f} mm".replace("-", "−")
+            return f"{what} {signed(edit.value)} mm"
         case Op.SET:
             return _describe_set(edit, what)
         case Op.SCALE:
@@ -46,11 +53,22 @@ def describe(edit: Edit) -> str:
         case Op.ADD:
             return f"Add to {_lower(what)}"
         case Op.FILL:
-            return f"Fill {_lower(what)}" if len(edit.controls) < len(CONTROLS) else "Fill"
+            whole = {*edit.controls}.issuperset(MAIN_CONTROLS)
+            return "Fill" if whole else f"Fill {_lower(what)}"
         case Op.RETIME:
             return _describe_retime(edit)
         case Op.LIMIT | Op.NEUTRAL | Op.LEVELS:
             raise ValueError(f"{edit.op} is for channels")
+
+
+def one_decimal(value: float) -> str:
+    """A number as people write it: with a minus sign, and none before zero."""
+    return f"{value:z.1f}".replace("-", "−")
+
+
+def signed(value: float) -> str:
+    """The same with a plus sign above zero."""
+    return f"{value:+z.1f}".replace("-", "−")
 
 
 def _describe_channels(edit: Edit) -> str:
@@ -117,7 +135,7 @@ def _describe_set(edit: Edit, what: str) -> str:
         if len(edit.controls) == sum(control.closes is part for control in CONTROLS):
             return f"Close {part}"
         return f"Close {_lower(what).removesuffix(' opening')}"
-    return f"{what} to {edit.value:.1f} mm"
+    return f"{what} to {one_decimal(edit.value)} mm"
 
 
 def _describe_retime(edit: Edit) -> str:
@@ -131,7 +149,7 @@ def _describe_retime(edit: Edit) -> str:
     if abs(then_now - now) < _SAME:
         return f"Cut {then_was - was:.2f} s"
     if abs(then_was - was) < _SAME:
-        return f"Insert {then_now - now:.2f} s"
+        return f"Pause {then_now - now:.2f} s"
     if len(edit.pins) > 2:
         return "Retime"
     return f"Stretch to {100 * (then_now - now) / (then_was - was):.0f} %"

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
+from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL, SIGNED_CONTROLS
 from faceedit_app.core.fields import (
     LARGEST,
     LONGEST_TEXT,
@@ -250,9 +250,20 @@ class Edit:
         )
 
     def mirrored(self) -> Edit:
-        """The edit on the other side of the face."""
+        """The edit on the other side of the face.
+
+        One of signed curves changes its signs; together with others it cannot.
+        """
         controls = tuple(MIRRORED_CONTROL[c] for c in self.controls)
-        return replace(self, controls=controls, channels=mirrored_channels(self.channels))
+        mirrored = replace(self, controls=controls, channels=mirrored_channels(self.channels))
+        if not self.controls or not {*self.controls} <= {*SIGNED_CONTROLS}:
+            return mirrored
+        return replace(
+            mirrored,
+            value=-self.value if self.op in (Op.OFFSET, Op.SET) else self.value,
+            about=None if self.about is None else -self.about,
+            points=tuple((seconds, -mm) for seconds, mm in self.points),
+        )
 
 
 def fade(outside: Doubles, falloff: float) -> Doubles:

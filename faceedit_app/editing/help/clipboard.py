@@ -9,7 +9,13 @@ from enum import StrEnum
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, MIRRORED_CONTROL
+from faceedit_app.core.controls import (
+    CONTROL_IDS,
+    CONTROL_INDEX,
+    MAIN_CONTROLS,
+    MIRRORED_CONTROL,
+    SIGNED_CONTROLS,
+)
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 from faceedit_app.editing.session import EditSession
 
@@ -48,7 +54,10 @@ class Clipboard:
 
     def mirrored(self) -> Clipboard:
         """The same range with left and right swapped."""
-        swapped = {MIRRORED_CONTROL[control]: points for control, points in self.curves}
+        swapped = {
+            MIRRORED_CONTROL[control]: _turned(points) if control in SIGNED_CONTROLS else points
+            for control, points in self.curves
+        }
         return replace(self, curves=tuple((c, swapped[c]) for c in CONTROL_IDS if c in swapped))
 
     def paste(self, at: float, falloff: float = PASTE_FALLOFF) -> tuple[Edit, ...]:
@@ -72,11 +81,15 @@ class Clipboard:
         )
 
 
+def _turned(points: Points) -> Points:
+    return tuple((seconds, -mm) for seconds, mm in points)
+
+
 def copy_range(
     session: EditSession,
     start: float,
     end: float,
-    controls: Sequence[str] = CONTROL_IDS,
+    controls: Sequence[str] = MAIN_CONTROLS,
     what: Copied = Copied.CHANGE,
 ) -> Clipboard:
     """Copy curves from `start` to `end` seconds; unchanged curves are left out."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIP_OPENING
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.take import Take
@@ -59,7 +59,7 @@ def fill_edit(session: EditSession, start: float, end: float, heard: Heard | Non
     """
     start, end = round(start, 4), round(end, 4)
     points = () if heard is None else opening_heard(session, heard, start, end)
-    return Edit(CONTROL_IDS, Op.FILL, start, end, 0.0, points=points)
+    return Edit(MAIN_CONTROLS, Op.FILL, start, end, 0.0, points=points)
 
 
 def variations(edit: Edit) -> tuple[Edit, ...]:

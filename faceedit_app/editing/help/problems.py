@@ -10,7 +10,7 @@ import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
@@ -116,12 +116,13 @@ def problems_of(
         edits: where they fill, it does not matter how sure the tracker was.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
+    main = measured[:, [CONTROL_INDEX[control] for control in MAIN_CONTROLS]]
     found = [
         *_spoken(spoken),
         *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
-        *_jitter(clip, measured),
-        *_dropped(clip, measured, lost),
+        *_jitter(clip, main),
+        *_dropped(clip, main, lost),
         *_unsure(clip, confidence, edits),
     ]
     if rigs is not None and rigs[0] is not rigs[1]:
@@ -221,7 +222,7 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
         first, last = max(first - window // 4, 0), min(last + window // 4, len(clip) - 1)
         start, end = (round(float(clip.times[frame]), 4) for frame in (first, last))
         which = np.flatnonzero(shaking[first : last + 1].any(axis=0))
-        ids = tuple(CONTROL_IDS[i] for i in which)
+        ids = tuple(MAIN_CONTROLS[i] for i in which)
         shakes = np.abs(ripple[first : last + 1, which]).max(axis=1)
         amount = float(shakes.max())
         worst = float(clip.times[first + int(shakes.argmax())])
@@ -266,9 +267,9 @@ def _dropped(clip: Clip, controls: Doubles, lost: Sequence[float]) -> list[Probl
         steps = np.abs(after - before[: len(after)])
         jumps = steps.max(axis=0, initial=0.0)
         worst = float(clip.times[first + int(steps.max(axis=1).argmax())]) if len(steps) else start
-        moved = tuple(name for name, jump in zip(CONTROL_IDS, jumps, strict=True) if jump > JUMP)
+        moved = tuple(name for name, jump in zip(MAIN_CONTROLS, jumps, strict=True) if jump > JUMP)
         helps = bool(moved) or any(first < position < last + 1 for position in lost)
-        fix = (_through(clip, moved or CONTROL_IDS, start, end),) if helps else ()
+        fix = (_through(clip, moved or MAIN_CONTROLS, start, end),) if helps else ()
         size = counted(missing, "frame"), _share(missing, MANY)
         frames = "1 frame is" if missing == 1 else f"{missing} frames are"
         message = f"{frames} missing" + (
@@ -297,14 +298,14 @@ def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> li
             float(clip.times[min(last + 1, len(clip) - 1)]),
         )
         fits = around[1] - around[0] <= LONGEST_FILL
-        fill = Edit(CONTROL_IDS, Op.FILL, *around, BESIDE, name="Fill what is hidden")
+        fill = Edit(MAIN_CONTROLS, Op.FILL, *around, BESIDE, name="Fill what is hidden")
         found.append(
             Problem(
                 Kind.UNSURE,
                 start,
                 end,
                 float(clip.times[least]),
-                CONTROL_IDS,
+                MAIN_CONTROLS,
                 f"The face is hidden or turned away: the tracker is {100 * sure:.0f} % sure",
                 f"{100 * sure:.0f} %",
                 _share(UNSURE - sure, UNSURE - HARDLY),
@@ -322,7 +323,7 @@ def _through(clip: Clip, controls: tuple[str, ...], start: float, end: float) ->
     first, last = max(start - BESIDE, 0.0), min(end + BESIDE, float(clip.times[-1]))
     if last - first > LONGEST_FILL:
         return Edit(controls, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump")
-    return Edit(CONTROL_IDS, Op.FILL, round(first, 4), round(last, 4), 0.0, name="Fill the gap")
+    return Edit(MAIN_CONTROLS, Op.FILL, round(first, 4), round(last, 4), 0.0, name="Fill the gap")
 
 
 def _share(amount: float, most: float) -> float:

@@ -16,6 +16,7 @@ from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.clock import CROSSFADE
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.help.by_name import check_inside
 
 SLOWEST, FASTEST = 0.5, 2.0  # speeds, as multiples of the take's
 LEAST_PAD = 0.3  # seconds beside the range that make up for it, if the take has them
@@ -67,7 +68,7 @@ def moved(clip: Clip, span: Range, by: float, pad: float = LEAST_PAD) -> Edit:
 
 
 def _first_possible(clip: Clip, span: Range, ways: Sequence[Range], pad: float) -> Edit:
-    _check_span(clip, span)
+    check_inside(clip, *span)
     for goal in ways:
         near = nearest(clip, span, goal)
         if max(abs(near[0] - goal[0]), abs(near[1] - goal[1])) < _SMALLEST:
@@ -139,7 +140,7 @@ def cut(clip: Clip, span: Range, pad: float = LEAST_PAD) -> Edit:
         FaceEditError: the take has no room on either side.
     """
     start, end = span
-    _check_span(clip, span)
+    check_inside(clip, *span)
     first, last = float(clip.times[0]), float(clip.times[-1])
     length = end - start
     if length <= 0:
@@ -173,7 +174,7 @@ def pause(clip: Clip, at: float, seconds: float, pad: float = LEAST_PAD) -> Edit
     Raises:
         FaceEditError: the take has no room on either side.
     """
-    _check_span(clip, (at, at))
+    check_inside(clip, at, at)
     first, last = float(clip.times[0]), float(clip.times[-1])
     if not seconds > 0:
         raise FaceEditError("A pause must be longer than 0 s")
@@ -282,12 +283,3 @@ def _edit(start: float, end: float, pins: tuple[tuple[float, float], ...]) -> Ed
     return Edit(
         CONTROL_IDS, Op.RETIME, round(start, _DIGITS), round(end, _DIGITS), 0.0, pins=rounded
     )
-
-
-def _check_span(clip: Clip, span: Range) -> None:
-    first, last = float(clip.times[0]), float(clip.times[-1])
-    if span[1] < first or span[0] > last:
-        raise FaceEditError(
-            f"{span[0]:g} to {span[1]:g} s is outside the take: "
-            f"it lasts from {first:g} to {last:g} s"
-        )

@@ -22,7 +22,7 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, control_named
-from faceedit_app.core.regions import REGIONS, Region
+from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS, Region
 from faceedit_app.core.rig import Distances, Rig
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit
 from faceedit_app.formats.take import Take
@@ -54,9 +54,15 @@ class Lack:
 
 
 def region_covariance(region: Region, engine: Engine | None) -> Doubles:
-    """(K, K) the covariance of a region's channels in performances."""
-    if engine is not None:
-        return engine.models[region.id].description.covariance
+    """(K, K) the covariance of a region's channels in performances.
+
+    Those of an optional region may be among the channels of another one.
+    """
+    for model in engine.models.values() if engine is not None else ():
+        known = model.description.channels
+        if set(region.channels) <= set(known):
+            places = [known.index(channel) for channel in region.channels]
+            return model.description.covariance[np.ix_(places, places)]
     return _PRIOR * np.eye(len(region.channels))
 
 
@@ -74,7 +80,7 @@ def find_lacks(
     slopes = distances.jacobian(rest)[1][0].astype(np.float64)
     present = {*channels} - (set() if "jawOpen" in channels else {"mouthClose"})  # its corrective
     lacks: dict[str, Lack] = {}
-    for region in REGIONS:
+    for region in (*REGIONS, *OPTIONAL_REGIONS):
         columns = [ARKIT_INDEX[channel] for channel in region.channels]
         covariance = region_covariance(region, engine)
         for control in region.own:

@@ -14,9 +14,12 @@ from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
+from faceedit_app.editing.solving.take_statistics import WAKES
 
 # How much a calmed curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 1.0
+# mm that all curves of a region may miss where all of them are asked to be calm.
+CALM_MM = 0.25
 # The take's own range is left, little by little, for a curve that misses its target by this much.
 MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.
@@ -33,6 +36,7 @@ class RegionRequest:
         settings: how edits are answered.
         layer: the take's own last layer; None without networks, or to resynthesize.
         answer: (N, K) what the networks add to (preserve) or replace (resynthesize).
+        exchange: (N, K) by which the pose's residual changes, see `residual.py`.
         unlike: (N,) in 0..1, how unlike the take this request is.
         influence: (N, K) in 0..1, where each channel may answer.
         slow: (N, H) mm, the slow part of the change of the curves that the networks listen to.
@@ -46,6 +50,7 @@ class RegionRequest:
     settings: Settings
     layer: LastLayer | None
     answer: Doubles
+    exchange: Doubles
     unlike: Doubles
     influence: Doubles
     slow: Doubles
@@ -79,6 +84,7 @@ class Combining:
 
     def __init__(self, part: Part, shut: float, quick: float) -> None:
         self._part, self._shut, self._quick = part, shut, quick
+        self._known: tuple[LastLayer, Doubles, Doubles] | None = None
         self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
         opening = [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]
         jaw = np.flatnonzero(np.isin(part.columns[part.have], opening))
@@ -97,10 +103,10 @@ class Combining:
             self._least(weights[:, columns], asked),
             self._most(weights[:, columns], asked),
         )
-        self._combine(result, asked, least, most)
+        room = self._combine(result, asked, least, most)
         where = np.flatnonzero(asked.hold.any(axis=1))
         if part.reach is not None and asked.settings.reach > 0 and len(where):
-            self._go_on(part.reach, result, asked, least, most, where)
+            self._go_on(part.reach, result, asked, (least, most, room), where)
         return result[:, columns]
 
     def _least(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
@@ -142,42 +148,82 @@ class Combining:
 
     def _combine(
         self, weights: Doubles, asked: RegionRequest, least: Doubles, most: Doubles
-    ) -> None:
-        """Combine the networks' answer with the weights (N, 52), in place."""
+    ) -> Doubles:
+        """Combine the networks' answer with the weights (N, 52), in place.
+
+        Returns:
+            (N, K) how much further channels may rise without leaving their rest.
+        """
         part = self._part
         columns, influence = part.columns[part.have], asked.influence[:, part.have]
         old, answer = weights[:, columns], asked.answer
+        room = np.full_like(old, np.inf)
         if asked.settings.mode is Mode.PRESERVE:
             unlike = asked.unlike[:, None]
             answer = part.whole(answer, unlike)
             if asked.layer is not None:
-                answer += asked.layer.change(asked.before, asked.before + asked.slow)
+                known = self._correction(asked.layer, asked.before)
+                answer += asked.layer.change(asked.before, asked.before + asked.slow, known)
+            answer += asked.exchange
             if part.reach is not None:
                 answer += asked.settings.reach * (asked.quick @ part.quick)
             answer[:, part.idle] *= unlike
-            answer = old + influence * answer[:, part.have]
+            awake, room = self._awake(answer[:, part.have], weights)
+            beyond = np.maximum(part.beyond(asked.wanted, asked.hold), asked.unlike)
+            lower, upper = part.bounds(beyond)
+            within = np.clip(old + awake, np.minimum(old, lower), np.maximum(old, upper))
+            answer = old + influence * (within - old)
         else:
             answer = answer[:, part.have]
         new = np.clip(answer, np.maximum(np.minimum(old, 0.0), least), most)
         weights[:, columns] = np.where(influence > 0, new, old)
         if "mouthClose" in part.region.channels:
             _couple(weights, old, columns, influence.max(axis=1) > 0)
+        return room
+
+    def _correction(self, layer: LastLayer, curves: Doubles) -> Doubles:
+        """(N, K) the last layer's correction for tracked curves; a drag asks for the same again."""
+        known = self._known
+        if known is None or known[0] is not layer or not np.array_equal(known[1], curves):
+            known = self._known = layer, curves, layer(curves)
+        return known[2]
+
+    def _awake(self, change: Doubles, weights: Doubles) -> tuple[Doubles, Doubles]:
+        """What a change (N, K) of weights (N, 52) leaves at rest.
+
+        Trackers leave a channel at exactly its smallest weight until it really moves. An answer
+        that stirs all of them a little would not look like the take.
+
+        Returns:
+            The change of channels that leave their rest; and how much further each may rise.
+        """
+        part = self._part
+        rest = part.at_rest(weights[:, part.columns])[:, part.have]
+        awake = np.maximum(change - WAKES * rest, np.minimum(change, 0.0))
+        return awake, np.where(rest > 0, np.maximum(awake, 0.0) + (1.0 - rest), np.inf)
 
     def _go_on(
         self,
         reach: Reach,
         weights: Doubles,
         asked: RegionRequest,
-        least: Doubles,
-        most: Doubles,
+        limits: tuple[Doubles, Doubles, Doubles],
         where: Indices,
     ) -> None:
-        """Bring the region's own controls the rest of the way to what was asked for, in place."""
+        """Bring the region's own controls the rest of the way to what was asked for, in place.
+
+        Args:
+            limits: (N, K) each: the smallest and the largest weights that any answer may give, and
+                how much channels may rise without leaving their rest.
+            where: the frames.
+        """
+        least, most, room = limits
         part, naturalness = self._part, asked.settings.naturalness
         columns = part.columns[part.have]
         lengths = part.lengths(weights)
         passing = self._passing(asked, lengths)[where]
-        tolerance = TWITCH * np.abs(passing)
+        calm = asked.calm[where].min(axis=1, keepdims=True)
+        tolerance = np.maximum(TWITCH * np.abs(passing), CALM_MM * calm)
         hold, wanted = asked.hold[where], asked.wanted[where] - passing
         mask = hold > 0
         strength = asked.settings.reach * np.where(mask, hold, hold.max(axis=1, keepdims=True))
@@ -192,9 +238,13 @@ class Combining:
         )
         beyond = np.maximum(part.beyond(wanted, hold), aim.share)
         found = aim.here.copy()
-        found[:, columns] = aim.solve(reach, columns, part.bounds(beyond), naturalness)
+        quiet = np.minimum(most[where], aim.here[:, columns] + room[where])
+        found[:, columns] = replace(aim, most=quiet).solve(
+            reach, columns, part.bounds(beyond), naturalness
+        )
         missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
         missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
+        missing *= 1.0 - asked.calm[where].max(axis=1, initial=0.0)
         rest = np.flatnonzero(missing > np.minimum(aim.share, beyond))
         if len(rest):
             # What the take does not show, others do.

@@ -14,14 +14,14 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats, Indices
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_IDS
-from faceedit_app.core.regions import REGIONS
+from faceedit_app.core.controls import MAIN_CONTROLS
+from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.solving.filling import Filling, Stretch, fill_frames
 from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.retimes import Measure, Retiming
+from faceedit_app.editing.solving.rounding import DECIMALS
 
-DECIMALS = 5  # of filled weights, see `solver.DECIMALS`
 REMEMBERED = 32  # results that are kept: a drag over a fill asks for the same again
 
 
@@ -61,7 +61,7 @@ class Fills:
     def __init__(self, clip: Clip, tracked: Floats, opening: Floats, measure: Measure) -> None:
         self._clip, self._tracked = clip, tracked
         self._filling = Filling(clip, tracked, opening)
-        self._retiming = Retiming(clip, measure)
+        self._retiming = Retiming(clip, tracked, measure)
         self._starts, self._turns = Recent[Floats](REMEMBERED), Recent[Floats](REMEMBERED)
         self._known = Recent[Doubles](REMEMBERED)
         self._present = np.array([ARKIT_INDEX[c] for c in clip.channels], np.intp)
@@ -118,7 +118,7 @@ class Fills:
         for edit in edits:
             if edit.op is Op.RETIME:
                 _put(out, self._retiming.rotations(edit, out, near))
-            elif edit.op is Op.RESET and set(edit.controls).issuperset(CONTROL_IDS):
+            elif edit.op is Op.RESET and set(edit.controls).issuperset(MAIN_CONTROLS):
                 rows = self._rows(edit, near)
                 if rows is not None:
                     new = tracked[rows].astype(np.float64)
@@ -212,10 +212,11 @@ class Fills:
         whole face. A reset brings back the regions all of whose curves it resets.
         """
         controls = set(edit.controls)
-        if controls.issuperset(CONTROL_IDS):
+        if controls.issuperset(MAIN_CONTROLS):
             return self._present
         enough = any if edit.op is Op.FILL else all
-        regions = [r for r in REGIONS if r.own and enough(c in controls for c in r.own)]
+        every = (*REGIONS, *OPTIONAL_REGIONS)
+        regions = [r for r in every if r.own and enough(c in controls for c in r.own)]
         names = [c for region in regions for c in (*region.channels, *region.accompanying)]
         mine: Indices = np.intersect1d([ARKIT_INDEX[c] for c in names], self._present)
         return mine.astype(np.intp)

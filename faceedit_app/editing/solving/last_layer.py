@@ -2,14 +2,17 @@
 
 The networks know faces in general. The take shows what *this* face does with its channels, and it
 shows it for every frame: the curves and the weights of the same moment. So their answer N(c) is
-corrected by a small regression R on quadratic functions of the curves, fitted in closed form to
-W - N(c), the weights that the networks did not foresee:
+corrected by a small regression R, fitted in closed form to W - N(c), the weights that the networks
+did not foresee:
 
     answer to an edit = N(asked) - N(tracked) + R(asked) - R(tracked)
 
-This is ridge regression (Hoerl and Kennard, "Ridge regression: biased estimation for nonorthogonal
-problems", 1970) towards the networks: a take of a second hardly changes their answer, and one of a
-minute nearly replaces it. It depends on nothing but the take.
+R is linear in the curves, their products, and in radial functions around poses of the take, which
+know its single gestures. This is ridge regression (Hoerl and Kennard, "Ridge regression: biased
+estimation for nonorthogonal problems", 1970) towards the networks: a take of a second hardly
+changes their answer, and one of a minute nearly replaces it. It depends on nothing but the take.
+
+What R leaves is the residual of a pose, see `residual.py`.
 """
 
 from __future__ import annotations
@@ -21,13 +24,18 @@ import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Indices
 
-# How firmly the coefficients of the curves, and those of their products, are kept near 0, in
-# frames at 25 fps.
-LINEAR, QUADRATIC = 20.0, 200.0
+# How firmly the coefficients of the curves, of their products and of the radial functions are kept
+# near 0, in frames at 25 fps.
+LINEAR, QUADRATIC, RADIAL = 20.0, 200.0, 10.0
+# The most poses of the take with a radial function, spread evenly over it, and how far one reaches,
+# in standard deviations of each curve.
+POSES, REACHES = 48, 1.5
 # mm added to each curve's standard deviation: a curve that hardly moves says little.
 LEAST_SPREAD = 0.3
 # Standard deviations beyond the take's own range within which the correction still grows.
 BEYOND = 0.5
+# Variance added to each standardised curve in the length of a change.
+_JITTER = 0.05
 
 
 @dataclass(frozen=True)
@@ -37,51 +45,85 @@ class LastLayer:
     Attributes:
         mean, spread: (C,) mm, the take's curves.
         low, high: (C,) the range of the standardised curves in which the take knows.
+        poses: (P, C) standardised curves of poses of the take.
+        precision: (C, C) of its standardised curves.
         coefficients: (F, K) of the functions of the curves.
+        constant: (K,) added to them.
     """
 
     mean: Doubles
     spread: Doubles
     low: Doubles
     high: Doubles
+    poses: Doubles
+    precision: Doubles
     coefficients: Doubles
+    constant: Doubles
 
     @classmethod
-    def fit(cls, curves: Doubles, lacking: Doubles, weight: float = 1.0) -> LastLayer:
-        """Fit the correction.
+    def fit(
+        cls, curves: Doubles, lacking: Doubles, mirror: Indices, mirrored_curves: Indices
+    ) -> LastLayer:
+        """Fit the correction: what a face does on one side it may do on the other.
 
         Args:
             curves: (T, C) mm.
             lacking: (T, K) the weights less the networks' answer to the curves.
-            weight: how much each frame counts.
+            mirror: (K,) the position of each channel's mirror image.
+            mirrored_curves: (C,) the same of each curve.
         """
-        mean, spread = curves.mean(axis=0), curves.std(axis=0) + LEAST_SPREAD
-        standard = (curves - mean) / spread
+        both = np.concatenate([curves, curves[:, mirrored_curves]])
+        lacks = np.concatenate([lacking, lacking[:, mirror]])
+        mean, spread = both.mean(axis=0), both.std(axis=0) + LEAST_SPREAD
+        standard = (both - mean) / spread
         low, high = standard.min(axis=0) - BEYOND, standard.max(axis=0) + BEYOND
-        functions = _functions(standard)
+        count = len(curves)
+        chosen = np.linspace(0, count - 1, min(POSES, count)).round().astype(np.intp)
+        poses = standard[np.concatenate([chosen, count + chosen])]
+        functions = _functions(standard, poses)
+        size = curves.shape[1]
         penalty = np.full(functions.shape[1], QUADRATIC)
-        penalty[: curves.shape[1]] = LINEAR
-        # The constant cancels in the difference of two answers, so it is taken out beforehand.
-        offset = functions - functions.mean(axis=0)
-        system = offset.T @ offset + np.diag(penalty / weight)
-        coefficients = np.linalg.solve(system, offset.T @ (lacking - lacking.mean(axis=0)))
-        return cls(mean, spread, low, high, coefficients)
+        penalty[:size], penalty[-len(poses) :] = LINEAR, RADIAL
+        centre, level = functions.mean(axis=0), lacks.mean(axis=0)
+        offset = functions - centre
+        # Each frame is there twice, and counts half.
+        system = offset.T @ offset + 2.0 * np.diag(penalty)
+        coefficients = np.linalg.solve(system, offset.T @ (lacks - level))
+        covariance = standard.T @ standard / len(standard) + _JITTER * np.eye(size)
+        precision = np.asarray(np.linalg.inv(covariance), np.float64)
+        constant = level - centre @ coefficients
+        return cls(mean, spread, low, high, poses, precision, coefficients, constant)
 
     def towards(self, other: LastLayer, share: float) -> LastLayer:
         """The layer between this and another of the same take, fitted to the same mix."""
         mixed = self.coefficients + share * (other.coefficients - self.coefficients)
-        return replace(self, coefficients=mixed)
+        constant = self.constant + share * (other.constant - self.constant)
+        return replace(self, coefficients=mixed, constant=constant)
 
-    def change(self, curves: Doubles, to: Doubles) -> Doubles:
-        """(N, K) how the correction changes from curves (N, C) to others."""
-        moved = self._standard(to), self._standard(curves)
-        change: Doubles = (_functions(moved[0]) - _functions(moved[1])) @ self.coefficients
+    def __call__(self, curves: Doubles) -> Doubles:
+        """(N, K) the correction for curves (N, C)."""
+        within = np.minimum(np.maximum((curves - self.mean) / self.spread, self.low), self.high)
+        answer: Doubles = _functions(within, self.poses) @ self.coefficients + self.constant
+        return answer
+
+    def change(self, curves: Doubles, to: Doubles, known: Doubles | None = None) -> Doubles:
+        """(N, K) how the correction changes from curves (N, C) to others.
+
+        Args:
+            known: (N, K) the correction for `curves`; None = not known yet.
+        """
+        change = np.zeros((len(curves), len(self.constant)))
+        moved = np.flatnonzero((curves != to).any(axis=1))
+        if len(moved):
+            known = self(curves) if known is None else known
+            change[moved] = self(to[moved]) - known[moved]
         return change
 
-    def _standard(self, curves: Doubles) -> Doubles:
-        standard = (curves - self.mean) / self.spread
-        within: Doubles = np.minimum(np.maximum(standard, self.low), self.high)
-        return within
+    def distance(self, change: Doubles) -> Doubles:
+        """(N,) the length of changes (N, C), mm, in standard deviations of the take's curves."""
+        moved = change / self.spread
+        square: Doubles = ((moved @ self.precision) * moved).sum(axis=1)
+        return np.sqrt(square)
 
 
 @cache
@@ -90,7 +132,17 @@ def _pairs(curves: int) -> tuple[Indices, Indices]:
     return first, second
 
 
-def _functions(standard: Doubles) -> Doubles:
-    """(N, C) -> (N, F): the curves and their products."""
+def _functions(standard: Doubles, poses: Doubles) -> Doubles:
+    """(N, C) -> (N, F): the curves, their products, and how near they are to poses (P, C)."""
     first, second = _pairs(standard.shape[1])
-    return np.concatenate([standard, standard[:, first] * standard[:, second]], axis=1)
+    size, pairs = standard.shape[1], len(first)
+    functions = np.empty((len(standard), size + pairs + len(poses)))
+    functions[:, :size] = standard
+    np.multiply(standard[:, first], standard[:, second], out=functions[:, size : size + pairs])
+    # exp(-|x - p|² / 2 R²), with the square multiplied out.
+    narrow = REACHES**-2
+    near = standard @ (narrow * poses.T)
+    near -= 0.5 * narrow * (standard**2).sum(axis=1)[:, None]
+    near -= 0.5 * narrow * (poses**2).sum(axis=1)
+    np.exp(np.minimum(near, 0.0, out=near), out=functions[:, size + pairs :])
+    return functions

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +17,9 @@ from faceedit_app.core.controls import (
     MIRRORED_CONTROL,
     control_named,
 )
-from faceedit_app.core.regions import Region
+from faceedit_app.core.regions import OPTIONAL_REGIONS, Region
 from faceedit_app.core.rig import Distances
+from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import (
     STAYS_IN_CLOSURES,
     gains,
@@ -26,6 +28,7 @@ from faceedit_app.editing.solving.accompanying import (
     with_accompanying,
 )
 from faceedit_app.editing.solving.answerable import ENOUGH, region_covariance
+from faceedit_app.editing.solving.calming import Calmed
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.reach import Reach
@@ -77,6 +80,7 @@ class Part:
     Attributes:
         own: ids of the controls that it moves, in columns `own_columns`; the upper face has none.
         listens_to: ids of the controls that its networks or reach answer.
+        is_optional: whether its controls are optional, so that no network answers them.
         columns: (K,) its channels among the 52: first those of the networks, then accompanying
             ones that the take uses.
         have: positions of the channels that may change, because the take has them.
@@ -99,7 +103,9 @@ class Part:
         sample: Sample,
     ) -> None:
         self.region = region
-        self._model = engine.models[region.id].description if engine else None
+        self.is_optional = region in OPTIONAL_REGIONS
+        answered = engine is not None and not self.is_optional
+        self._model = engine.models[region.id].description if engine and answered else None
         self.own = tuple(name for name in region.own if name not in missing)
         self.own_columns = np.array([CONTROL_INDEX[name] for name in self.own], np.intp)
         self._distances = distances.select(self.own_columns)
@@ -229,7 +235,28 @@ class Part:
             heard = [CONTROL_INDEX[control] for control in self._model.controls]
             slack = BEYOND * (self._model.high - self._model.low)
             low[heard], high[heard] = self._model.low, self._model.high + slack
+        elif self.is_optional:
+            low[self.own_columns], high[self.own_columns] = self._farthest()
         return low, high
+
+    def _farthest(self) -> tuple[Doubles, Doubles]:
+        """(C,) mm: its controls with all that shortens them, and with all that lengthens them."""
+        slopes = self._slopes(np.zeros(len(ARKIT_INDEX)))
+        ends = []
+        for sign in (-1.0, 1.0):
+            weights = np.zeros((len(slopes), len(ARKIT_INDEX)))
+            weights[:, self.columns] = sign * slopes > 0
+            ends.append(np.diag(self.lengths(weights)))
+        return ends[0], ends[1]
+
+    def answered_by(self, settings: Settings) -> Settings:
+        """How its controls are answered: optional ones are added to the take, and by reach alone.
+
+        Few takes raise a brow as far as brows go, so that the length of a change says nothing.
+        """
+        if not self.is_optional:
+            return settings
+        return replace(settings, mode=Mode.PRESERVE, naturalness=0.0, reach=1.0)
 
     def beyond(self, wanted: Doubles, hold: Doubles) -> Doubles:
         """(N,) in 0..1: how far a request leaves what the take does, see `TakeStatistics.bounds`.
@@ -259,6 +286,15 @@ class Part:
             self._distances.lengths(self._distances.vectors(weights)), 0.0
         )
         return lengths
+
+    def calmed(self, mute: Collection[str]) -> Calmed:
+        """Its answer to smooths; `mute`: controls that edits cannot ask for."""
+        own = tuple(c for c in self.own if c not in mute)
+        return Calmed(own, self.columns[self.have])
+
+    def at_rest(self, weights: Doubles) -> Doubles:
+        """(N, K) see `TakeStatistics.at_rest`, of weights (N, K) of all its channels."""
+        return self._statistics.at_rest(weights)
 
     @property
     def idle(self) -> Indices:
@@ -291,14 +327,9 @@ class Part:
         Args:
             answers: (N, M) the networks' answer to each stretch of the sample.
         """
-        curves = np.concatenate(sample.curves)
-        lacking = np.concatenate(sample.weights)[:, self.columns]
-        lacking = lacking - self.whole(np.concatenate(answers))
-        # What a face does on one side it may do on the other.
-        heard, columns = curves[:, self.layer_columns], self.layer_columns
-        mirrored = curves[:, [CONTROL_INDEX[MIRRORED_CONTROL[CONTROL_IDS[i]]] for i in columns]]
-        return LastLayer.fit(
-            np.concatenate([heard, mirrored]),
-            np.concatenate([lacking, lacking[:, self.mirror]]),
-            weight=0.5,
-        )
+        curves = np.concatenate(sample.curves)[:, self.layer_columns]
+        weights = np.concatenate(sample.weights)[:, self.columns]
+        lacking = weights - self.whole(np.concatenate(answers))
+        places = {CONTROL_IDS[column]: i for i, column in enumerate(self.layer_columns)}
+        mirror = [places.get(MIRRORED_CONTROL[name], i) for name, i in places.items()]
+        return LastLayer.fit(curves, lacking, self.mirror, np.array(mirror, np.intp))

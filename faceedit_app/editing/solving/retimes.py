@@ -25,6 +25,7 @@ from faceedit_app.editing.solving.filling import fill_frames
 _WIDEST = 8.0  # times as fast as the take: the mean over a frame's time gets no wider
 _OFFSETS = np.linspace(-4, 4, 9) / 9  # of the moments in the mean, as shares of its width
 _LOSS = 0.1  # mm
+_CLOSE, _JAW = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
 _LASTS = 3  # frames of the longest extreme: of a longer one, the mean keeps the middle
 # Frames on either side of a moment that its value depends on.
 AROUND = int(_WIDEST / 2) + _LASTS
@@ -37,11 +38,14 @@ class Retiming:
 
     Args:
         clip: its times and rate.
+        tracked: (T, 52) in ARKit order.
         measure: measures the curves of weights.
     """
 
-    def __init__(self, clip: Clip, measure: Measure) -> None:
+    def __init__(self, clip: Clip, tracked: Floats, measure: Measure) -> None:
         self._times, self._step, self._measure = clip.times, 1.0 / clip.rate, measure
+        close, jaw = (tracked[:, column].astype(np.float64) for column in (_CLOSE, _JAW))
+        self._excess = float(max((close - jaw).max(), 0.0))
         self._groups = [
             (CONTROL_INDEX[control.id], _columns_with(control))
             for control in CONTROLS
@@ -75,6 +79,8 @@ class Retiming:
         mixed = clock.mixed(times)
         found = self._sampled(out, near, mixed)
         self._keep_extremes(found, out, near, rows, clock, mixed)
+        # Between frames, lips may close a little more than the jaw is open.
+        found[:, _CLOSE] = np.minimum(found[:, _CLOSE], found[:, _JAW] + self._excess)
         return slice(rows.start - near.start, rows.stop - near.start), found
 
     def rotations(self, edit: Edit, out: Floats, near: slice) -> tuple[slice, Doubles] | None:

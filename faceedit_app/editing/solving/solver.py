@@ -21,14 +21,13 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
-from faceedit_app.core.regions import REGIONS
-from faceedit_app.core.resample import from_grid, grid_length, to_grid
+from faceedit_app.core.regions import BROWS, JAW, REGIONS
+from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
-from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.channel_edits import ChannelEdits, ChannelTask, Task
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
@@ -36,18 +35,18 @@ from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
-from faceedit_app.editing.solving.last_layer import LastLayer
+from faceedit_app.editing.solving.network_answers import NetworkAnswers
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.request import Request, active, request
+from faceedit_app.editing.solving.rounding import DECIMALS, rounded
+from faceedit_app.editing.solving.sideways import Sideways
+from faceedit_app.editing.solving.start import Starts
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
-# Changed weights are multiples of this. The last bits of a matrix product depend on the processor;
-# rounded, nearly all weights are the same on every one. It moves a jaw by less than a micrometre.
-DECIMALS = 5
 # Chunks that the statistics of a take are measured on: 12 are 100 s.
 SAMPLED = 12
 # Results of regions that are kept.
@@ -98,6 +97,7 @@ class Solver:
         self.grid = to_grid(clip.times, self.controls, 0, grid_length(clip.times))
         opening = self.controls[:, CONTROL_INDEX[LIP_OPENING]]
         self._fills = Fills(clip, self.tracked, opening, self.distances.measure)
+        self._starts = Starts(clip, self.tracked, self.controls, self.distances, self._fills)
         shut = float(np.percentile(opening, _SHUT_PERCENTILE))
         self.shut = shut if shut < _SHUT_MOST else _SHUT  # mm between closed lips
         self.use_engine(engine)
@@ -116,8 +116,9 @@ class Solver:
         self._sample = self._measure()
         self._parts = {
             region.id: Part(region, engine, self.distances, may, self._missing, self._sample)
-            for region in REGIONS
+            for region in (BROWS, *REGIONS)
         }
+        self._sideways = Sideways(self.distances, may, self._sample)
         # Brows move lids a little; the mouth, which is edited most, comes last.
         self._in_order = sorted(self._parts.items(), key=lambda entry: len(entry[1].own))
         self._companions = Companions(
@@ -125,7 +126,8 @@ class Solver:
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
-        self._answers = Answers(engine, self.grid) if engine else None
+        jaw = self._sideways.column
+        self._low[jaw], self._high[jaw] = self._sideways.limits
         moves = self._sample.high - self._sample.low > IDLE
         used = [c for c in self.clip.channels if moves[ARKIT_INDEX[c]]]
         self._across = across(used, self._sample.weights, self._sample.low, self.distances)
@@ -134,9 +136,9 @@ class Solver:
             for name, part in self._parts.items()
         }
         self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
-        self._layers: dict[tuple[str, float], LastLayer] = {}
-        for name in self._parts if engine else ():
-            self._last_layer(name, Settings())  # now, so that the first drag need not wait for it
+        self._networks = NetworkAnswers(
+            engine, clip.times, self.grid, self.chunks, self._parts, self._sampled, self._sample
+        )
         self.limits = self._limits()
         self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
         self.use_character(self._theirs)
@@ -181,28 +183,6 @@ class Solver:
             seconds=self.clip.duration,
         )
 
-    def _last_layer(self, region: str, settings: Settings) -> LastLayer | None:
-        """The take's own last layer of a region; None if it has no part in the answer."""
-        if self.engine is None or settings.mode is Mode.RESYNTHESIZE:
-            return None
-        return self._fitted_layer(region, settings.naturalness, self.engine)
-
-    def _fitted_layer(self, region: str, naturalness: float, engine: Engine) -> LastLayer:
-        """Linear in naturalness, as the answers are."""
-        if 0 < naturalness < 1:
-            ends = (self._fitted_layer(region, end, engine) for end in (0.0, 1.0))
-            return next(ends).towards(next(ends), naturalness)
-        key = region, naturalness
-        if key not in self._layers:
-            answers = []
-            for chunk in self._sampled:
-                own = self.chunks.own_ranges[chunk]
-                first, last = (int(i) for i in self.chunks.grid_ranges[chunk])
-                answer = engine.answer(region, self.grid[first:last], naturalness)
-                answers.append(answer[own[0] - first : own[1] - first])
-            self._layers[key] = self._parts[region].last_layer(answers, self._sample)
-        return self._layers[key]
-
     def _limits(self) -> list[tuple[float, float]]:
         """The lowest and highest value of each control that a face, or this take, can have, mm.
 
@@ -210,7 +190,8 @@ class Solver:
         """
         high = np.where(np.isfinite(self._high), self._high, self.distances.farthest)
         low = np.where(np.isfinite(self._low), self._low, 0.0)
-        low = np.maximum(low - BEYOND * (high - low), 0.0)
+        beyond = np.maximum(low - BEYOND * (high - low), 0.0)
+        low = np.where(self.distances.least < 0, low, beyond)
         low = np.minimum(low, self.controls.min(axis=0))
         high = np.maximum(high, self.controls.max(axis=0))
         return list(zip(low.tolist(), high.tolist(), strict=True))
@@ -218,6 +199,7 @@ class Solver:
     def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Task]:
         """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
+        listening[JAW.id] = JAW.own
         curves = [edit for edit in edits if not edit.channels]
         tasks = self.chunks.tasks(self._possible(curves), settings, listening)
         return self._channels.tasks(tasks, self._channels.possible(edits), self.chunks)
@@ -248,9 +230,7 @@ class Solver:
         rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
         mine = self._base(task.chunk, curves)
         weights, rotations = self._channels.apply(task, rows, self._base, DECIMALS)
-        controls = self.distances.measure(weights)
-        same = (weights == mine.weights).all(axis=1)
-        controls[same] = mine.controls[same]
+        controls = self._starts.measured(weights, mine.weights, mine.controls)
         # Curves that nobody asked for go where the channels take them.
         asked = np.where(mine.asked == mine.started, controls, mine.asked)
         return Patch(asked, weights, controls, rotations, mine.started)
@@ -274,11 +254,11 @@ class Solver:
         """Answer the curves of one chunk."""
         rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
         times, rate = self.clip.times[near], self.clip.rate
-        filled, tracked = self._start(task)
+        start = self._starts.filled(task)
         asked = request(
             times,
             rate,
-            tracked,
+            start.curves,
             self.medians,
             task.edits,
             self._companions,
@@ -287,27 +267,36 @@ class Solver:
         )
         inner = slice(rows.start - near.start, rows.stop - near.start)
         mine = asked.at(inner)
-        before = filled[inner].astype(np.float64)
+        regions = (part.calmed(self._mute) for part in self._parts.values())
+        started = start.curves[inner].astype(np.float32)
+        start = self._starts.calmed(start, task, regions)
+        tracked = start.curves
+        before = start.weights[inner].astype(np.float64)
         weights = before.copy()
         influences = {}
         for name, part in self._in_order:
+            if part.is_optional and not mine.influence[:, part.own_columns].any():
+                continue
             influence = part.influence(mine.influence)
-            if name in task.regions:
+            if name in task.regions and not part.is_optional:
                 influence = np.ones_like(influence)
             if influence.any():
                 influences[name] = influence
-        if influences:
+        if influences or mine.influence[:, self._sideways.column].any():
             change = self._wanted_change(asked, tracked)
+            change = start.without_twitches(change, asked.calm, rate)
             slow = smoothed(change, QUICK * rate)
-            answers = self._answer(task, tuple(influences), before, tracked, slow)
+            answers, exchanges = self._networks.answer(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
+            self._sideways.move(weights, change, mine.hold)
             for name, influence in influences.items():
                 part = self._parts[name]
                 heard, own = part.layer_columns, part.own_columns
                 wanted = RegionRequest(
-                    settings=settings,
-                    layer=self._last_layer(name, settings),
+                    settings=part.answered_by(settings),
+                    layer=self._networks.last_layer(name, settings),
                     answer=answers[name],
+                    exchange=exchanges[name],
                     unlike=part.unlike(change[:, own]),
                     influence=influence,
                     slow=slow[:, heard],
@@ -326,30 +315,11 @@ class Solver:
         if self._closing is not None and settings.closes:
             share = {name: influence.max(axis=1) for name, influence in influences.items()}
             result = self._closing(result, share)
-        result = _rounded(result, self.tracked[rows])
-        controls = self.distances.measure(result)
-        # The last bits of a matrix product depend on the number of frames.
-        same = (result == self.tracked[rows]).all(axis=1)
-        controls[same] = self.controls[rows][same]
+        result = rounded(result, self.tracked[rows])
+        controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
         turned = self._fills.turned(task.edits, near)
         rotations = None if turned is None else turned[inner]
-        started = tracked[inner].astype(np.float32)
         return Patch(mine.curves.astype(np.float32), result, controls, rotations, started)
-
-    def _start(self, task: ChunkTask) -> tuple[Floats, Doubles]:
-        """What edits of a chunk start from: the take with fills and retimes, near it.
-
-        Returns:
-            Weights (N', 52), and curves (N', C) mm.
-        """
-        near = slice(*task.near)
-        if not any(edit.op in OF_THE_TAKE for edit in task.edits):
-            return self.tracked[near], self.controls[near].astype(np.float64)
-        weights = self._fills.applied(task.edits, near)
-        controls = self.distances.measure(weights)
-        same = (weights == self.tracked[near]).all(axis=1)
-        controls[same] = self.controls[near][same]
-        return weights, controls.astype(np.float64)
 
     def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
@@ -364,60 +334,9 @@ class Solver:
         change: Doubles = wanted - tracked
         for part in self._parts.values():
             own = part.own_columns
-            if len(own):
+            if len(own) and not (part.is_optional and not asked.hold[:, own].any()):
                 change[:, own] = part.expectation.fill(change[:, own], asked.hold[:, own] > 0)
         return change
-
-    def _answer(
-        self,
-        task: ChunkTask,
-        regions: tuple[str, ...],
-        before: Doubles,
-        tracked: Doubles,
-        change: Doubles,
-    ) -> dict[str, Doubles]:
-        """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
-
-        Args:
-            before: (N, 52) weights of the chunk, with fills and retimes.
-            tracked: (N', C) mm, the controls near the task, with fills and retimes.
-            change: (N', C) mm by which those that are asked for differ from them.
-        """
-        rows, settings = self.chunks.slice(task.chunk), task.settings
-        resynthesize = settings.mode is Mode.RESYNTHESIZE
-        answers = {name: self._unanswered(name, before, resynthesize) for name in regions}
-        if self._answers is None or not regions:
-            return answers
-        first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
-        times = self.clip.times[slice(*task.near)]
-        fills = any(edit.op in OF_THE_TAKE for edit in task.edits)
-        start = to_grid(times, tracked, first, last) if fills else self.grid[first:last]
-        edited = start + to_grid(times, change, first, last)
-        grid_range = first, last
-        found = self._answers.to(regions, grid_range, edited, settings.naturalness)
-        if not resynthesize:
-            unedited = (
-                self._answers.to(regions, grid_range, start, settings.naturalness)
-                if fills
-                else self._answers.to_tracked(regions, grid_range, settings.naturalness)
-            )
-            found = {name: answer - unedited[name] for name, answer in found.items()}
-        stacked = np.concatenate([found[name] for name in regions], axis=1)
-        ends = np.cumsum([found[name].shape[1] for name in regions])[:-1]
-        parts = np.split(from_grid(stacked, first, self.clip.times[rows]), ends, axis=1)
-        for name, answer in zip(regions, parts, strict=True):
-            if resynthesize:
-                answers[name][:, : answer.shape[1]] = answer
-            else:
-                answers[name] = answer
-        return answers
-
-    def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:
-        """(N, K) what stands in for the networks' answer if there is none."""
-        part = self._parts[name]
-        if resynthesize:
-            return before[:, part.columns]
-        return np.zeros((len(before), len(part.region.channels)))
 
     def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
         """Put a region's weights into those of a chunk (N, 52).
@@ -433,14 +352,3 @@ class Solver:
         while len(self._solved) > REMEMBERED:
             del self._solved[next(iter(self._solved))]  # the least recently used
         weights[:, part.columns[part.have]] = known[2]
-
-
-def _rounded(weights: Floats, tracked: Floats) -> Floats:
-    """(N, 52) float32: changed weights rounded, the others with the bits of the take."""
-    rounded = np.round(weights.astype(np.float64), DECIMALS).astype(np.float32)
-    result: Floats = np.where(weights == tracked, tracked, rounded)
-    jaw, lips = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
-    # Lips that are no more closed than the jaw is open stay so.
-    over = (result[:, lips] > result[:, jaw]) & (weights[:, lips] <= weights[:, jaw])
-    result[over, lips] = result[over, jaw]
-    return result

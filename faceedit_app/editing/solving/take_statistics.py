@@ -24,6 +24,12 @@ ENOUGH_SECONDS = 1.0
 PRIOR_FRAMES = 20.0
 # The same for quick movement, which a few frames show well enough.
 QUICK_PRIOR_FRAMES = 2.0
+# A channel this near to its smallest weight is at rest ...
+AT_REST = 1e-3
+# ... and rests if it is for such a share of the take.
+OFTEN = 0.2
+# A channel that rests does not leave its rest for less.
+WAKES = 0.03
 # Movement beyond the take's own range that any request may use.
 MARGIN = 0.05
 
@@ -35,6 +41,7 @@ class TakeStatistics:
     Attributes:
         low, high: (K,) the smallest and the largest weight.
         used: (K,) whether the channel moves at all.
+        rests: (K,) whether the channel is at its smallest weight for much of the take.
         covariance: (K, K) of the weights; 0 for idle channels.
         wide: (K, K) the mean of the take's covariance and that of other performances, idle
             channels included, for what the take itself cannot answer.
@@ -45,6 +52,7 @@ class TakeStatistics:
     low: Doubles
     high: Doubles
     used: Bools
+    rests: Bools
     covariance: Doubles
     wide: Doubles
     fast: Doubles
@@ -91,7 +99,15 @@ class TakeStatistics:
                 fast = _shrunk(scaled, len(change), covariance, QUICK_PRIOR_FRAMES)
         live = np.outer(used, used)
         wide = 0.5 * (covariance + even)
-        return cls(low, high, used, covariance * live, wide, fast * live)
+        still = np.concatenate(frames) <= low + AT_REST
+        rests = still.mean(axis=0) > OFTEN
+        return cls(low, high, used, rests, covariance * live, wide, fast * live)
+
+    def at_rest(self, weights: Doubles) -> Doubles:
+        """(N, K) in 0..1: how far channels that rest are at rest in weights (N, K)."""
+        away = (weights - self.low) / WAKES
+        at_rest: Doubles = np.where(self.rests, np.clip(1.0 - away, 0.0, 1.0), 0.0)
+        return at_rest
 
     def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
         """The smallest and largest weights (N, K) for requests on N frames.

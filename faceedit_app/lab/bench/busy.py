@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from faceedit_app.core.controls import CONTROL_IDS, MOUTH_WIDTH
+from faceedit_app.core.controls import MAIN_CONTROLS, MOUTH_WIDTH
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.lab.bench.clocks import Times
 from faceedit_app.lab.bench.desk import Desk, Heartbeat, long_take
@@ -32,7 +32,7 @@ def spread_edits(count: int, seconds: float) -> tuple[Edit, ...]:
     for i, start in enumerate(starts.tolist()):
         op = _OPS[i % len(_OPS)]
         points = ((start, 30.0), (start + 0.3, 32.0)) if op is Op.DRAW else ()
-        control = MOUTH_WIDTH if op is Op.DRAW else CONTROL_IDS[i % len(CONTROL_IDS)]
+        control = MOUTH_WIDTH if op is Op.DRAW else MAIN_CONTROLS[i % len(MAIN_CONTROLS)]
         value = _VALUES.get(op, 0.0)
         made.append(Edit((control,), op, start, start + 0.3, 0.2, value, points=points))
     return tuple(made)

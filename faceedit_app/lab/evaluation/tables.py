@@ -9,7 +9,7 @@ import numpy as np
 
 def cell(value: float, digits: int = 4) -> str:
     """A number for a table; a dash if there is none."""
-    return f"{value:.{digits}f}" if np.isfinite(value) else "–"
+    return f"{round(value, digits) + 0.0:.{digits}f}" if np.isfinite(value) else "–"
 
 
 def markdown_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -17,7 +17,13 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, LIP_OPENING
+from faceedit_app.core.controls import (
+    CONTROL_IDS,
+    CONTROL_INDEX,
+    LIDS,
+    LIP_OPENING,
+    MAIN_CONTROLS,
+)
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
@@ -231,7 +237,8 @@ def _jitter(found: Doubles, truth: Doubles) -> float:
 def table(figures: Sequence[TrackingFigures]) -> str:
     """The figures as a Markdown table."""
     opening, lids = CONTROL_INDEX[LIP_OPENING], [CONTROL_INDEX[lid] for lid in LIDS]
-    others = [i for i in range(len(CONTROL_IDS)) if i not in (opening, *lids)]
+    main = [CONTROL_INDEX[control] for control in MAIN_CONTROLS]
+    others = [i for i in main if i not in (opening, *lids)]
     rows = [
         "| character | film | method | lips, mm | lips from rest | lids | lids from rest | others "
         "| others from rest | lips shut TPR / FPR | lids shut TPR / FPR | lag | jitter | lost |",

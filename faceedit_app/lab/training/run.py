@@ -25,6 +25,7 @@ from faceedit_app.lab.training.fit import Epoch, Fitted, fit_region
 from faceedit_app.lab.training.holden import FOLDER, fit_holden
 from faceedit_app.lab.training.loop import History
 from faceedit_app.lab.training.model_files import TrainedRegion, load_trained, save_trained
+from faceedit_app.lab.training.processes import Processes
 from faceedit_app.lab.training.settings import RECIPES, FitSettings
 from faceedit_app.networks.engine import ENDING
 
@@ -108,20 +109,58 @@ class TrainingPlan:
         return " ".join(words)
 
 
-def train_models(plan: TrainingPlan, progress: Progress) -> Iterator[Path]:
+def train_models(
+    plan: TrainingPlan, progress: Progress, shared: Processes | None = None
+) -> Iterator[Path]:
     """Train the networks of each region; yields each file as it is written.
 
     The state of each epoch is kept in the folder `checkpoint` of the output until training ends:
     the same command resumes it. Ctrl+C writes the best networks so far of the region
     that is being trained.
 
+    Args:
+        shared: the processes that share the work; each yields what it wrote itself.
+
     Raises:
         FileError: a folder holds no take, or the output cannot be written.
         KeyboardInterrupt: the user stopped the training; what was written is usable.
     """
     torch.set_num_threads(THREADS)
+    shared = shared or Processes()
     settings = plan.settings
     begin = _beginnings(plan.finetune)
+    performances = load_performances(plan.folders, plan.exclude)
+    _make_folders(plan)
+    rig = read_rig(shipped("assets/character.glb"))
+    mine = _Trained()
+    for number, region in enumerate(map(rig.measures, REGIONS)):
+        report = _reporter(progress, region.label, _epochs(settings, plan.baseline))
+        work = _Work(region, performances, rig, settings, report, plan.output)
+        if shared.takes(number):
+            mine.fitted.append(work.networks(begin.get(region.id)))
+            yield plan.output / f"{region.id}{ENDING}"
+            if mine.fitted[-1].stopped:
+                raise KeyboardInterrupt
+        if plan.baseline and shared.takes(len(REGIONS) + number):
+            histories = mine.baselines[region.id] = work.baseline()
+            yield plan.output / FOLDER / f"{region.id}{ENDING}"
+            if any(history.stopped for history in histories.values()):
+                raise KeyboardInterrupt
+    parts = shared.gather(mine)
+    if shared.number:
+        return
+    fitted = _joined(parts)
+    chart_file = plan.output / LOSSES
+    write_atomically(chart_file, losses_chart(fitted).encode())
+    yield chart_file
+    card = plan.output / CARD
+    text = model_card(fitted, performances, settings, plan.output, plan.command)
+    write_atomically(card, text.encode())
+    yield card
+    shutil.rmtree(plan.output / CHECKPOINTS, ignore_errors=True)
+
+
+def _make_folders(plan: TrainingPlan) -> None:
     checkpoints = plan.output / CHECKPOINTS
     try:
         if plan.fresh:
@@ -131,47 +170,51 @@ def train_models(plan: TrainingPlan, progress: Progress) -> Iterator[Path]:
             (plan.output / FOLDER).mkdir(exist_ok=True)
     except OSError as error:
         raise FileError(plan.output, "cannot be made", "choose another folder") from error
-    performances = load_performances(plan.folders, plan.exclude)
-    rig = read_rig(shipped("assets/character.glb"))
-    fitted = []
-    for region in map(rig.measures, REGIONS):
-        report = _reporter(progress, region.label, _epochs(settings, plan.baseline))
-        start = begin.get(region.id)
-        result = fit_region(region, performances, rig, settings, report, start, checkpoints)
-        path = plan.output / f"{region.id}{ENDING}"
-        save_trained(path, result.model)
-        fitted.append(result)
-        yield path
-        if plan.baseline and not result.stopped:
-            yield _baseline(region, performances, rig, settings, report, plan.output, result)
-        if result.stopped:
-            raise KeyboardInterrupt
-    chart_file = plan.output / LOSSES
-    write_atomically(chart_file, losses_chart(fitted).encode())
-    yield chart_file
-    card = plan.output / CARD
-    text = model_card(fitted, performances, settings, plan.output, plan.command)
-    write_atomically(card, text.encode())
-    yield card
-    shutil.rmtree(checkpoints, ignore_errors=True)
 
 
-def _baseline(
-    region: Region,
-    performances: Sequence[Performance],
-    rig: Rig,
-    settings: FitSettings,
-    report: Report,
-    output: Path,
-    result: Fitted,
-) -> Path:
-    checkpoints = output / CHECKPOINTS
-    model, histories = fit_holden(region, performances, rig, settings, report, checkpoints)
-    result.histories.update(histories)
-    result.stopped = any(history.stopped for history in histories.values())
-    path = output / FOLDER / f"{region.id}{ENDING}"
-    save_trained(path, model)
-    return path
+@dataclass
+class _Trained:
+    """What one process has trained: networks, and the losses of baselines by region."""
+
+    fitted: list[Fitted] = dataclasses.field(default_factory=list)
+    baselines: dict[str, dict[str, History]] = dataclasses.field(default_factory=dict)
+
+
+def _joined(parts: Sequence[_Trained]) -> list[Fitted]:
+    """All networks in the order of the regions, with the losses of their baselines."""
+    fitted = {one.model.description.region: one for part in parts for one in part.fitted}
+    for part in parts:
+        for region, histories in part.baselines.items():
+            fitted[region].histories.update(histories)
+    return [fitted[region.id] for region in REGIONS]
+
+
+@dataclass(frozen=True)
+class _Work:
+    """The training of one region."""
+
+    region: Region
+    performances: Sequence[Performance]
+    rig: Rig
+    settings: FitSettings
+    report: Report
+    output: Path
+
+    def networks(self, start: TrainedRegion | None) -> Fitted:
+        """Train and save the networks, from others or from scratch."""
+        result = fit_region(*self._what, self.report, start, self.output / CHECKPOINTS)
+        save_trained(self.output / f"{self.region.id}{ENDING}", result.model)
+        return result
+
+    def baseline(self) -> dict[str, History]:
+        """Train and save the baseline."""
+        model, histories = fit_holden(*self._what, self.report, self.output / CHECKPOINTS)
+        save_trained(self.output / FOLDER / f"{self.region.id}{ENDING}", model)
+        return histories
+
+    @property
+    def _what(self) -> tuple[Region, Sequence[Performance], Rig, FitSettings]:
+        return self.region, self.performances, self.rig, self.settings
 
 
 def _beginnings(folder: Path | None) -> dict[str, TrainedRegion]:

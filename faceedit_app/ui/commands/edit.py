@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
-from faceedit_app.core.controls import CONTROL_IDS, SIDED_CONTROLS
+from faceedit_app.core.controls import CONTROL_IDS, MAIN_CONTROLS, SIDED_CONTROLS
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.retime import RetimeCommands
@@ -138,12 +138,14 @@ class EditCommands:
         self._copy(Copied.CHANGE)
 
     def _copy(self, what: Copied) -> None:
-        from faceedit_app.editing.help.clipboard import copy_range
+        from faceedit_app.editing.help.clipboard import Copied, copy_range
 
         session, selection = self._document.session, self._selection("copy")
         if session is None or selection is None:
             return
-        copied = copy_range(session, *selection, self._chosen_controls(), what)
+        # Nothing is copied of folded curves unasked; but their changes are the user's.
+        every = CONTROL_IDS if what is Copied.CHANGE else self._unfolded
+        copied = copy_range(session, *selection, self._chosen_controls() or every, what)
         if copied.is_empty:
             self._workspace.message.emit("The selection has no changes to copy")
             return
@@ -169,7 +171,8 @@ class EditCommands:
         if session is None or selection is None:
             return
         self._workspace.end_gestures()
-        copied = copy_range(session, *selection, SIDED_CONTROLS, Copied.CURVE)
+        sided = [control for control in self._unfolded if control in SIDED_CONTROLS]
+        copied = copy_range(session, *selection, sided, Copied.CURVE)
         self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
 
     def _selection(self, what: str) -> tuple[float, float] | None:
@@ -178,10 +181,17 @@ class EditCommands:
             self._workspace.message.emit(f"To {what} a time range, select it first")
         return selection
 
-    def _chosen_controls(self) -> tuple[str, ...]:
-        """The chosen curves, or all if none is chosen."""
+    @property
+    def _unfolded(self) -> tuple[str, ...]:
+        """The curves that are not folded away."""
         page = self._workspace.page
-        return (page.curves.chosen_controls if page is not None else ()) or CONTROL_IDS
+        open_group = page.curves.shown.open_group if page is not None else MAIN_CONTROLS
+        return tuple(control for control in CONTROL_IDS if control in open_group)
+
+    def _chosen_controls(self) -> tuple[str, ...]:
+        """The chosen curves, if any."""
+        page = self._workspace.page
+        return page.curves.chosen_controls if page is not None else ()
 
     def _copied(self) -> Clipboard | None:
         if self._clipboard is None:
@@ -245,6 +255,8 @@ class EditCommands:
             session.configure(replace(session.settings, mode=mode))
 
 
+TIMING, SELECTED = "&Timing", "Selected e&dit"  # submenus
+
 # fmt: off
 MENU: Menu[EditCommands] = Menu("&Edit", (
     Command("undo", "&Undo", EditCommands.undo, ("Ctrl+Z",), "Undo the last step", "undo",
@@ -271,40 +283,43 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
             "Paste what was copied at the playhead, with left and right swapped"),
     Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
             "Swap left and right in the selection"),
-    Command("stretch_time", "S&tretch in time…", lambda do: do.retime.stretch(), ("Shift+W",),
+    Command("stretch_time", "&Stretch…", lambda do: do.retime.stretch(), ("Shift+W",),
             "Make the selection longer or shorter; what follows makes up for it and keeps its time",
-            starts_group=True),
+            starts_group=True, submenu=TIMING),
     Command("move_time", "Mo&ve in time…", lambda do: do.retime.move(),
-            tip="Show the selection earlier or later; what is beside it makes up for it"),
+            tip="Show the selection earlier or later; what is beside it makes up for it",
+            submenu=TIMING),
     Command("cut_time", "Cut out of ti&me", lambda do: do.retime.cut(),
-            tip="Leave out the selection; what follows plays slower until it has caught up"),
+            tip="Leave out the selection; what follows plays slower until it has caught up",
+            submenu=TIMING),
     Command("insert_pause", "Insert a pa&use…", lambda do: do.retime.pause(),
-            tip="Hold the face at the playhead; what follows plays faster until it has caught up"),
+            tip="Hold the face at the playhead; what follows plays faster until it has caught up",
+            submenu=TIMING),
     Command("toggle_edit", "Switch edit &on / off",
             lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),
             "Switch the selected edit on or off",
-            enabled=lambda do: do.has_selected_edit, starts_group=True),
+            enabled=lambda do: do.has_selected_edit, starts_group=True, submenu=SELECTED),
     Command("rename_edit", "Re&name edit",
             lambda do: do.on_list(lambda edits: edits.rename()), ("F2",),
             "Rename the selected edit",
-            enabled=lambda do: do.has_selected_edit),
+            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("edit_up", "Move edit up", lambda do: do.on_list(lambda edits: edits.move_edit(-1)),
             ("Alt+Up",), "Move the selected edit up the list, to apply it earlier",
-            enabled=lambda do: do.has_selected_edit),
+            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.move_edit(1)),
             ("Alt+Down",), "Move the selected edit down the list, to apply it later",
-            enabled=lambda do: do.has_selected_edit),
+            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("delete_edit", "&Delete edit",
             lambda do: do.on_list(lambda edits: edits.delete()), ("Del",),
             "Delete the selected edit", "trash",
-            enabled=lambda do: do.has_selected_edit),
+            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),
             "Select the whole take", starts_group=True),
     Command("select_around", "Select around the pla&yhead", EditCommands.select_around,
             tip="Select a second around the playhead; its edges can be dragged"),
     Command("deselect", "D&eselect", EditCommands.deselect, ("Esc",),
             "Cancel the drag in progress, or leave the chosen edit and clear the selection"),
-    Command("preserve", "Preserve the &take", lambda do: do.set_mode(Mode.PRESERVE),
+    Command("preserve", "Preserve the ta&ke", lambda do: do.set_mode(Mode.PRESERVE),
             tip="Change only the frames and curves that your edits affect",
             checked=lambda do: do.mode is Mode.PRESERVE, starts_group=True),
     Command("resynthesize", "Re&synthesize", lambda do: do.set_mode(Mode.RESYNTHESIZE),

@@ -279,6 +279,10 @@ class FixCommands:
             page.proposal.discard()
 
 
+# Submenus: with all their commands, the menu would be higher than a small screen.
+WORDS, PROBLEMS = "Spo&ken words", "Problems in the &take"
+
+
 def _fixes() -> Iterator[Command[FixCommands]]:
     """A command for each shipped preset."""
     groups = [preset.group for preset in shipped_presets()]
@@ -304,46 +308,47 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
     Command("fill", "&Fill", FixCommands.fill, ("Ctrl+I",),
             "Replace the selection, up to 4 s, with other motion of the take that fits both sides"),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
-    Command("save_preset", "Save selection as prese&t…", FixCommands.save_preset,
+    Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),
     Command("close_on_words", "Close l&ips on m, b, p", lambda do: do.words.close_lips(), (),
             "Close the lips at each m, b and p that stays open, in the selection or the whole take",
-            "lips", enabled=lambda do: do.words.has_words, starts_group=True),
+            "lips", enabled=lambda do: do.words.has_words, starts_group=True, submenu=WORDS),
     Command("shape_on_words", "Shape lips on f, w, s&h", lambda do: do.words.shape_lips(), (),
             "Shape the lips at f, w, oo, sh and ch, in the selection or the whole take",
-            enabled=lambda do: do.words.has_words),
+            enabled=lambda do: do.words.has_words, submenu=WORDS),
     Command("say_clearly", "Say it clearl&y…", lambda do: do.words.say_clearly(), (),
             "Set how clearly the words are said, with lips that still meet",
-            enabled=lambda do: do.words.has_words),
+            enabled=lambda do: do.words.has_words, submenu=WORDS),
     Command("neutral_frame", "This frame is ne&utral", lambda do: do.calibration.this_frame(), (),
             "Subtract the pose at the playhead from the selection or the whole take; blinks and "
             "words keep their height", starts_group=True),
-    Command("levels", "Stren&gth by channel…", lambda do: do.calibration.levels(), (),
+    Command("levels", "Strengt&h by channel…", lambda do: do.calibration.levels(), (),
             "Set multiplier, offset and soft limit of each channel, as one edit"),
     Command("next_problem", "&Next problem", lambda do: do.step(1), ("Down",),
             "Go to the next problem", "down",
-            enabled=lambda do: bool(do.problems), starts_group=True),
+            enabled=lambda do: bool(do.problems), starts_group=True, submenu=PROBLEMS),
     Command("previous_problem", "Previous problem", lambda do: do.step(-1), ("Up",),
             "Go to the previous problem", "up",
-            enabled=lambda do: bool(do.problems)),
+            enabled=lambda do: bool(do.problems), submenu=PROBLEMS),
     Command("fix_problem", "Fi&x this problem", FixCommands.fix_problem, ("P",),
             "Preview a fix for the problem at the playhead, to accept or discard",
-            enabled=lambda do: do.problem is not None and bool(do.problem.fix)),
+            enabled=lambda do: do.problem is not None and bool(do.problem.fix), submenu=PROBLEMS),
     Command("fix_all", "Fix all problems", FixCommands.fix_all, ("Ctrl+Shift+P",),
             "Preview fixes for all problems that are ticked in the list, to accept or discard",
-            enabled=lambda do: do.can_fix_all),
+            enabled=lambda do: do.can_fix_all, submenu=PROBLEMS),
     Command("list_problems", "&List of problems", FixCommands.list_problems, ("Ctrl+P",),
-            "Show the problems as a list: what, when and how bad"),
+            "Show the problems as a list: what, when and how bad", submenu=PROBLEMS),
     Command("previous_variation", "Previous variation", lambda do: do.vary(-1), ("[",),
             "Show the previous variation of the proposal", "back",
-            enabled=lambda do: do.has_variations),
+            enabled=lambda do: do.has_variations, submenu=PROBLEMS),
     Command("next_variation", "Next &variation", lambda do: do.vary(1), ("]",),
             "Show the next variation of the proposal", "forward",
-            enabled=lambda do: do.has_variations),
+            enabled=lambda do: do.has_variations, submenu=PROBLEMS),
     Command("accept_fix", "Accept the proposal", FixCommands.accept, ("Return", "Enter"),
-            "Make the proposed edits", "tick", enabled=lambda do: do.has_proposal),
+            "Make the proposed edits", "tick",
+            enabled=lambda do: do.has_proposal, submenu=PROBLEMS),
     Command("discard_fix", "Discard the proposal", FixCommands.discard, (),
             "Discard the proposed edits (Esc)", "close",
-            enabled=lambda do: do.has_proposal),
+            enabled=lambda do: do.has_proposal, submenu=PROBLEMS),
 ))
 # fmt: on

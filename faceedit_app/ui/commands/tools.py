@@ -72,7 +72,7 @@ MENU: Menu[ToolCommands] = Menu("T&ools", (
     Command("tool_restore", "&Back to tracked", lambda do: do.choose(Tool.RESTORE), ("R",),
             "Paint over edits to erase them; the face goes back to the tracked take",
             "tool_restore", checked=lambda do: do.tool is Tool.RESTORE),
-    Command("tool_retime", "Re&time", lambda do: do.choose(Tool.RETIME), ("W",),
+    Command("tool_retime", "R&etime", lambda do: do.choose(Tool.RETIME), ("W",),
             "Drag the face or the selection sideways to show it earlier or later, an end of the "
             "selection to stretch it", "tool_retime", checked=lambda do: do.tool is Tool.RETIME),
     Command("link", "&Left = right", ToolCommands.link, ("U",),
@@ -89,7 +89,7 @@ MENU: Menu[ToolCommands] = Menu("T&ools", (
             "Lower the focused curve by 0.5 mm"),
     Command("raise_fine", "Raise a l&ittle", lambda do: do.nudge(FINE_STEP), ("Ctrl+Shift+Up",),
             "Raise the focused curve by 0.05 mm"),
-    Command("lower_fine", "Lower a li&ttle", lambda do: do.nudge(-FINE_STEP),
+    Command("lower_fine", "Lower &a little", lambda do: do.nudge(-FINE_STEP),
             ("Ctrl+Shift+Down",), "Lower the focused curve by 0.05 mm"),
 ))
 # fmt: on

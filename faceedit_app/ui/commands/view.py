@@ -75,12 +75,27 @@ class ViewCommands:
     def show_all_curves(self) -> None:
         """Show the hidden curves again."""
         if self.curves is not None:
-            self.curves.show_all()
+            self.curves.shown.show_all()
 
     @property
     def shown_curves(self) -> int:
         """How many curves are shown."""
-        return len(self.curves.shown_controls) if self.curves is not None else len(CONTROLS)
+        return len(self.curves.shown.controls) if self.curves is not None else len(CONTROLS)
+
+    @property
+    def hides_curves(self) -> bool:
+        """Whether the user has hidden curves."""
+        return self.curves is not None and self.curves.shown.hides_any
+
+    def unfold_curves(self) -> None:
+        """Show the optional curves, or fold them away."""
+        if self.curves is not None:
+            self.curves.shown.unfold(not self.unfolds_curves)
+
+    @property
+    def unfolds_curves(self) -> bool:
+        """Whether the optional curves are shown."""
+        return self.curves is not None and self.curves.shown.is_unfolded
 
     # --- the time ----------------------------------------------------------------------------
 
@@ -332,7 +347,8 @@ MENU: Menu[ViewCommands] = Menu("&View", (
         for place, label in (("beside", "&Beside"), ("above", "&Above"), ("below", "B&elow"))
     ),
     *(
-        Command(f"curve_{index + 1}", f"&{index + 1} {control.label}",
+        Command(f"curve_{index + 1}",
+                f"&{index + 1} {control.label}" if control.key else control.label,
                 partial(ViewCommands.focus_curve, index=index),
                 (control.key,) if control.key else (),
                 f"Focus the curve “{control.label}”", submenu="Focus a &curve")
@@ -349,7 +365,10 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             submenu=CURVES),
     Command("show_all_curves", "Show &all curves", ViewCommands.show_all_curves,
             tip="Show the hidden curves again",
-            enabled=lambda do: do.shown_curves < len(CONTROLS), submenu=CURVES),
+            enabled=lambda do: do.hides_curves, submenu=CURVES),
+    Command("unfold_curves", "Show &brows and jaw", ViewCommands.unfold_curves, ("Ctrl+B",),
+            "Show the curves of the brows and of a sideways jaw, or fold them away",
+            checked=lambda do: do.unfolds_curves, submenu=CURVES),
     Command("all_channels", "A&ll channels", ViewCommands.all_channels, ("Ctrl+Shift+L",),
             "Show the 52 channels, head and eyes as plain curves, to read, scale, smooth and draw",
             checked=lambda do: do.shows_channels),

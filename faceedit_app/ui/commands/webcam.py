@@ -15,10 +15,6 @@ if TYPE_CHECKING:  # loaded with the first recording
     from faceedit_app.media.webcam import Webcam
     from faceedit_app.ui.media.webcam_dialog import WebcamDialog
 
-_NONE = (
-    "No webcam was found: connect one, or film yourself with a phone and choose File > Track a film"
-)
-
 
 def suggested_film(folder: Path) -> Path:
     """A name for a film that does not exist yet."""
@@ -68,7 +64,9 @@ class WebcamRecording:
     def _found(self, webcams: list[Webcam]) -> None:
         self._is_looking = False
         if not webcams:
-            self._failed(FaceEditError(_NONE))
+            from faceedit_app.media.webcam import NO_WEBCAM
+
+            self._failed(FaceEditError(NO_WEBCAM))
             return
         window, preferences = self._workspace.window, self._workspace.preferences
         suggestion = suggested_film(preferences.folder("media"))

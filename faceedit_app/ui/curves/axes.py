@@ -26,6 +26,8 @@ from faceedit_app.ui.state.clock import Clock, Unit, label
 
 Levels = list[tuple[float, list[float]]]  # spacing and values of each level of ticks
 
+_HALF_NUMBER = 6.0  # pixels: a value nearer to an edge has no room for its number
+_FINER = 0.3  # of a step: less than half, so that the next finer round number is found
 _FRAME_SPACING = 34.0  # pixels between two frame numbers
 _FRAME_CLOSEST = 9.0  # least pixels between two marked frames
 _TICK_CLOSEST = 5.0
@@ -62,10 +64,24 @@ class ValueAxis(pg.AxisItem):
         return None if specs is None else (specs[0], [], specs[2])
 
     def tickValues(self, low: float, high: float, size: float) -> Levels:
-        """Round numbers, wide enough apart; a single level, without pyqtgraph's search for more."""
+        """Round numbers, wide enough apart; a single level, without pyqtgraph's search for more.
+
+        A low plot may have room for none of them; then it has a finer one near its middle.
+        """
         step = nice_step((high - low) * style.VALUE_SPACING / size)
-        first, last = math.ceil(low / step), math.floor(high / step)
-        return [(step, [step * n for n in range(first, last + 1)])]
+        values = _multiples(step, low, high)
+        cut = (high - low) * _HALF_NUMBER / size
+        if not any(low + cut <= value <= high - cut for value in values):
+            step = nice_step(_FINER * step)
+            inside = _multiples(step, low + cut, high - cut)
+            middle = 0.5 * (low + high)
+            values = sorted(inside, key=lambda value: abs(value - middle))[:1] or values
+        return [(step, values)]
+
+
+def _multiples(step: float, low: float, high: float) -> list[float]:
+    """All multiples of a step from `low` to `high`."""
+    return [step * n for n in range(math.ceil(low / step), math.floor(high / step) + 1)]
 
 
 class GridLines(ViewItem):

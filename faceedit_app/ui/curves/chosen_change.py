@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from faceedit_app.editing.edits.edit import Company, Edit, Op
 from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.tools import Press
+from faceedit_app.ui.state.tools import Tool
 
 _LEAST_STRENGTH = 0.25  # of an edit that a drag can change: with less, the hand would do nothing
 
@@ -42,21 +43,27 @@ class ChosenChange:
 
 
 def change_by(
-    press: Press, chosen: tuple[int, Edit] | None, selection: Interval | None
+    tool: Tool, press: Press, chosen: tuple[int, Edit] | None, selection: Interval | None
 ) -> ChosenChange | None:
-    """The change that a press begins, if the chosen edit is a move of the same curves at its place.
+    """The change that a press begins, if the chosen edit does the same at its place.
+
+    With the Move tool, it moves the same curves; with Retime, the press is on what it moves.
 
     Args:
-        press: the press, with the Move tool.
+        tool: the tool.
+        press: the press.
         chosen: row and edit; None if no edit is chosen.
         selection: the time range between the handles.
     """
     if chosen is None:
         return None
     row, edit = chosen
+    if tool is Tool.RETIME:
+        return ChosenChange(row, edit) if press.retime is not None else None
     hold = press.span.start, press.span.end
     is_same = (
-        edit.op is Op.OFFSET
+        tool is Tool.MOVE
+        and edit.op is Op.OFFSET
         and edit.companions is Company.YIELD
         and edit.enabled
         and edit.strength >= _LEAST_STRENGTH
@@ -64,13 +71,3 @@ def change_by(
         and hold in (selection, (edit.start, edit.end))
     )
     return ChosenChange(row, edit) if is_same else None
-
-
-def retime_by(press: Press, chosen: tuple[int, Edit] | None) -> ChosenChange | None:
-    """The change that a press with the Retime tool begins, if it is on what the chosen edit moves.
-
-    Args:
-        press: the press, with the Retime tool.
-        chosen: row and edit; None if no edit is chosen.
-    """
-    return ChosenChange(*chosen) if chosen is not None and press.retime is not None else None

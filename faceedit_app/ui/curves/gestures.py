@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from faceedit_app.core.controls import CONTROL_IDS, MIRRORED_CONTROL
+from faceedit_app.editing.edits.describe import signed
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.scale import Interval
 
@@ -180,7 +181,7 @@ class CurveDrag(VerticalDrag):
     @property
     def words(self) -> str:
         """The move, for the label beside the pointer."""
-        return f"{self.amount:+.1f} mm"
+        return f"{signed(self.amount)} mm"
 
 
 def moved_together(control: str, chosen: Iterable[str], linked: bool) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.ui.curves.interaction import Interaction
@@ -15,10 +15,16 @@ class FaceHand:
     Args:
         plots: in curve order.
         mouse: what drags on them go through.
+        reveal: shows the curve of a control, which may be hidden.
     """
 
-    def __init__(self, plots: Sequence[CurvePlot], mouse: Interaction) -> None:
-        self._plots, self._mouse = plots, mouse
+    def __init__(
+        self,
+        plots: Sequence[CurvePlot],
+        mouse: Interaction,
+        reveal: Callable[[str], None],
+    ) -> None:
+        self._plots, self._mouse, self._reveal = plots, mouse, reveal
 
     @property
     def is_held(self) -> bool:
@@ -27,6 +33,7 @@ class FaceHand:
 
     def grab(self, control: str, one_side: bool) -> bool:
         """Take a control at the frame on screen; False if it cannot be edited."""
+        self._reveal(control)
         return self._mouse.grab(self._plots[CONTROL_INDEX[control]], one_side)
 
     def probe(self, millimetres: float) -> None:

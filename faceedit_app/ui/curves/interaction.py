@@ -12,7 +12,7 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
-from faceedit_app.ui.curves.chosen_change import ChosenChange, change_by, retime_by
+from faceedit_app.ui.curves.chosen_change import ChosenChange, change_by
 from faceedit_app.ui.curves.edges import GRASP
 from faceedit_app.ui.curves.gestures import (
     CurveDrag,
@@ -23,7 +23,7 @@ from faceedit_app.ui.curves.gestures import (
     stepped_falloff,
 )
 from faceedit_app.ui.curves.plot import CurvePlot
-from faceedit_app.ui.curves.retime_drag import is_on_content
+from faceedit_app.ui.curves.retime_drag import held_retime
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import Gesture, Press, begin, move
 from faceedit_app.ui.state.timeline import Timeline
@@ -242,8 +242,6 @@ class Interaction(QObject):
         session, control = self.session, plot.control.id
         assert session is not None
         frame, column = session.take.clip.frame_at(time), CONTROL_INDEX[control]
-        chosen = self.chosen_edit()
-        retime = chosen[1] if chosen is not None else None
         return Press(
             control,
             self.edited_from(control, one_side),
@@ -255,7 +253,7 @@ class Interaction(QObject):
             float(session.tracked[frame, column]),
             session.limits[column],
             session.take.clip,
-            retime if is_on_content(retime, time, slack) else None,
+            held_retime(self.chosen_edit(), time, slack),
         )
 
     # --- a hand on the face ------------------------------------------------------------------
@@ -328,13 +326,8 @@ class Interaction(QObject):
         self._show_edited_frame()
 
     def _change_by(self, press: Press) -> ChosenChange | None:
-        match self._tools.tool:
-            case Tool.MOVE:
-                return change_by(press, self.chosen_edit(), self._timeline.selection)
-            case Tool.RETIME:
-                return retime_by(press, self.chosen_edit())
-            case _:
-                return None
+        selection = self._timeline.selection
+        return change_by(self._tools.tool, press, self.chosen_edit(), selection)
 
     def _preview_edit(self, edit: Edit | None) -> None:
         """Show a new edit, or the chosen one with what the drag adds to it."""

@@ -14,7 +14,7 @@ _SAMPLE = 22.0  # pixels of line
 _SPACE = 16.0
 _EXPLANATION = (
     "Thin grey: the curve as tracked. Dashed white: what you asked for. "
-    "Solid: what the face does; blue is the lower face, orange the eyelids."
+    "Solid: what the face does; blue is the lower face, orange the eyelids, purple brows and jaw."
 )
 
 
@@ -49,7 +49,7 @@ class Legend(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
         font = style.scaled_font(self, 0.9)
         painter.setFont(font)
-        colors = dict.fromkeys(control.color for control in CONTROLS)
+        colors = dict.fromkeys(control.color for control in CONTROLS if not control.optional)
         faces = tuple(style.face_pen(color) for color in colors)
         x = 12.0
         x = self._sample(painter, x, (style.tracked_pen(),), "as tracked")

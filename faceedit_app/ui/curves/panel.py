@@ -14,6 +14,7 @@ from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import CurveDrag
+from faceedit_app.ui.curves.group_head import GroupHead
 from faceedit_app.ui.curves.hand import FaceHand
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.interaction import Interaction
@@ -26,6 +27,7 @@ from faceedit_app.ui.curves.readout import Readout
 from faceedit_app.ui.curves.rows import Rows
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
+from faceedit_app.ui.curves.shown import ShownCurves
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
 from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
@@ -69,17 +71,19 @@ class CurvesPanel(QWidget):
         self._impossible: dict[str, str] | None = None  # why, by control; None: not shown yet
         self._width = 0.0  # seconds in view
         self._curves: VisibleCurves | None = None
+        self._columns_read: list[int] = []  # of the curves that are not folded away
         self._columns = 0  # screen dots across a plot
-        self._shown: frozenset[str] = frozenset(CONTROL_IDS)  # rows
         self._edges = SelectionMouse(timeline, self)
         self._mouse = Interaction(timeline, self.tools, self._edges, self)
         self.legend, self.ruler = Legend(), Ruler(timeline)
         self.range_bar = RangeBar(timeline, self._edges)
         self.fields = RangeFields(timeline, self._edges)
         self.plots = [CurvePlot(control, timeline, self._mouse) for control in CONTROLS]
-        self.hand = FaceHand(self.plots, self._mouse)
         self.headers = [Header(control) for control in CONTROLS]
-        self._rows = Rows(self.headers, self.plots)
+        self.group_head = GroupHead()
+        self._rows = Rows(self.headers, self.plots, self.group_head)
+        self.shown = ShownCurves(self._rows, self.group_head, self)
+        self.hand = FaceHand(self.plots, self._mouse, self.shown.reveal)
         self._axes = ValueAxes(self.plots)
         self._readout = Readout(
             self.headers,
@@ -137,6 +141,7 @@ class CurvesPanel(QWidget):
             header.menu_asked.connect(lambda place, p=plot: self._ask_name_menu(p, place))
         for strip in (self.ruler, self.range_bar):
             strip.menu_asked.connect(self.time_menu_asked)
+        self.shown.changed.connect(self._show_shown)
         self.plots[0].view.sigResized.connect(self._show_columns)
         self.timeline.view_changed.connect(self._show_view)
         self.timeline.playhead_moved.connect(self._mouse.forget_pointer)
@@ -169,9 +174,7 @@ class CurvesPanel(QWidget):
 
     def focus_curve(self, index: int) -> None:
         """Focus a curve; if it is hidden, show it."""
-        control = self.plots[index].control.id
-        if control in self._possible - self._shown:
-            self._show_rows(self._shown | {control})
+        self.shown.reveal(self.plots[index].control.id)
         self._rows.ensureWidgetVisible(self.plots[index])
         self.plots[index].setFocus(Qt.FocusReason.ShortcutFocusReason)
 
@@ -201,34 +204,27 @@ class CurvesPanel(QWidget):
 
     # --- which curves are shown --------------------------------------------------------------
 
-    @property
-    def shown_controls(self) -> frozenset[str]:
-        """Ids of the curves that are shown."""
-        return self._shown
-
-    @property
-    def _possible(self) -> frozenset[str]:
-        """Ids of the curves that the character has."""
-        missing = self.session.rig.missing_controls if self.session is not None else ()
-        return frozenset(CONTROL_IDS) - frozenset(missing)
-
     def show_only_focused(self) -> None:
         """Hide all curves but the focused one and those edited with it."""
-        self._show_rows(frozenset(self._mouse.edited_from(self._focused.control.id)))
+        self.shown.show(self._mouse.edited_from(self._focused.control.id))
 
     def hide_focused(self) -> None:
         """Hide the focused curve, unless it is the last one."""
-        self._show_rows(self._shown - {self._focused.control.id} or self._shown)
+        shown = self.shown.controls
+        self.shown.show(shown - {self._focused.control.id} or shown)
 
-    def show_all(self) -> None:
-        """Show all curves that the character has."""
-        self._show_rows(self._possible)
+    def _show_shown(self) -> None:
+        """Other rows are shown; hidden curves are no longer chosen, and folded ones not read."""
+        if self._curves is not None and self._columns_read != self.shown.columns:
+            self._read_curves()
+            self._look()
+            self._fit_axes()
+        self._choose(self._mouse.chosen & self.shown.controls)
 
-    def _show_rows(self, shown: frozenset[str]) -> None:
-        """Show these rows; hidden curves are no longer chosen."""
-        self._shown = shown
-        self._rows.show_rows(shown)
-        self._choose(self._mouse.chosen & shown)
+    def _read_curves(self) -> None:
+        assert self.session is not None
+        self._columns_read = self.shown.columns
+        self._curves = self._axes.curves = VisibleCurves(self.session, self._columns_read)
 
     @property
     def is_reshaping(self) -> bool:
@@ -263,8 +259,7 @@ class CurvesPanel(QWidget):
         """Show another take, or none."""
         self._mouse.cancel()
         self.session = self._mouse.session = session
-        self._curves = VisibleCurves(session) if session is not None else None
-        self._axes.curves = self._curves
+        self._curves = self._axes.curves = None
         clip = session.take.clip if session is not None else None
         gaps = clip.gap_times if clip is not None else []
         self.ruler.show_clip(clip, gaps)
@@ -273,6 +268,9 @@ class CurvesPanel(QWidget):
             plot.show_gaps(gaps)
             plot.values_chosen = plot.close_up = False
         self._show_impossible_curves()
+        if session is not None:
+            self._read_curves()
+            self.shown.note_edits(session.edits)
         self._width = 0.0
         self._show_view()
 
@@ -285,6 +283,9 @@ class CurvesPanel(QWidget):
         if why == self._impossible:
             return
         self._impossible = why
+        rig = self.session.rig if self.session is not None else None
+        if rig is not None:
+            self.shown.allow(rig.missing_controls, rig.missing_note)
         for plot, header in zip(self.plots, self.headers, strict=True):
             reason = why.get(plot.control.id, "")
             plot.setEnabled(not reason)
@@ -292,8 +293,9 @@ class CurvesPanel(QWidget):
 
     def refresh(self) -> None:
         """Draw the session again; axes fit once no gesture is in progress."""
-        if self._curves is not None:
+        if self._curves is not None and self.session is not None:
             self._curves.refresh()
+            self.shown.note_edits(self.session.edits)
         self._show_impossible_curves()  # the engine, once loaded, knows what the take lacks
         self._show_lines()
         self._fit_axes()
@@ -370,8 +372,8 @@ class CurvesPanel(QWidget):
 
     def _show_lines(self) -> None:
         curves = self._curves
-        for i, plot in enumerate(self.plots):
-            plot.show_lines(curves.lines(i) if curves is not None else Lines())
+        for i in self._columns_read:
+            self.plots[i].show_lines(curves.lines(i) if curves is not None else Lines())
 
     def _fit_axes(self) -> None:
         """Fit the axes; during a preview or computation, only extend them."""
@@ -395,4 +397,4 @@ class CurvesPanel(QWidget):
 
     def _show_state(self) -> None:
         if self.session is not None:
-            self._readout.show(self.session)
+            self._readout.show(self.session, self._columns_read)

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QSizePolicy, 
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
+from faceedit_app.ui.look.widgets import Number
 from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.timeline import FALLOFF_RANGE, Timeline
 
@@ -59,7 +60,7 @@ class RangeFields(QWidget):
         self._show_unit()
 
     def _field(self, name: str) -> QDoubleSpinBox:
-        box = QDoubleSpinBox()
+        box = Number()
         box.setObjectName("small")
         box.setKeyboardTracking(False)  # ignore half-typed numbers
         box.setAlignment(Qt.AlignmentFlag.AlignCenter)

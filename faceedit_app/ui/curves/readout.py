@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from faceedit_app.editing.edits.describe import one_decimal
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import span_at
@@ -47,8 +48,13 @@ class Readout:
         self._mouse, self._edges = mouse, edges
         self._timeline, self._tools = timeline, tools
 
-    def show(self, session: EditSession) -> None:
-        """Follow the session, the timeline and the pointer."""
+    def show(self, session: EditSession, columns: Sequence[int]) -> None:
+        """Follow the session, the timeline and the pointer.
+
+        Args:
+            session: whose curves.
+            columns: of the curves that are not folded away.
+        """
         mouse, timeline = self._mouse, self._timeline
         # When another take opens, timeline and panel are updated one after the other.
         frame = min(timeline.frame, len(session.tracked) - 1)
@@ -60,8 +66,9 @@ class Readout:
         lit = Marks(selection, span, style.STRONG if dragging else style.HOVER)
         edited = mouse.drag.controls if mouse.drag is not None and mouse.drag.moving else ()
         pins = self._pins()
-        rows = zip(self._headers, self._plots, values, strict=True)
-        for i, (header, plot, (tracked, asked, face)) in enumerate(rows):
+        rows = list(zip(self._headers, self._plots, values, strict=True))
+        for i in columns:
+            header, plot, (tracked, asked, face) = rows[i]
             here = plot is mouse.plot
             marks = lit if (plot.control.id in edited if dragging else here) else plain
             handle = self._handle(session, i) if here else None
@@ -69,7 +76,7 @@ class Readout:
             plot.show_pins(pins)
             low, high = limits[i]
             share = f"{100 * (face - low) / (high - low):.0f} %" if high > low else ""
-            header.show_value(f"{face:.1f} mm", note_on(tracked, asked, face), share)
+            header.show_value(f"{one_decimal(face)} mm", note_on(tracked, asked, face), share)
             header.show_active(here or plot.shows_focus)
         fades = timeline.own_falloffs
         span = span or span_at(timeline.time, timeline.own_selection, *fades)
@@ -95,7 +102,7 @@ class Readout:
         if drag is None or not drag.moving:
             return Handle(time, asked, held=drag is not None)
         face = float(session.achieved[frame, control])
-        words = drag.words, f"asked {asked:.1f} · face {face:.1f}"
+        words = drag.words, f"asked {one_decimal(asked)} · face {one_decimal(face)}"
         return Handle(time, asked, True, words)
 
     def _hint(self) -> str:

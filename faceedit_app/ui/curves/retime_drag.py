@@ -121,10 +121,18 @@ def content_of(edit: Edit | None) -> tuple[Range, Range] | None:
     return (was, then_was), (now, then_now)
 
 
-def is_on_content(edit: Edit | None, seconds: float, slack: float) -> bool:
-    """Whether a press takes hold of what a retime moves."""
-    content = content_of(edit)
-    return content is not None and content[1][0] - slack <= seconds <= content[1][1] + slack
+def held_retime(chosen: tuple[int, Edit] | None, seconds: float, slack: float) -> Edit | None:
+    """The chosen edit, if it is a retime and a press takes hold of what it moves.
+
+    Args:
+        chosen: row and edit; None if no edit is chosen.
+        seconds: of the press, which may miss by `slack`.
+    """
+    content = content_of(chosen[1]) if chosen is not None else None
+    if chosen is None or content is None:
+        return None
+    start, end = content[1]
+    return chosen[1] if start - slack <= seconds <= end + slack else None
 
 
 def begin_retime(

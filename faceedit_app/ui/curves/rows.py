@@ -8,6 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
 
 from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.group_head import GroupHead
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.plot import CurvePlot
 
@@ -15,18 +16,26 @@ from faceedit_app.ui.curves.plot import CurvePlot
 class Rows(QScrollArea):
     """A header and a plot for each control; any of them may be hidden.
 
+    Optional controls come last, under the head of their group.
+
     The scroll bar, if there is one, replaces the margin on the right, so that plots stay as wide
     as the ruler.
     """
 
-    def __init__(self, headers: Sequence[Header], plots: Sequence[CurvePlot]) -> None:
+    def __init__(
+        self, headers: Sequence[Header], plots: Sequence[CurvePlot], head: GroupHead
+    ) -> None:
         super().__init__()
-        self._headers, self._plots = headers, plots
+        # Optional ones last; the head of the group is the row between.
+        pairs = sorted(zip(headers, plots, strict=True), key=lambda pair: pair[1].control.optional)
+        main = sum(not plot.control.optional for plot in plots)
+        self._pairs = {row + (row >= main): pair for row, pair in enumerate(pairs)}
         content = QWidget()
         self._grid = QGridLayout(content)
         self._grid.setHorizontalSpacing(0)
         self._grid.setVerticalSpacing(style.ROW_GAP)
-        for row, (header, plot) in enumerate(zip(headers, plots, strict=True)):
+        self._grid.addWidget(head, main, 0, 1, 2)
+        for row, (header, plot) in self._pairs.items():
             self._grid.addWidget(header, row, 0)
             self._grid.addWidget(plot, row, 1)
             self._grid.setRowStretch(row, 1)
@@ -43,7 +52,7 @@ class Rows(QScrollArea):
 
     def show_rows(self, shown: Collection[str]) -> None:
         """Show the rows of these controls, which share the height, and hide the others."""
-        for row, (header, plot) in enumerate(zip(self._headers, self._plots, strict=True)):
+        for row, (header, plot) in self._pairs.items():
             is_shown = plot.control.id in shown
             self._grid.setRowStretch(row, int(is_shown))  # a hidden row keeps its share otherwise
             header.setVisible(is_shown)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from faceedit_app.core.clip import Clip
+from faceedit_app.editing.edits.describe import one_decimal
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves.gestures import (
     CLICK_SLOP,
@@ -146,7 +147,7 @@ class PaintDrag(Held):
             case Op.SMOOTH:
                 return f"smooth {1000 * self.value:.0f} ms"
             case Op.SET:
-                return f"held at {self.value:.1f} mm"
+                return f"held at {one_decimal(self.value)} mm"
             case _:
                 return "as tracked"
 
@@ -198,7 +199,7 @@ class DrawDrag:
     @property
     def words(self) -> str:
         """The value under the pen."""
-        return f"{self.at[1]:.1f} mm"
+        return f"{one_decimal(self.at[1])} mm"
 
     def span(self, falloff: float, falloff_out: float | None = None) -> Span:
         """The span of the edit."""

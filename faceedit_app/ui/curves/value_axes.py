@@ -28,7 +28,7 @@ class ValueAxes:
         if self.curves is None:
             return
         for index, plot in enumerate(self._plots):
-            if not plot.values_chosen:
+            if self.curves.has(index) and not plot.values_chosen:
                 height = float(self.curves.high[index] - self.curves.low[index])
                 least = LEAST if plot.close_up else LEAST_SHARE * height
                 plot.show_values(fitted(*self.curves.extent(index), least))
@@ -38,7 +38,7 @@ class ValueAxes:
         if self.curves is None:
             return
         for index, plot in enumerate(self._plots):
-            if not plot.values_chosen:
+            if self.curves.has(index) and not plot.values_chosen:
                 plot.show_values(grown(plot.values, *self.curves.extent(index)))
 
     def follow(self, values: Iterable[tuple[float, float]], held: CurvePlot | None) -> None:
@@ -53,7 +53,7 @@ class ValueAxes:
         self._resting = self._resting or tuple(plot.values for plot in self._plots)
         rows = zip(self._plots, self._resting, values, strict=True)
         for index, (plot, shown, (asked, face)) in enumerate(rows):
-            if plot.values_chosen:
+            if plot.values_chosen or not self.curves.has(index):
                 continue
             shown = stretched(shown, self.curves.bounded(index, asked))
             plot.show_values(shown if plot is held else stretched(shown, face))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,27 +72,38 @@ class Lines:
 
 
 class VisibleCurves:
-    """The visible part of a session's C curves.
+    """The visible part of some of a session's curves.
 
     A line that has not changed stays the same object, so that it need not be drawn again.
 
     A few frames are drawn one by one; for many, each pixel column shows the lowest and highest
     value from `Extremes`, which are updated as edits change.
 
+    Args:
+        session: whose curves.
+        columns: which of them, the C curves that are read; None = all.
+
     Attributes:
-        low, high: (C,) mm, of the take as tracked.
+        low, high: mm, of all curves of the take as tracked.
     """
 
-    def __init__(self, session: EditSession) -> None:
+    def __init__(self, session: EditSession, columns: Sequence[int] | None = None) -> None:
         self._session, self._live, self._seen = session, session.live, 0
         self._times = session.take.clip.times
         self._shown_rig = session.rig
         self._gaps = (Gaps.of(session.rig),) * 2  # on our character, and on the one shown
-        self._curves = session.tracked.shape[1]
+        every = range(session.tracked.shape[1])
+        self._columns = list(every if columns is None else columns)
+        self._places = {curve: place for place, curve in enumerate(self._columns)}
+        self._curves = len(self._columns)
         self.low, self.high = session.tracked.min(axis=0), session.tracked.max(axis=0)
         self._extremes: Extremes | None = None
         self._known: dict[tuple[int, int], Polyline] = {}  # by line and curve
         self.look((0.0, 0.0), 1)
+
+    def has(self, curve: int) -> bool:
+        """Whether a curve is read."""
+        return curve in self._places
 
     def look(self, view: Interval, columns: int) -> None:
         """Set the visible range.
@@ -120,8 +132,8 @@ class VisibleCurves:
         self._read_again()
         new = (self._y != y).any(axis=2)
         new[::2] |= (self._near != near).any(axis=2)
-        for line, curve in np.argwhere(new).tolist():
-            self._known.pop((line, curve), None)
+        for line, place in np.argwhere(new).tolist():
+            self._known.pop((line, place), None)
 
     def _read_again(self) -> None:
         self._read_curves()
@@ -160,25 +172,28 @@ class VisibleCurves:
         self._near = near.T.reshape(2, c, -1)
 
     def lines(self, curve: int) -> Lines:
-        """The lines of a curve."""
+        """The lines of a curve; empty if it is not read."""
+        if not self.has(curve):
+            return Lines()
         tracked, face, asked = (self._line(line, curve) for line in range(_LINES))
         return Lines(tracked, face, asked, self._character.get(curve, EMPTY))
 
     def _line(self, line: int, curve: int) -> Polyline:
-        known = self._known.get((line, curve))
+        place = self._places[curve]
+        known = self._known.get((line, place))
         if known is None:
-            y, thinned = self._y[line, curve], self._size > 1
+            y, thinned = self._y[line, place], self._size > 1
             if line == _FACE:
                 known = Polyline(self._x, y, None, thinned)
             else:
                 # Where lines coincide, only the face is drawn: without edits, a single line.
-                known = run_of(self._x, y, self._near[line // 2, curve], thinned)
-            self._known[line, curve] = known
+                known = run_of(self._x, y, self._near[line // 2, place], thinned)
+            self._known[line, place] = known
         return known
 
     def extent(self, curve: int) -> Interval:
         """Lowest and highest value in view of all three lines, as far as a face can go."""
-        y = self._y[:, curve]
+        y = self._y[:, self._places[curve]]
         return self.bounded(curve, float(y.min())), self.bounded(curve, float(y.max()))
 
     def bounded(self, curve: int, value: float) -> float:
@@ -190,7 +205,9 @@ class VisibleCurves:
     def _read(self, rows: slice) -> Values:
         """(N, 5 C): the three lines, and the differences of face and asked for from tracked."""
         live = self._live
-        tracked, face, asked = live.tracked[rows], live.achieved[rows], live.asked[rows]
+        tracked, face, asked = (
+            array[rows][:, self._columns] for array in (live.tracked, live.achieved, live.asked)
+        )
         apart = np.abs(face - tracked), np.abs(asked - tracked)
         return np.concatenate([tracked, face, asked, *apart], axis=1)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from faceedit_app.editing.edits.describe import one_decimal
 from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool
@@ -30,10 +31,10 @@ def length(timeline: Timeline, seconds: float) -> str:
 def note_on(tracked: float, asked: float, face: float) -> str:
     """A note if the face differs from what was asked for, or else from the tracked value."""
     if abs(asked - tracked) > _APART:
-        return f"asked {asked:.1f}" if _read_apart(asked, face) else ""
-    return f"tracked {tracked:.1f}" if _read_apart(tracked, face) else ""
+        return f"asked {one_decimal(asked)}" if _read_apart(asked, face) else ""
+    return f"tracked {one_decimal(tracked)}" if _read_apart(tracked, face) else ""
 
 
 def _read_apart(one: float, other: float) -> bool:
     """Whether two values differ visibly and in one decimal."""
-    return abs(one - other) > _APART and f"{one:.1f}" != f"{other:.1f}"
+    return abs(one - other) > _APART and one_decimal(one) != one_decimal(other)

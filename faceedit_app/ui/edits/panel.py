@@ -31,7 +31,7 @@ from faceedit_app.ui.state.timeline import Timeline
 
 _EMPTY = (
     "No edits yet. Drag a curve, or click one of the fixes above.\n"
-    "Every edit is listed here; you can change its strength, switch it off or delete it."
+    "Each is listed here, to change its strength, switch it off or delete it."
 )
 MENU = ("toggle_edit", "rename_edit", "edit_up", "edit_down", "delete_edit")
 
@@ -95,6 +95,7 @@ class EditsPanel(QWidget):
         empty.setObjectName("caption")
         empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         empty.setWordWrap(True)
+        empty.setContentsMargins(MARGIN, 0, MARGIN, 0)
         self._pages.addWidget(empty)
         self._pages.addWidget(view)
         self.percent.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)

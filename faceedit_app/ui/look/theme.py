@@ -32,7 +32,7 @@ QMenuBar {{ background: {BACKGROUND}; padding: 2px 4px; }}
 QMenuBar::item {{ padding: 4px 9px; border-radius: 4px; background: transparent; }}
 QMenuBar::item:selected {{ background: {RAISED}; }}
 QMenu {{ background: {PANEL}; border: 1px solid {BORDER}; padding: 4px; }}
-QMenu::item {{ padding: 5px 26px 5px 26px; border-radius: 3px; }}
+QMenu::item {{ padding: 4px 26px 4px 26px; border-radius: 3px; }}
 QMenu::item:selected {{ background: {ACCENT_DEEP}; }}
 QMenu::item:disabled {{ color: {DISABLED}; }}
 QMenu::separator {{ height: 1px; background: {BORDER}; margin: 4px 6px; }}
@@ -61,7 +61,7 @@ QToolButton:focus, QPushButton:focus {{ border-color: {ACCENT}; }}
 QToolButton#icon {{ background: transparent; padding: 5px; }}
 QToolButton#icon:hover {{ background: {HOVER}; }}
 QToolButton#icon:checked {{ background: {ACCENT_DEEP}; }}
-QToolButton#tool {{ background: transparent; padding: 4px 7px; }}
+QToolButton#tool {{ background: transparent; padding: 4px 6px; }}
 QToolButton#tool:hover {{ background: {HOVER}; }}
 QToolButton#tool:checked {{ background: {ACCENT_DEEP}; }}
 QToolButton#tool:disabled, QToolButton#small:disabled {{ background: transparent; }}

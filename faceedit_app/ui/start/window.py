@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QTimer, Signal
+from PySide6.QtCore import QSize, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QShowEvent
 from PySide6.QtWidgets import QStackedWidget, QStyle, QVBoxLayout, QWidget
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:  # these import a lot; the window appears first
     from faceedit_app.render import FaceRenderer
     from faceedit_app.ui.page.editor import Editor
 
-_FIRST_SIZE = (1440, 900)
+_FIRST_SIZE, _SMALLEST = QSize(1440, 900), QSize(1000, 600)
 _MESSAGE_MS = 6000
 _SLOW_MS = 400  # of reading, after which the take on the screen is cleared
 
@@ -87,16 +87,16 @@ class MainWindow(WindowBase):
         column.addWidget(self._pages, 1)
         self.setCentralWidget(central)
         self.setStatusBar(self.status)
-        self.setMinimumSize(1000, 600)
+        self.setMinimumSize(_SMALLEST.boundedTo(self._room))
         if not self._preferences.restore_window(self):
-            self._take_first_size()
+            self.resize(_FIRST_SIZE.boundedTo(self._room))
         self.start_page.show_recent(self._preferences.recent())
 
-    def _take_first_size(self) -> None:
-        """As large as is useful, but no larger than the screen less the title bar."""
-        room, bar = self.screen().availableGeometry(), QStyle.PixelMetric.PM_TitleBarHeight
-        height = room.height() - self.style().pixelMetric(bar)
-        self.resize(min(_FIRST_SIZE[0], room.width()), min(_FIRST_SIZE[1], height))
+    @property
+    def _room(self) -> QSize:
+        """The screen less the title bar; 960 x 540 if 1920 x 1080 are shown at twice the size."""
+        bar = self.style().pixelMetric(QStyle.PixelMetric.PM_TitleBarHeight)
+        return self.screen().availableSize() - QSize(0, bar)
 
     def _connect(self) -> None:
         workspace, opener, media = self.workspace, self.workspace.opener, self.media
@@ -201,6 +201,9 @@ class MainWindow(WindowBase):
         self.status.cancelled.connect(page.solving.cancel)
         page.face.show_difference(self._preferences.difference())
         page.face.follow_head(self._preferences.follows_head())
+        page.curves.shown.unfold(self._preferences.unfolds_curves())
+        page.curves.shown.unfolded.connect(self._preferences.set_unfolds_curves)
+        page.curves.shown.changed.connect(self.actions_.refresh)
         self.commands.view.restore_film_place()
         self.actions_.refresh()
         return page

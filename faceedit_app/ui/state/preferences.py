@@ -92,6 +92,14 @@ class Preferences:
         """Remember whether the head turns."""
         self._settings.setValue("follows_head", "true" if follows else "false")
 
+    def unfolds_curves(self) -> bool:
+        """Whether the optional curves were last shown."""
+        return str(self._settings.value("optional_curves", "false")) == "true"
+
+    def set_unfolds_curves(self, unfolded: bool) -> None:
+        """Remember whether the optional curves are shown."""
+        self._settings.setValue("optional_curves", "true" if unfolded else "false")
+
     def film_place(self) -> str:
         """Where the film was last shown: beside, above or below the face."""
         return str(self._settings.value("film_place", "beside"))

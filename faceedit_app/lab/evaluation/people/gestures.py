@@ -14,10 +14,10 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
 from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
 from faceedit_app.core.controls import (
-    CONTROL_IDS,
     CONTROL_INDEX,
     LIDS,
     LIP_OPENING,
+    MAIN_CONTROLS,
     MOUTH_CORNERS,
     MOUTH_WIDTH,
 )
@@ -263,7 +263,7 @@ def _apart(weights: Floats) -> float:
 def measure_smooth(opened: Opened, source: str, tally: Tally) -> None:
     """The largest rise of a channel's rms second difference when all curves are smoothed."""
     for seconds in SMOOTH_SECONDS:
-        everything = Edit(CONTROL_IDS, Op.SMOOTH, 0.0, opened.take.clip.duration, 0.0, seconds)
+        everything = Edit(MAIN_CONTROLS, Op.SMOOTH, 0.0, opened.take.clip.duration, 0.0, seconds)
         for system in opened.editors:
             before = _roughness(opened.weights)
             after = _roughness(opened.edited(system, [everything]))

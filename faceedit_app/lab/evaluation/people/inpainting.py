@@ -11,7 +11,7 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats
-from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.controls import MAIN_CONTROLS
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -95,7 +95,7 @@ def _filled(take: Take, rig: Rig, stretches: list[slice]) -> Floats:
     session, times = open_session(take, rig), take.clip.times
     session.put(
         [
-            Edit(CONTROL_IDS, Op.FILL, float(times[rows.start]), float(times[rows.stop - 1]), 0.0)
+            Edit(MAIN_CONTROLS, Op.FILL, float(times[rows.start]), float(times[rows.stop - 1]), 0.0)
             for rows in stretches
         ]
     )

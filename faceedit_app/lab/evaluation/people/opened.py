@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from faceedit_app.core.arrays import Floats, Times
-from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_INDEX, MAIN_CONTROLS
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -105,7 +105,7 @@ class Opened:
 
     @property
     def _controls(self) -> list[str]:
-        return [c for c, has in zip(CONTROL_IDS, self.rig.has_control, strict=True) if has]
+        return [c for c in MAIN_CONTROLS if self.rig.has_control[CONTROL_INDEX[c]]]
 
     @staticmethod
     def _show(session: EditSession, edits: Sequence[Edit], settings: Settings) -> None:

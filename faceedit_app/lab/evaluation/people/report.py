@@ -64,7 +64,7 @@ class Shown:
         """A value; a dash if there is none."""
         if not np.isfinite(value):
             return "–"
-        return f"{self.scale * value + 0.0:.{self.digits}f}{self.unit}"
+        return f"{round(self.scale * value, self.digits) + 0.0:.{self.digits}f}{self.unit}"
 
 
 def _error(label: str) -> Shown:

@@ -206,7 +206,7 @@ def _edits(opened: Opened, begin: int, random: np.random.Generator) -> list[Edit
     groups = [
         (c.id, c.mirror) if c.mirror else (c.id,)
         for c in CONTROLS
-        if spreads[CONTROL_INDEX[c.id]] > STILL_MM
+        if not c.optional and spreads[CONTROL_INDEX[c.id]] > STILL_MM
     ]
     if not groups:
         return []

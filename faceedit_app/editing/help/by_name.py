@@ -1,0 +1,74 @@
+"""Edits from names and numbers, as they are given in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import CONTROL_IDS, CONTROLS
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.channels import CHANNEL_INDEX
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.solving.channel_edits import missing_channels
+
+
+def control_by_name(name: str) -> str:
+    """The id of a curve by its id or label.
+
+    Raises:
+        FaceEditError: there is none.
+    """
+    for control in CONTROLS:
+        if name in (control.id, control.label):
+            return control.id
+    raise FaceEditError(f"{name}: there is no such curve; use one of {', '.join(CONTROL_IDS)}")
+
+
+def edit_by_name(
+    clip: Clip,
+    curves: str | Iterable[str],
+    ways: Mapping[Op, float | None],
+    span: tuple[float, float | None],
+    falloff: float,
+    strength: float,
+) -> Edit:
+    """An edit of curves, or of channels.
+
+    Args:
+        clip: the take.
+        curves: one name or more, of curves or of channels.
+        ways: what may be done, and by how much; exactly one of them is not None.
+        span: first and last second of the hold; None = the end of the take.
+
+    Raises:
+        FaceEditError: a name or a number is wrong, or the times are outside the take.
+    """
+    given = [(op, value) for op, value in ways.items() if value is not None]
+    if len(given) != 1:
+        raise FaceEditError("An edit needs exactly one of by, to, times and smooth")
+    [(op, value)] = given
+    names = (curves,) if isinstance(curves, str) else tuple(curves)
+    channels = names if all(name in CHANNEL_INDEX for name in names) else ()
+    controls = () if channels else tuple(map(control_by_name, names))
+    start, end = span[0], float(clip.times[-1]) if span[1] is None else span[1]
+    try:
+        edit = Edit(controls, op, start, end, falloff, value, strength=strength, channels=channels)
+    except ValueError as error:
+        raise FaceEditError(f"The edit cannot be made: {error}") from error
+    if missing := missing_channels([edit], clip):
+        raise FaceEditError(f"The edit cannot be made: {missing}")
+    check_inside(clip, start, end)
+    return edit
+
+
+def check_inside(clip: Clip, start: float, end: float) -> None:
+    """Refuse what acts nowhere, such as frame numbers given as seconds.
+
+    Raises:
+        FaceEditError: the range is outside the take.
+    """
+    first, last = float(clip.times[0]), float(clip.times[-1])
+    if start > last or end < first:
+        raise FaceEditError(
+            f"{start:g} to {end:g} s is outside the take: it lasts from {first:g} to {last:g} s"
+        )
