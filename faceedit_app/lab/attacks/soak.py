@@ -27,7 +27,8 @@ from faceedit_app.ui.start.window import MainWindow
 BURST = 40  # gestures between two checks
 MOST_EDITS = 60  # then everything is undone, so that the take is compared with its source
 MOST_GROWTH = 0.05  # of the memory
-_SETTLED = 4  # checks before the memory is compared
+_WARM_UP = 10  # checks until everything has been used once; then the memory is compared
+_ENOUGH = 12  # checks after that
 
 
 @dataclass
@@ -48,9 +49,9 @@ class Soaked:
 
     @property
     def growth(self) -> float:
-        """By which share the memory has grown since it had settled."""
-        later = self.memory[_SETTLED:]
-        if len(later) < 3 * _SETTLED:
+        """By which share the memory has grown since everything was used once."""
+        later = self.memory[_WARM_UP:]
+        if len(later) < _ENOUGH:
             return 0.0
         third = len(later) // 3
         return statistics.median(later[-third:]) / statistics.median(later[:third]) - 1.0
@@ -59,7 +60,8 @@ class Soaked:
         """A summary, then the problems."""
         memory = f", {self.memory[0]:.0f} to {self.memory[-1]:.0f} MB" if self.memory else ""
         counts = f"{self.gestures} gestures, {self.checks} checks, everything undone"
-        return [f"{counts} {self.undone} times{memory} ({self.growth:+.1%})", *self.problems]
+        warm = f"after {_WARM_UP} checks of warm-up"
+        return [f"{counts} {self.undone} times{memory} ({self.growth:+.1%} {warm})", *self.problems]
 
 
 def soak(
