@@ -166,4 +166,5 @@ def _strips(hands: Hands) -> list[QWidget]:
 def _something(hands: Hands) -> QWidget:
     """A curve, a strip, the face or the list of edits."""
     plots = [plot for plot in hands.editor.curves.plots if plot.isVisible()]
-    return hands.chance.choice([*plots, *_strips(hands), hands.editor.edits.list])
+    every: list[QWidget] = [*plots, *_strips(hands), hands.editor.edits.list]
+    return hands.chance.choice(every)

@@ -157,12 +157,12 @@ def use_something(hands: Hands, inside: QWidget) -> None:
     if not can:
         return
     match hands.chance.choice(can):
-        case QSpinBox() | QDoubleSpinBox() as box:
-            low, high = box.minimum(), box.maximum()
-            if hands.chance.random() < 0.5:
-                box.setValue(type(low)(hands.chance.uniform(low, high)))
-            else:
-                hands.type_into(box, hands.chance.choice(_TYPED))
+        case QAbstractSpinBox() as box if hands.chance.random() < 0.5:
+            hands.type_into(box, hands.chance.choice(_TYPED))
+        case QSpinBox() as box:
+            box.setValue(hands.chance.randint(box.minimum(), box.maximum()))
+        case QDoubleSpinBox() as box:
+            box.setValue(hands.chance.uniform(box.minimum(), box.maximum()))
         case QAbstractSlider() as slider:
             slider.setValue(hands.chance.randint(slider.minimum(), slider.maximum()))
         case QComboBox() as choice if choice.count():
