@@ -33,7 +33,7 @@ from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
-from faceedit_app.editing.solving.fills import Fills
+from faceedit_app.editing.solving.fills import Fills, Recent
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
@@ -64,8 +64,7 @@ _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
 class Patch:
     """A chunk's result: `asked` (N, C) mm, `weights` (N, 52), `controls` (N, C) mm.
 
-    `rotations` are (N, 9) radians; None = the take has none. `started` (N, C) mm is what edits of
-    curves started from.
+    `rotations` are (N, 9) radians, or None; edits of curves started from `started` (N, C) mm.
     """
 
     asked: Floats
@@ -146,7 +145,7 @@ class Solver:
     def use_character(self, theirs: Rig | None) -> None:
         """Close lips and lids on the user's character from now on; the chunks change."""
         self._theirs = theirs
-        self._bases: dict[int, tuple[ChunkTask, Patch]] = {}
+        self._bases = Recent[Patch](REMEMBERED_CHUNKS)
         self._closing = (
             Closing(
                 self._rig,
@@ -227,8 +226,8 @@ class Solver:
 
     def _edit_channels(self, task: ChannelTask) -> Patch:
         """Edit the channels of a chunk after its curves have been answered."""
-        rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
-        mine = self._base(task.chunk, curves)
+        rows = self.chunks.slice(task.chunk)
+        mine = self._base(task.chunk, dict(task.bases)[task.chunk])
         weights, rotations = self._channels.apply(task, rows, self._base, DECIMALS)
         controls = self._starts.measured(weights, mine.weights, mine.controls)
         # Curves that nobody asked for go where the channels take them.
@@ -239,16 +238,9 @@ class Solver:
         """The answer to the curves of a chunk; the last ones are kept for further edits."""
         if task is None:
             rows = self.chunks.slice(chunk)
-            tracked, turns = self.controls[rows], self.clip.rotations
-            rotations = None if turns is None else turns[rows]
-            return Patch(tracked, self.tracked[rows], tracked, rotations, tracked)
-        known = self._bases.pop(chunk, None)
-        if known is None or known[0] != task:
-            known = task, self._answered(task)
-        self._bases[chunk] = known
-        while len(self._bases) > REMEMBERED_CHUNKS:
-            del self._bases[next(iter(self._bases))]  # the least recently used
-        return known[1]
+            tracked, turned = self.controls[rows], self._fills.turned((), rows, rows)
+            return Patch(tracked, self.tracked[rows], tracked, turned, tracked)
+        return self._bases.to(task, lambda: self._answered(task))
 
     def _answered(self, task: ChunkTask) -> Patch:
         """Answer the curves of one chunk."""
@@ -317,9 +309,8 @@ class Solver:
             result = self._closing(result, share)
         result = rounded(result, self.tracked[rows])
         controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
-        turned = self._fills.turned(task.edits, near)
-        rotations = None if turned is None else turned[inner]
-        return Patch(mine.curves.astype(np.float32), result, controls, rotations, started)
+        turned = self._fills.turned(task.edits, near, rows)
+        return Patch(mine.curves.astype(np.float32), result, controls, turned, started)
 
     def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
