@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 from support.curves import CTRL, drag, let_go, place
@@ -233,6 +233,46 @@ def test_cut_and_pause(window: MainWindow) -> None:
     assert session.undo_name == "Pause 0.60 s"
     trigger(window, "undo")
     assert session.edits == ()
+
+
+def test_one_dialog_at_a_time(window: MainWindow) -> None:
+    window.timeline.select((4.0, 5.0))
+    trigger(window, "stretch_time")
+    dialog_of(window).number.setValue(130.0)
+    trigger(window, "insert_pause")
+    assert dialog_of(window).windowTitle() == "Insert a pause"
+    trigger(window, "levels")
+    assert not [d for d in window.findChildren(RetimeDialog) if d.isVisible()]
+    assert not session_of(window).can_undo
+
+
+def test_a_retime_of_one_take_is_never_made_on_the_next(window: MainWindow) -> None:
+    window.timeline.select((4.0, 5.0))
+    trigger(window, "stretch_time")
+    dialog = dialog_of(window)
+    dialog.number.setValue(130.0)
+    before = session_of(window)
+    window.open_demo_now()
+    assert session_of(window) is not before
+    assert not dialog.isVisible()
+    assert edits_of(window) == ()
+
+
+def test_what_another_edit_replaced_is_shown_again_in_the_dialog(window: MainWindow) -> None:
+    session, plot = session_of(window), plot_of(window)
+    window.timeline.select((4.0, 5.0))
+    trigger(window, "stretch_time")
+    dialog = dialog_of(window)
+    dialog.number.setValue(130.0)
+    stretched = session.weights.copy()
+    window.timeline.select(None)
+    drag(plot, place(plot, 1.0), place(plot, 1.0) - QPoint(0, 20))
+    trigger(window, "undo")
+    assert not np.array_equal(session.weights, stretched)
+    QCoreApplication.sendEvent(dialog, QEvent(QEvent.Type.WindowActivate))
+    assert np.array_equal(session.weights, stretched)
+    dialog.accept()
+    assert only_edit(window).op is Op.RETIME
 
 
 # --- another sound -----------------------------------------------------------------------------

@@ -6,8 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt
-
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.media import MediaFile
 from faceedit_app.media import is_media
@@ -122,8 +120,7 @@ class RetimeCommands:
             0.05,
             option="&Fill it with other motion of the take",
         )
-        dialog = RetimeDialog(self._workspace.window, self._document, asked, edits, self._make)
-        self._open(dialog)
+        self._show(asked, edits)
 
     def _selected(self, what: str) -> tuple[Clip, tuple[float, float]] | None:
         """The take and the selection, after any gesture in progress; None without either."""
@@ -141,12 +138,10 @@ class RetimeCommands:
         def edits(value: float, ticked: bool) -> tuple[Edit, ...]:
             return () if value == neutral else (edit_for(value, ticked),)
 
-        self._open(RetimeDialog(self._workspace.window, self._document, asked, edits, self._make))
+        self._show(asked, edits)
 
-    @staticmethod
-    def _open(dialog: RetimeDialog) -> None:
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.show()
+    def _show(self, asked: Asked, edits: Callable[[float, bool], tuple[Edit, ...]]) -> None:
+        RetimeDialog(self._workspace.window, self._document, asked, edits, self._make).show()
 
     def _make(self, edits: tuple[Edit, ...]) -> None:
         from faceedit_app.editing.edits.describe import describe

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.ui.edits.preview_dialog import PreviewDialog
 from faceedit_app.ui.look.texts import plain_label
 from faceedit_app.ui.state.document import Document
 
@@ -53,7 +54,7 @@ class Asked:
     option: str = ""
 
 
-class RetimeDialog(QDialog):
+class RetimeDialog(PreviewDialog):
     """The face follows the number; OK makes the edits.
 
     Args:
@@ -71,8 +72,8 @@ class RetimeDialog(QDialog):
         edits_for: Callable[[float, bool], tuple[Edit, ...]],
         make: Callable[[tuple[Edit, ...]], None],
     ) -> None:
-        super().__init__(parent)
-        self._document, self._edits_for, self._make = document, edits_for, make
+        super().__init__(parent, document)
+        self._edits_for, self._make = edits_for, make
         self._edits: tuple[Edit, ...] = ()
         self.setWindowTitle(asked.title)
         self.number = QDoubleSpinBox()
@@ -102,11 +103,11 @@ class RetimeDialog(QDialog):
         column.addWidget(self.option)
         column.addWidget(self.message)
         column.addWidget(buttons)
-        self.number.valueChanged.connect(self._preview)
-        self.option.toggled.connect(self._preview)
-        self._preview()
+        self.number.valueChanged.connect(self.preview)
+        self.option.toggled.connect(self.preview)
+        self.preview()
 
-    def _preview(self) -> None:
+    def preview(self) -> None:
         """Show the take with this number, or say why that cannot be."""
         try:
             self._edits = self._edits_for(self.number.value(), self.option.isChecked())

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.ui.edits.preview_dialog import PreviewDialog
 from faceedit_app.ui.look.icons import picture
 from faceedit_app.ui.look.palette import ACCENT
 from faceedit_app.ui.state.document import Document
@@ -45,7 +46,7 @@ class End:
     edits: tuple[Edit, ...]
 
 
-class SliderDialog(QDialog):
+class SliderDialog(PreviewDialog):
     """The face follows the slider; OK makes the edits.
 
     Args:
@@ -65,12 +66,11 @@ class SliderDialog(QDialog):
         right: End,
         make: Callable[[tuple[Edit, ...]], None],
     ) -> None:
-        super().__init__(parent)
-        self._document, self._make = document, make
+        super().__init__(parent, document)
+        self._make = make
         self._left, self._right = left, right
         self._cost = 0.0
         self.setWindowTitle(title)
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setRange(-STRONGEST, STRONGEST)
         self.slider.setPageStep(25)
@@ -79,9 +79,9 @@ class SliderDialog(QDialog):
         self.words = QLabel()
         self.words.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._timer = QTimer(self, singleShot=True, interval=_LIVE_MS)
-        self._timer.timeout.connect(self._preview)
+        self._timer.timeout.connect(self.preview)
         self.slider.valueChanged.connect(self._moved)
-        self.slider.sliderReleased.connect(self._preview)
+        self.slider.sliderReleased.connect(self.preview)
         row = QHBoxLayout()
         for end, at in ((left, 0), (right, 1)):
             sign = QLabel()
@@ -116,7 +116,8 @@ class SliderDialog(QDialog):
         if self._cost < _LIVE_COST or not self.slider.isSliderDown():
             self._timer.start()
 
-    def _preview(self) -> None:
+    def preview(self) -> None:
+        """Show the face at the slider's value."""
         began = time.perf_counter()
         self._timer.stop()
         self._document.preview(*self.edits)

@@ -29,6 +29,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.levels import UNCHANGED, Level
 from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.ui.edits.preview_dialog import PreviewDialog
 from faceedit_app.ui.look.level_fields import LEVEL_HEADS, LEVEL_TIPS, LevelDelegate, changed_level
 from faceedit_app.ui.state.document import Document
 
@@ -99,7 +100,7 @@ class LevelsModel(QAbstractTableModel):
         return flags | Qt.ItemFlag.ItemIsEditable if index.column() else flags
 
 
-class LevelsDialog(QDialog):
+class LevelsDialog(PreviewDialog):
     """The face follows the table; OK makes one edit.
 
     Args:
@@ -118,10 +119,9 @@ class LevelsDialog(QDialog):
         edit_of: Callable[[Mapping[str, Level]], Edit | None],
         make: Callable[[Edit], None],
     ) -> None:
-        super().__init__(parent)
-        self._document, self._edit_of, self._make = document, edit_of, make
+        super().__init__(parent, document)
+        self._edit_of, self._make = edit_of, make
         self.setWindowTitle("Strength by channel")
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.model = LevelsModel(channels, self)
         self.search = QLineEdit()
         self.search.setObjectName("search")
@@ -141,7 +141,7 @@ class LevelsDialog(QDialog):
         head = self.table.horizontalHeader()
         head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
         self._timer = QTimer(self, singleShot=True, interval=_LIVE_MS)
-        self._timer.timeout.connect(self._preview)
+        self._timer.timeout.connect(self.preview)
         self.model.dataChanged.connect(lambda *_: self._timer.start())
         standard = QDialogButtonBox.StandardButton
         self.buttons = QDialogButtonBox(standard.Ok | standard.Cancel | standard.Reset)
@@ -160,7 +160,8 @@ class LevelsDialog(QDialog):
         """The edit for the numbers in the table."""
         return self._edit_of(self.model.levels)
 
-    def _preview(self) -> None:
+    def preview(self) -> None:
+        """Show the face with the numbers in the table."""
         edit = self.edit
         if edit is None:
             self._document.cancel()
