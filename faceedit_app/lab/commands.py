@@ -330,6 +330,10 @@ def soak(
     ] = None,
     minutes: Annotated[float, typer.Option(min=0.05, help="How long.")] = 10.0,
     seed: SeedOption = 1,
+    character: Annotated[
+        OptionalPath, typer.Option(help="A character of yours, shown now and then.")
+    ] = None,
+    keep: KeepOption = Path("soak-failures"),
 ) -> int:
     """Use the window at random, without a display, and check what it shows and exports."""
     from faceedit_app.lab.attacks.soak import soak as attack
@@ -338,7 +342,12 @@ def soak(
     with Progress(console=Console(stderr=True), transient=True) as progress:
         bar = progress.add_task("Soaking", total=60.0 * minutes)
         found = attack(
-            path, 60.0 * minutes, seed, advance=lambda s: progress.update(bar, completed=s)
+            path,
+            60.0 * minutes,
+            seed,
+            advance=lambda s: progress.update(bar, completed=s),
+            character=character,
+            keep=keep,
         )
     say("\n".join(found.lines()))
     return _verdict(seed, len(found.problems))

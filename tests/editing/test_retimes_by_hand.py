@@ -42,6 +42,14 @@ def test_a_drag_never_plays_too_slow_or_too_fast(
     assert rates.size == 0 or 0.45 < rates.min() <= rates.max() < 2.2
 
 
+@pytest.mark.parametrize("by", [1e-4, -5e-4, 9e-4, -9e-4])
+@pytest.mark.parametrize("span", [(3.0, 3.0), (3.0, 4.0), (0.0, 2.0), (3.0, 3.0005)])
+def test_a_drag_by_less_than_a_millisecond_is_none(span: tuple[float, float], by: float) -> None:
+    clip, (start, end) = clip_of(), span
+    for goal in ((start + by, end + by), (start + by, end), (start, end + by)):
+        assert retime.nearest(clip, span, goal) == span
+
+
 def test_names_say_what_was_done() -> None:
     clip = clip_of()
     assert describe(retime.stretched(clip, (1.2, 1.85), 1.3)) == "Stretch to 130 %"

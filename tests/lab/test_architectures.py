@@ -21,7 +21,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.training import architectures
 from faceedit_app.lab.training.architectures import ARCHITECTURES, Architecture
-from faceedit_app.lab.training.architectures.unet import UNet, UNets
+from faceedit_app.lab.training.architectures.unet import ACTIVATIONS, UNet, UNets
 from faceedit_app.lab.training.export import export
 from faceedit_app.lab.training.model_files import load_trained, save_trained
 from faceedit_app.lab.training.settings import RECIPES
@@ -84,11 +84,12 @@ def test_autoencoder_starts_as_the_identity() -> None:
 # --- exported ----------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("activation", ACTIVATIONS)
 @pytest.mark.parametrize("adapted", [False, True])
-def test_file_answers_as_torch_does(adapted: bool) -> None:
+def test_file_answers_as_torch_does(adapted: bool, activation: str) -> None:
     trained = random_trained(EYELIDS, seed=3)
-    if adapted:
-        networks = UNets(2, 6, (4, 6, 8), residual=False, adapted=True).eval()
+    if adapted or activation != trained.networks.settings["activation"]:
+        networks = UNets(2, 6, (4, 6, 8), not adapted, adapted, activation).eval()
         described = {"name": networks.name, **networks.settings}
         trained = replace(
             trained,

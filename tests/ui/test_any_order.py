@@ -8,7 +8,8 @@ import pytest
 from support.windows import Bench
 
 from faceedit_app.core.resources import shipped
-from faceedit_app.lab.attacks.monkey import Monkey, dialogs_cancelled
+from faceedit_app.lab.attacks.hands import dialogs_cancelled
+from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.ui.start.window import MainWindow
 
 STEPS = 200

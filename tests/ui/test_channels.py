@@ -128,6 +128,22 @@ def test_escape_drops_what_is_being_drawn(bench: Bench) -> None:
     assert session.edits == ()
 
 
+def test_choosing_other_channels_drops_what_is_being_drawn(bench: Bench) -> None:
+    window, panel = opened(bench)
+    panel.draw.setChecked(True)
+    (plot,) = panel.plots
+    box = plot.view.rect().center()
+    plot.pressed(Pointer(box.x() - 100, box.y()))
+    plot.dragged(Pointer(box.x(), box.y() - 40))
+    assert session_of(window).is_previewing
+    panel.choose("jawLeft", "headYaw", "mouthClose")
+    assert not session_of(window).is_previewing
+    assert [plot.channel for plot in panel.plots] == list(panel.chosen)
+    panel.choose("mouthClose")
+    assert [plot.channel for plot in panel.plots] == ["mouthClose"]
+    assert plot.shown.startswith("mouthClose")
+
+
 def test_another_take_replaces_the_list(bench: Bench, tmp_path: Path) -> None:
     window, panel = opened(bench)
     names = [name for name in livelink_names() if name != "CheekPuff"]

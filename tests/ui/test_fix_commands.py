@@ -88,7 +88,7 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     dialog = window.findChild(SliderDialog)
     assert dialog is not None
     dialog.slider.setValue(50)
-    dialog._preview()
+    dialog.preview()
     column = CONTROL_INDEX["left_corner"]
     assert session.asked[100, column] > session.tracked[100, column]
     assert session.edits == ()
@@ -100,7 +100,7 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     trigger(window, "undo", "expression")
     dialog = next(d for d in window.findChildren(SliderDialog) if d.isVisible())
     dialog.slider.setValue(90)
-    dialog._preview()
+    dialog.preview()
     dialog.reject()
     np.testing.assert_array_equal(session.asked, session.tracked)
 

@@ -15,6 +15,7 @@ from typing import cast
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QPushButton, QWidget
+from pytestqt.qtbot import QtBot
 from support.faces import random_engine, random_rig, shipped_rig
 from support.takes import make_livelink_csv
 from support.waiting import wait_for_background
@@ -23,7 +24,7 @@ from support.windows import Bench, FakeRenderer, drag_curve, drop, open_path, tr
 from faceedit_app import render
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.resources import shipped
-from faceedit_app.ui.start.application import keep_for_good, rarely_collect
+from faceedit_app.ui.start.application import Collector, keep_for_good, rarely_collect
 from faceedit_app.ui.state import loading
 
 OPENING = CONTROL_INDEX["mouth_opening"]
@@ -322,3 +323,32 @@ def test_garbage_is_collected_as_usual_once_the_start_is_over() -> None:
     finally:
         gc.set_threshold(*usual)
         gc.unfreeze()
+
+
+def test_garbage_is_collected_in_the_gui_thread_only(qtbot: QtBot) -> None:
+    class Cycle:
+        def __init__(self) -> None:
+            self.itself = self
+
+        def __del__(self) -> None:
+            collected.append(threading.current_thread())
+
+    def busy() -> None:
+        Cycle()
+        kept.extend([] for _ in range(50_000))
+
+    collected: list[threading.Thread] = []
+    kept: list[list[object]] = []
+    collector = Collector()
+    collector.begin()
+    try:
+        busy()
+        thread = threading.Thread(target=busy)
+        thread.start()
+        thread.join()
+        assert not collected
+        qtbot.waitUntil(lambda: len(collected) == 2)
+        assert set(collected) == {threading.main_thread()}
+    finally:
+        collector.end()
+    assert gc.isenabled()

@@ -299,7 +299,7 @@ def test_saying_it_clearly_is_previewed_and_made(bench: Bench) -> None:
     dialog = window.findChildren(SliderDialog)[-1]
     dialog.slider.setValue(80)
     assert dialog.words.text() == "80 % clearer"
-    dialog._preview()
+    dialog.preview()
     assert session.is_previewing
     dialog.accept()
     assert {edit.strength for edit in session.edits} == {0.8}

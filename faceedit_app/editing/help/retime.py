@@ -88,9 +88,11 @@ def nearest(clip: Clip, span: Range, goal: Range) -> Range:
     slower, faster = 1.0 / SLOWEST - 1.0, 1.0 - 1.0 / FASTEST  # of what is beside it
     lows = start - faster * before, end - slower * after
     highs = start + slower * before, end + faster * after
-    if start == end:
-        only = min(max(goal[0], *lows), *highs)
-        return only, only
+    if end - start < 2.0 * _SMALLEST:  # a moment, which is only moved
+        length = end - start
+        only = min(max(goal[0], lows[0], lows[1] - length), highs[0], highs[1] - length)
+        only = _moved_to(start, only)
+        return only, only + length
     to, until = (min(max(at, low), high) for at, low, high in zip(goal, lows, highs, strict=True))
     least, most = (end - start) / FASTEST, (end - start) / SLOWEST
     if abs(until - end) >= abs(to - start):  # the end that was moved farther gives way
@@ -99,7 +101,12 @@ def nearest(clip: Clip, span: Range, goal: Range) -> Range:
     else:
         until = min(max(until, lows[0] + least), highs[0] + most)
         to = min(max(to, until - most, lows[0]), until - least, highs[0])
-    return to, until
+    return _moved_to(start, to), _moved_to(end, until)
+
+
+def _moved_to(was: float, goal: float) -> float:
+    """The goal, or where it was if that is hardly a difference: nothing would make up for it."""
+    return goal if abs(goal - was) >= _SMALLEST else was
 
 
 def retime(clip: Clip, span: Range, goal: Range, pad: float = LEAST_PAD) -> Edit:

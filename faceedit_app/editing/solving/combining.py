@@ -84,6 +84,7 @@ class Combining:
 
     def __init__(self, part: Part, shut: float, quick: float) -> None:
         self._part, self._shut, self._quick = part, shut, quick
+        self._known: tuple[LastLayer, Doubles, Doubles] | None = None
         self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
         opening = [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]
         jaw = np.flatnonzero(np.isin(part.columns[part.have], opening))
@@ -161,7 +162,8 @@ class Combining:
             unlike = asked.unlike[:, None]
             answer = part.whole(answer, unlike)
             if asked.layer is not None:
-                answer += asked.layer.change(asked.before, asked.before + asked.slow)
+                known = self._correction(asked.layer, asked.before)
+                answer += asked.layer.change(asked.before, asked.before + asked.slow, known)
             answer += asked.exchange
             if part.reach is not None:
                 answer += asked.settings.reach * (asked.quick @ part.quick)
@@ -178,6 +180,13 @@ class Combining:
         if "mouthClose" in part.region.channels:
             _couple(weights, old, columns, influence.max(axis=1) > 0)
         return room
+
+    def _correction(self, layer: LastLayer, curves: Doubles) -> Doubles:
+        """(N, K) the last layer's correction for tracked curves; a drag asks for the same again."""
+        known = self._known
+        if known is None or known[0] is not layer or not np.array_equal(known[1], curves):
+            known = self._known = layer, curves, layer(curves)
+        return known[2]
 
     def _awake(self, change: Doubles, weights: Doubles) -> tuple[Doubles, Doubles]:
         """What a change (N, K) of weights (N, 52) leaves at rest.

@@ -103,14 +103,20 @@ class Fills:
                 self._mix(edit, out, near, rows, columns, new, tracked)
         return out
 
-    def turned(self, edits: Sequence[Edit], near: slice) -> Floats | None:
-        """(N, 9) the rotations with the retimes among `edits`, radians; None if there are none."""
+    def turned(self, edits: Sequence[Edit], near: slice, rows: slice) -> Floats | None:
+        """(N, 9) rotations with the retimes among `edits`, radians; None if the take has none.
+
+        Args:
+            near: the frames that they are made from, see `applied`.
+            rows: those of them that are wanted.
+        """
         turns = self._clip.rotations
         if turns is None or not any(edit.op is Op.RETIME for edit in edits):
-            return None if turns is None else turns[near]
+            return None if turns is None else turns[rows]
         acting = _acting(edits)
         key = acting, near.start, near.stop
-        return self._turns.to(key, lambda: self._turned(acting, near, turns))
+        made = self._turns.to(key, lambda: self._turned(acting, near, turns))
+        return made[rows.start - near.start : rows.stop - near.start]
 
     def _turned(self, edits: Sequence[Edit], near: slice, turns: Floats) -> Floats:
         out, tracked = turns[near].copy(), turns[near]

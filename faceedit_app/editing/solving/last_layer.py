@@ -106,12 +106,17 @@ class LastLayer:
         answer: Doubles = _functions(within, self.poses) @ self.coefficients + self.constant
         return answer
 
-    def change(self, curves: Doubles, to: Doubles) -> Doubles:
-        """(N, K) how the correction changes from curves (N, C) to others."""
+    def change(self, curves: Doubles, to: Doubles, known: Doubles | None = None) -> Doubles:
+        """(N, K) how the correction changes from curves (N, C) to others.
+
+        Args:
+            known: (N, K) the correction for `curves`; None = not known yet.
+        """
         change = np.zeros((len(curves), len(self.constant)))
         moved = np.flatnonzero((curves != to).any(axis=1))
         if len(moved):
-            change[moved] = self(to[moved]) - self(curves[moved])
+            known = self(curves) if known is None else known
+            change[moved] = self(to[moved]) - known[moved]
         return change
 
     def distance(self, change: Doubles) -> Doubles:
@@ -130,7 +135,14 @@ def _pairs(curves: int) -> tuple[Indices, Indices]:
 def _functions(standard: Doubles, poses: Doubles) -> Doubles:
     """(N, C) -> (N, F): the curves, their products, and how near they are to poses (P, C)."""
     first, second = _pairs(standard.shape[1])
-    square = (standard**2).sum(axis=1)[:, None] + (poses**2).sum(axis=1)
-    away = np.maximum(square - 2.0 * (standard @ poses.T), 0.0)
-    near = np.exp(away / (-2.0 * REACHES**2))
-    return np.concatenate([standard, standard[:, first] * standard[:, second], near], axis=1)
+    size, pairs = standard.shape[1], len(first)
+    functions = np.empty((len(standard), size + pairs + len(poses)))
+    functions[:, :size] = standard
+    np.multiply(standard[:, first], standard[:, second], out=functions[:, size : size + pairs])
+    # exp(-|x - p|² / 2 R²), with the square multiplied out.
+    narrow = REACHES**-2
+    near = standard @ (narrow * poses.T)
+    near -= 0.5 * narrow * (standard**2).sum(axis=1)[:, None]
+    near -= 0.5 * narrow * (poses**2).sum(axis=1)
+    np.exp(np.minimum(near, 0.0, out=near), out=functions[:, size + pairs :])
+    return functions

@@ -82,13 +82,10 @@ def exchange(residual: Doubles, share: Doubles) -> Doubles:
         residual: (M, K) of the tracked poses, at 25 fps.
         share: (M,) in 0..1, see `kept`.
     """
-    added = np.zeros_like(residual)
-    moved = np.flatnonzero(share < 1.0)
-    if len(moved):
-        # Poses that are edited themselves say little about what is around them.
-        weights = _resemblance(len(residual))[moved] * share**2
-        around = (weights @ residual) / (weights.sum(axis=1, keepdims=True) + NOTHING)
-        added[moved] = (1.0 - share[moved, None]) * (around - residual[moved])
+    # Poses that are edited themselves say little about what is around them.
+    near, trust = _resemblance(len(residual)), share**2
+    around = near @ (trust[:, None] * residual) / ((near @ trust)[:, None] + NOTHING)
+    added: Doubles = (1.0 - share[:, None]) * (around - residual)
     return added
 
 

@@ -113,16 +113,19 @@ class Sideways:
         gain = float((x @ y + prior * _FOLLOW) / (x @ x + prior))
         return min(max(gain, 0.0), _MOST)
 
-    def move(self, weights: Doubles, change: Doubles) -> None:
-        """Change the control by (N, C) mm, of which its own column counts, in place.
+    def move(self, weights: Doubles, change: Doubles, hold: Doubles) -> None:
+        """Change the control where it is asked for, in place.
 
         Args:
             weights: (N, 52).
-            change: (N, C) mm.
+            change: (N, C) mm, of which its own column counts. Where nothing asks for it, that may
+                be what other channels, once smoothed, move the chin by.
+            hold: (N, C) in 0..1, how firmly each curve is asked for.
         """
         if self._jaw is None or self._mm == 0.0:
             return
         before = self._jaw.difference(weights)
-        self._jaw.move(weights, change[:, self.column] / self._mm)
+        asked = np.where(hold[:, self.column] > 0, change[:, self.column], 0.0)
+        self._jaw.move(weights, asked / self._mm)
         if self._lips is not None and self._follow > 0:
             self._lips.move(weights, self._follow * (self._jaw.difference(weights) - before))

@@ -22,27 +22,25 @@ from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.regions import BROWS, JAW, REGIONS
-from faceedit_app.core.resample import from_grid, grid_length, to_grid
+from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
-from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.channel_edits import ChannelEdits, ChannelTask, Task
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
-from faceedit_app.editing.solving.fills import Fills
+from faceedit_app.editing.solving.fills import Fills, Recent
 from faceedit_app.editing.solving.filters import smoothed
-from faceedit_app.editing.solving.last_layer import LastLayer
+from faceedit_app.editing.solving.network_answers import NetworkAnswers
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.request import Request, active, request
-from faceedit_app.editing.solving.residual import Residuals
 from faceedit_app.editing.solving.rounding import DECIMALS, rounded
 from faceedit_app.editing.solving.sideways import Sideways
-from faceedit_app.editing.solving.start import Start, Starts
+from faceedit_app.editing.solving.start import Starts
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
 
@@ -66,8 +64,7 @@ _SHUT_PERCENTILE, _SHUT_MOST, _SHUT = 2.0, 2.2, 1.15
 class Patch:
     """A chunk's result: `asked` (N, C) mm, `weights` (N, 52), `controls` (N, C) mm.
 
-    `rotations` are (N, 9) radians; None = the take has none. `started` (N, C) mm is what edits of
-    curves started from.
+    `rotations` are (N, 9) radians, or None; edits of curves started from `started` (N, C) mm.
     """
 
     asked: Floats
@@ -130,7 +127,6 @@ class Solver:
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
         jaw = self._sideways.column
         self._low[jaw], self._high[jaw] = self._sideways.limits
-        self._answers = Answers(engine, self.grid) if engine else None
         moves = self._sample.high - self._sample.low > IDLE
         used = [c for c in self.clip.channels if moves[ARKIT_INDEX[c]]]
         self._across = across(used, self._sample.weights, self._sample.low, self.distances)
@@ -139,10 +135,9 @@ class Solver:
             for name, part in self._parts.items()
         }
         self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
-        self._layers: dict[tuple[str, float], LastLayer] = {}
-        self._residuals = Residuals()
-        for name in engine.models if engine else ():
-            self._last_layer(name, Settings())  # now, so that the first drag need not wait for it
+        self._networks = NetworkAnswers(
+            engine, clip.times, self.grid, self.chunks, self._parts, self._sampled, self._sample
+        )
         self.limits = self._limits()
         self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
         self.use_character(self._theirs)
@@ -150,7 +145,7 @@ class Solver:
     def use_character(self, theirs: Rig | None) -> None:
         """Close lips and lids on the user's character from now on; the chunks change."""
         self._theirs = theirs
-        self._bases: dict[int, tuple[ChunkTask, Patch]] = {}
+        self._bases = Recent[Patch](REMEMBERED_CHUNKS)
         self._closing = (
             Closing(
                 self._rig,
@@ -186,30 +181,6 @@ class Solver:
             longest=self.controls.max(axis=0).astype(np.float64),
             seconds=self.clip.duration,
         )
-
-    def _last_layer(self, region: str, settings: Settings) -> LastLayer | None:
-        """The take's own last layer of a region; None if it has no part in the answer."""
-        if self.engine is None or settings.mode is Mode.RESYNTHESIZE:
-            return None
-        if region not in self.engine.models:
-            return None
-        return self._fitted_layer(region, settings.naturalness, self.engine)
-
-    def _fitted_layer(self, region: str, naturalness: float, engine: Engine) -> LastLayer:
-        """Linear in naturalness, as the answers are."""
-        if 0 < naturalness < 1:
-            ends = (self._fitted_layer(region, end, engine) for end in (0.0, 1.0))
-            return next(ends).towards(next(ends), naturalness)
-        key = region, naturalness
-        if key not in self._layers:
-            answers = []
-            for chunk in self._sampled:
-                own = self.chunks.own_ranges[chunk]
-                first, last = (int(i) for i in self.chunks.grid_ranges[chunk])
-                answer = engine.answer(region, self.grid[first:last], naturalness)
-                answers.append(answer[own[0] - first : own[1] - first])
-            self._layers[key] = self._parts[region].last_layer(answers, self._sample)
-        return self._layers[key]
 
     def _limits(self) -> list[tuple[float, float]]:
         """The lowest and highest value of each control that a face, or this take, can have, mm.
@@ -255,8 +226,8 @@ class Solver:
 
     def _edit_channels(self, task: ChannelTask) -> Patch:
         """Edit the channels of a chunk after its curves have been answered."""
-        rows, curves = self.chunks.slice(task.chunk), dict(task.bases)[task.chunk]
-        mine = self._base(task.chunk, curves)
+        rows = self.chunks.slice(task.chunk)
+        mine = self._base(task.chunk, dict(task.bases)[task.chunk])
         weights, rotations = self._channels.apply(task, rows, self._base, DECIMALS)
         controls = self._starts.measured(weights, mine.weights, mine.controls)
         # Curves that nobody asked for go where the channels take them.
@@ -267,16 +238,9 @@ class Solver:
         """The answer to the curves of a chunk; the last ones are kept for further edits."""
         if task is None:
             rows = self.chunks.slice(chunk)
-            tracked, turns = self.controls[rows], self.clip.rotations
-            rotations = None if turns is None else turns[rows]
-            return Patch(tracked, self.tracked[rows], tracked, rotations, tracked)
-        known = self._bases.pop(chunk, None)
-        if known is None or known[0] != task:
-            known = task, self._answered(task)
-        self._bases[chunk] = known
-        while len(self._bases) > REMEMBERED_CHUNKS:
-            del self._bases[next(iter(self._bases))]  # the least recently used
-        return known[1]
+            tracked, turned = self.controls[rows], self._fills.turned((), rows, rows)
+            return Patch(tracked, self.tracked[rows], tracked, turned, tracked)
+        return self._bases.to(task, lambda: self._answered(task))
 
     def _answered(self, task: ChunkTask) -> Patch:
         """Answer the curves of one chunk."""
@@ -314,15 +278,15 @@ class Solver:
             change = self._wanted_change(asked, tracked)
             change = start.without_twitches(change, asked.calm, rate)
             slow = smoothed(change, QUICK * rate)
-            answers, exchanges = self._answer(task, tuple(influences), start, slow)
+            answers, exchanges = self._networks.answer(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
-            self._sideways.move(weights, change)
+            self._sideways.move(weights, change, mine.hold)
             for name, influence in influences.items():
                 part = self._parts[name]
                 heard, own = part.layer_columns, part.own_columns
                 wanted = RegionRequest(
                     settings=part.answered_by(settings),
-                    layer=self._last_layer(name, settings),
+                    layer=self._networks.last_layer(name, settings),
                     answer=answers[name],
                     exchange=exchanges[name],
                     unlike=part.unlike(change[:, own]),
@@ -345,9 +309,8 @@ class Solver:
             result = self._closing(result, share)
         result = rounded(result, self.tracked[rows])
         controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
-        turned = self._fills.turned(task.edits, near)
-        rotations = None if turned is None else turned[inner]
-        return Patch(mine.curves.astype(np.float32), result, controls, rotations, started)
+        turned = self._fills.turned(task.edits, near, rows)
+        return Patch(mine.curves.astype(np.float32), result, controls, turned, started)
 
     def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
@@ -365,78 +328,6 @@ class Solver:
             if len(own) and not (part.is_optional and not asked.hold[:, own].any()):
                 change[:, own] = part.expectation.fill(change[:, own], asked.hold[:, own] > 0)
         return change
-
-    def _answer(
-        self,
-        task: ChunkTask,
-        regions: tuple[str, ...],
-        begin: Start,
-        change: Doubles,
-    ) -> tuple[dict[str, Doubles], dict[str, Doubles]]:
-        """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
-
-        Args:
-            begin: what the edits start from, on the N' frames near the task.
-            change: (N', C) mm by which the controls that are asked for differ from it.
-
-        Returns:
-            The answers, and by how much the poses' residuals change, see `residual.py`.
-        """
-        rows, settings = self.chunks.slice(task.chunk), task.settings
-        resynthesize = settings.mode is Mode.RESYNTHESIZE
-        first, last = task.near
-        before = begin.weights[rows.start - first : rows.stop - first].astype(np.float64)
-        answers = {name: self._unanswered(name, before, resynthesize) for name in regions}
-        still = {n: np.zeros((len(answers[n]), len(self._parts[n].columns))) for n in regions}
-        regions = tuple(name for name in regions if not self._parts[name].is_optional)
-        if self._answers is None or not regions:
-            return answers, still
-        first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
-        times = self.clip.times[slice(*task.near)]
-        same = begin.as_tracked
-        start = self.grid[first:last] if same else to_grid(times, begin.curves, first, last)
-        edited = start + to_grid(times, change, first, last)
-        grid_range = first, last
-        found = self._answers.to(regions, grid_range, edited, settings.naturalness)
-        exchanges: dict[str, Doubles] = {}
-        if not resynthesize:
-            unedited = (
-                self._answers.to_tracked(regions, grid_range, settings.naturalness)
-                if same
-                else self._answers.to(regions, grid_range, start, settings.naturalness)
-            )
-            found = {name: answer - unedited[name] for name, answer in found.items()}
-            for name in regions:
-                part, layer = self._parts[name], self._last_layer(name, settings)
-                if layer is None or not len(part.own):
-                    continue
-                heard, key = part.layer_columns, (task.chunk, name, settings.naturalness)
-
-                def lacking(part: Part = part, answer: Doubles = unedited[name]) -> Doubles:
-                    weights = to_grid(times, begin.weights[:, part.columns], first, last)
-                    return weights - part.whole(answer)
-
-                now, change_by = start[:, heard], (edited - start)[:, heard]
-                exchanges[name] = self._residuals.exchange(
-                    key if same else None, layer, lacking, now, change_by
-                )
-        stacked = np.concatenate([found[name] for name in regions], axis=1)
-        ends = np.cumsum([found[name].shape[1] for name in regions])[:-1]
-        parts = np.split(from_grid(stacked, first, self.clip.times[rows]), ends, axis=1)
-        for name, answer in zip(regions, parts, strict=True):
-            if resynthesize:
-                answers[name][:, : answer.shape[1]] = answer
-            else:
-                answers[name] = answer
-        still |= {name: from_grid(e, first, self.clip.times[rows]) for name, e in exchanges.items()}
-        return answers, still
-
-    def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:
-        """(N, K) what stands in for the networks' answer if there is none."""
-        part = self._parts[name]
-        if resynthesize and not part.is_optional:
-            return before[:, part.columns]
-        return np.zeros((len(before), len(part.region.channels)))
 
     def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
         """Put a region's weights into those of a chunk (N, 52).

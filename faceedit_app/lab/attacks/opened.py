@@ -14,14 +14,15 @@ from faceedit_app.ui.state.preferences import Preferences
 _PATIENCE = 120.0  # seconds
 
 
-def open_window(take: Path, folder: Path) -> MainWindow:
+def open_window(take: Path, folder: Path, character: Path | None = None) -> MainWindow:
     """Open a take, or what can be recovered, and wait until face and networks are loaded.
 
     Args:
         folder: for the settings.
+        character: the user's, to be shown.
 
     Raises:
-        TimeoutError: that takes too long.
+        TimeoutError: that takes too long, or one of the files cannot be read.
     """
     settings = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
     preferences = Preferences(settings)
@@ -31,13 +32,18 @@ def open_window(take: Path, folder: Path) -> MainWindow:
     window.settled.connect(lambda: settled.append(True))
     window.resize(1280, 720)
     window.show()
-    window.start(take)
-    until = time.monotonic() + _PATIENCE
-    while not (settled and window.document.session is not None):
+    window.start(take, character=character)
+    document, until = window.document, time.monotonic() + _PATIENCE
+    while not (settled and document.session is not None and _shows(window, character)):
         QCoreApplication.processEvents()
         if time.monotonic() > until:
             raise TimeoutError(f"{take} was not opened in {_PATIENCE:.0f} s")
     return window
+
+
+def _shows(window: MainWindow, character: Path | None) -> bool:
+    """Whether the user's character is shown, if there is one."""
+    return character is None or window.document.character is not None
 
 
 def session_of(window: MainWindow) -> EditSession:

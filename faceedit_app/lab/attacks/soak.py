@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import resource
+import shutil
 import statistics
 import sys
 import tempfile
@@ -13,22 +14,21 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
 from PySide6.QtCore import QCoreApplication
 
 from faceedit_app.editing.files import journal
-from faceedit_app.editing.session import EditSession
-from faceedit_app.formats.opening import open_take
-from faceedit_app.lab.attacks.monkey import Monkey, dialogs_cancelled, exceptions_noted
+from faceedit_app.lab.attacks.checks import wrong_after, wrong_when_undone
+from faceedit_app.lab.attacks.hands import dialogs_cancelled, exceptions_noted
+from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
-from faceedit_app.ui.start.application import application
+from faceedit_app.ui.start.application import Collector, application
 from faceedit_app.ui.start.window import MainWindow
 
 BURST = 40  # gestures between two checks
 MOST_EDITS = 60  # then everything is undone, so that the take is compared with its source
 MOST_GROWTH = 0.05  # of the memory
-_SETTLED = 4  # checks before the memory is compared
-_ROUNDING = 6e-5  # of weights in files, which have at least 4 decimals
+_WARM_UP = 10  # checks until everything has been used once; then the memory is compared
+_ENOUGH = 12  # checks after that
 
 
 @dataclass
@@ -49,9 +49,9 @@ class Soaked:
 
     @property
     def growth(self) -> float:
-        """By which share the memory has grown since it had settled."""
-        later = self.memory[_SETTLED:]
-        if len(later) < 3 * _SETTLED:
+        """By which share the memory has grown since everything was used once."""
+        later = self.memory[_WARM_UP:]
+        if len(later) < _ENOUGH:
             return 0.0
         third = len(later) // 3
         return statistics.median(later[-third:]) / statistics.median(later[:third]) - 1.0
@@ -60,7 +60,8 @@ class Soaked:
         """A summary, then the problems."""
         memory = f", {self.memory[0]:.0f} to {self.memory[-1]:.0f} MB" if self.memory else ""
         counts = f"{self.gestures} gestures, {self.checks} checks, everything undone"
-        return [f"{counts} {self.undone} times{memory} ({self.growth:+.1%})", *self.problems]
+        warm = f"after {_WARM_UP} checks of warm-up"
+        return [f"{counts} {self.undone} times{memory} ({self.growth:+.1%} {warm})", *self.problems]
 
 
 def soak(
@@ -69,6 +70,8 @@ def soak(
     seed: int,
     gestures: int | None = None,
     advance: Callable[[float], None] = lambda elapsed: None,
+    character: Path | None = None,
+    keep: Path | None = None,
 ) -> Soaked:
     """Use a window at random until time is up or something goes wrong.
 
@@ -78,6 +81,8 @@ def soak(
         seed: the same seed makes the same gestures.
         gestures: end after this many, if that is sooner.
         advance: called with the seconds that have passed.
+        character: the user's, shown at first and now and then.
+        keep: folder for the edits and the exports at the end, if anything went wrong.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     application()
@@ -89,7 +94,8 @@ def soak(
     ):
         folder = Path(name)
         journal.journal_folder = lambda: folder / "journals"
-        window = open_window(take, folder)
+        window, collector = open_window(take, folder, character), Collector()
+        collector.begin()
         try:
             chance, began = random.Random(seed), time.monotonic()
             monkey = Monkey(window, chance)
@@ -100,15 +106,19 @@ def soak(
                     soaked.gestures += 1
                     if unexpected or refused:
                         said = [*unexpected, *refused][0]
-                        soaked.problems.append(f"after “{monkey.last}”: {said}")
+                        soaked.problems.append(f"{said}, after {monkey.said}")
                         break
                 else:
                     _check(window, monkey, folder, soaked)
                 advance(time.monotonic() - began)
                 if gestures is not None and soaked.gestures >= gestures:
                     break
+            if soaked.problems and keep is not None:
+                session_of(window).save_edits(folder / "edits.json")
+                shutil.copytree(folder, keep, dirs_exist_ok=True)
             _undo_everything(window, folder, soaked)
         finally:
+            collector.end()
             window.leave()
             journal.journal_folder = folder_of_journals
     if soaked.growth > MOST_GROWTH:
@@ -119,45 +129,19 @@ def soak(
 def _check(window: MainWindow, monkey: Monkey, folder: Path, soaked: Soaked) -> None:
     """Compare what is shown with what is exported, and with the same edits on a fresh session."""
     window.workspace.end_gestures()
-    session = session_of(window)
-    if session.is_previewing:
-        soaked.problems.append(f"a preview stays after all gestures, after “{monkey.last}”")
-    session.live.work()
+    for wrong in wrong_after(window, folder):
+        soaked.problems.append(f"{wrong}, after {monkey.said}")
     soaked.checks += 1
     soaked.memory.append(_memory())
-    fresh = EditSession(session.take, session.rig, window.document.engine)
-    fresh.begin_with(session.state)
-    fresh.live.work()
-    for name in ("asked", "achieved", "weights"):
-        shown = getattr(session, name)
-        if not np.isfinite(shown).all():
-            soaked.problems.append(f"{name} is not finite")
-        differs = (shown != getattr(fresh, name)).any(axis=1)
-        if differs.any():
-            frames = f"{differs.sum()} frames from {differs.argmax()}"
-            soaked.problems.append(
-                f"{name} depends on how the edits were made ({frames}, after “{monkey.last}”)"
-            )
-    exported = folder / f"exported{session.take.path.suffix}"
-    window.document.export(exported)
-    written = open_take(exported, session.take.fps).clip.weights
-    if np.abs(written - session.clip_weights()).max() > _ROUNDING:
-        soaked.problems.append("what is exported is not what is shown")
-    if len(session.edits) > MOST_EDITS:
+    if len(session_of(window).edits) > MOST_EDITS:
         _undo_everything(window, folder, soaked)
 
 
 def _undo_everything(window: MainWindow, folder: Path, soaked: Soaked) -> None:
     """Undo all steps: an export is then the source, byte for byte."""
     window.workspace.end_gestures()
-    session = session_of(window)
-    while session.can_undo:
-        session.undo()
+    soaked.problems += wrong_when_undone(window, folder)
     soaked.undone += 1
-    exported = folder / f"undone{session.take.path.suffix}"
-    window.document.export(exported)
-    if exported.read_bytes() != session.take.path.read_bytes():
-        soaked.problems.append("undoing everything does not bring back the source's bytes")
 
 
 def _memory() -> float:

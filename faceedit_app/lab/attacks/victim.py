@@ -21,11 +21,12 @@ from faceedit_app.editing.files import journal
 from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import ViewState
 from faceedit_app.editing.steps import EditState
-from faceedit_app.lab.attacks.monkey import Monkey, dialogs_cancelled
+from faceedit_app.lab.attacks.hands import dialogs_cancelled
+from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover
-from faceedit_app.ui.start.application import application
+from faceedit_app.ui.start.application import Collector, application
 
 PROJECT, EXPORTED = "work.faceedit", "exported.csv"
 
@@ -50,6 +51,8 @@ def main(folder: Path, seed: int) -> None:
         recovers = bool(pending_journals(folder / "journals"))
         _say(starts=True)
         window = open_window(folder / "take.csv", folder)
+        collector = Collector()
+        collector.begin()
         session, chance = session_of(window), random.Random(seed)
         monkey = Monkey(window, chance)
         _say(did="recover" if recovers else "open", state=state_of(session.state))

@@ -69,6 +69,7 @@ class FitSettings:
     adapt_statistics: bool = False  # of the frozen regressor to the noise; True in the paper
     architecture: str = "unet"  # key of `ARCHITECTURES`; one with regressor and autoencoder
     widths: tuple[int, ...] = (32, 64, 128)  # features at each time scale, finest first
+    activation: str = "silu"  # "elu" in the paper
     mirror: bool = True
     variety: Variety | None = dataclasses.field(default_factory=Variety)
     range_percentiles: tuple[float, float] = (0.05, 99.95)  # of each control, for `low`, `high`
@@ -86,6 +87,7 @@ RECIPES: dict[str, FitSettings] = {
         noisy_windows=1.0,
         residual=False,
         adapt_statistics=True,
+        activation="elu",
         variety=None,
     ),
 }

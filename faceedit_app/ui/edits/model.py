@@ -135,8 +135,9 @@ class EditsModel(QAbstractListModel):
             self._change(row, lambda edit: replace(edit, strength=strength), "Edit strength")
             return True
         if role == RANGE:
+            start, end = value
             self._change(
-                row, lambda edit: reshaped(edit, *value, edit.falloff, edit.fade_out), "Range"
+                row, lambda edit: reshaped(edit, start, end, edit.falloff, edit.fade_out), "Range"
             )
             return True
         if role == Qt.ItemDataRole.EditRole and str(value) != self.data(index):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -52,6 +52,7 @@ class ChannelsPanel(QWidget):
         super().__init__()
         self._document, self._timeline = document, timeline
         self.plots: list[ChannelPlot] = []
+        self._known: list[ChannelPlot] = []  # those on the screen, and some more
         self._items: dict[str, QListWidgetItem] = {}
         self.search = QLineEdit()
         self.search.setObjectName("search")
@@ -158,8 +159,10 @@ class ChannelsPanel(QWidget):
 
     def choose(self, *channels: str) -> None:
         """Select channels."""
-        for name in self.channels:
-            self._items[name].setSelected(name in channels)
+        with QSignalBlocker(self.list):
+            for name in self.channels:
+                self._items[name].setSelected(name in channels)
+        self._choose()
 
     def reload(self) -> None:
         """Another take: list its channels, and keep those that are selected."""
@@ -195,16 +198,25 @@ class ChannelsPanel(QWidget):
         """Plot the first of the selected channels."""
         wanted = self.chosen[:MOST_PLOTS]
         if [plot.channel for plot in self.plots] != list(wanted):
-            self.area.ci.clear()
-            self.plots = []
-            for row, name in enumerate(wanted):
-                plot = ChannelPlot(self._timeline, name, self._session, self.draw.isChecked)
-                self.area.ci.addItem(plot, row, 0)
-                self.plots.append(plot)
+            self._plot(wanted)
         for button in self._buttons:
             button.setEnabled(bool(self.chosen))
         self._set_unit(bool(self.chosen) and all(map(is_rotation, self.chosen)))
         self._refresh()
+
+    def _plot(self, channels: Sequence[str]) -> None:
+        """Plot these channels; a plot takes long to make, so each is used again."""
+        self.cancel_gesture()
+        for plot in self.plots[len(channels) :]:
+            self.area.ci.removeItem(plot)
+        shown, known = len(self.plots), self._known
+        while len(known) < len(channels):
+            known.append(ChannelPlot(self._timeline, "", self._session, self.draw.isChecked))
+        self.plots = known[: len(channels)]
+        for row, (plot, name) in enumerate(zip(self.plots, channels, strict=True)):
+            plot.channel = name
+            if row >= shown:
+                self.area.ci.addItem(plot, row, 0)
 
     def _set_unit(self, turns: bool) -> None:
         """Let the ceiling be in degrees, or a weight."""

@@ -9,7 +9,12 @@ from pathlib import Path
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from faceedit_app.ui.start.application import application, keep_for_good, rarely_collect
+from faceedit_app.ui.start.application import (
+    Collector,
+    application,
+    keep_for_good,
+    rarely_collect,
+)
 
 # The module above makes the imports below quicker.
 # isort: split
@@ -35,6 +40,7 @@ def run(take: Path | None, demo: bool = False, character: Path | None = None) ->
     _quit_on_interrupt(app)
     window = MainWindow(Preferences())
     window.settled.connect(keep_for_good)
+    window.settled.connect(Collector(app).begin)
     window.after_first_paint(lambda: window.start(take, demo, character))
     if folder := os.environ.get(smoke.VARIABLE):
         smoke.play(window, Path(folder))

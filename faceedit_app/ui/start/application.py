@@ -7,6 +7,7 @@ import sys
 from importlib import import_module
 from typing import Any
 
+from PySide6.QtCore import QObject, QTimer
 from PySide6.QtWidgets import QApplication
 
 from faceedit_app import __version__
@@ -14,6 +15,8 @@ from faceedit_app.ui.look.theme import apply_theme
 
 _USUAL = gc.get_threshold()
 _RARELY = 200_000  # new objects between two collections
+_EVERY = 1000  # milliseconds
+_ALL = 20  # collections of new objects until all are looked through
 
 
 def application() -> QApplication:
@@ -43,6 +46,35 @@ def keep_for_good() -> None:
     """
     gc.freeze()
     gc.set_threshold(*_USUAL)
+
+
+class Collector(QTimer):
+    """Collects garbage in the GUI thread, and in no other, from `begin` to `end`.
+
+    Python collects in the thread that happens to make the next object. If that is not the GUI's,
+    and the garbage holds a plot or a timer, Qt crashes: they must be deleted in their own thread.
+    """
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent, interval=_EVERY)
+        self._collected = 0
+        self.timeout.connect(self.collect)
+
+    def begin(self) -> None:
+        """Collect from now on; Python itself no longer does."""
+        gc.disable()
+        self.start()
+
+    def end(self) -> None:
+        """Leave it to Python again."""
+        self.stop()
+        gc.enable()
+
+    def collect(self) -> None:
+        """Collect if there are as many new objects as would make Python do so."""
+        if gc.get_count()[0] > _USUAL[0]:
+            self._collected += 1
+            gc.collect(2 if self._collected % _ALL == 0 else 1)
 
 
 def _read_no_sources() -> None:

@@ -1,8 +1,8 @@
 """1-D U-Nets over time.
 
 They keep the resolution: a sequence of any length T goes in and one of length T comes out. Each
-block is batch normalisation, a convolution of 3 frames and ELU; time is halved by max-pooling and
-doubled again by up-sampling, and skip layers carry the fast movements across.
+block is batch normalisation, a convolution of 3 frames and an activation; time is halved by
+max-pooling and doubled again by up-sampling, and skip layers carry the fast movements across.
 """
 
 from __future__ import annotations
@@ -19,15 +19,22 @@ if TYPE_CHECKING:
     from faceedit_app.lab.training.settings import FitSettings
 
 
+# By the name in the settings. ONNX Runtime has no fast ELU: it takes a third of the networks' time,
+# and convolutions on either side of it cannot hand on their blocks.
+ACTIVATIONS: dict[str, type[nn.ELU | nn.SiLU]] = {"elu": nn.ELU, "silu": nn.SiLU}
+
+
 def _convolution(inputs: int, outputs: int) -> nn.Conv2d:
     # Time as a picture of one row: ONNX Runtime lays out only those in blocks, and answers a fifth
     # sooner. To torch it is the same.
     return nn.Conv2d(inputs, outputs, (1, 3), padding=(0, 1))
 
 
-def _block(inputs: int, outputs: int) -> nn.Sequential:
+def _block(inputs: int, outputs: int, activation: str) -> nn.Sequential:
     return nn.Sequential(
-        nn.BatchNorm2d(inputs), _convolution(inputs, outputs), nn.ELU(inplace=True)
+        nn.BatchNorm2d(inputs),
+        _convolution(inputs, outputs),
+        ACTIVATIONS[activation](inplace=True),
     )
 
 
@@ -37,15 +44,20 @@ class UNet(nn.Module):
     Args:
         inputs, outputs: numbers of channels.
         widths: features at each time scale, finest first.
+        activation: key of `ACTIVATIONS`.
     """
 
-    def __init__(self, inputs: int, outputs: int, widths: tuple[int, ...]) -> None:
+    def __init__(
+        self, inputs: int, outputs: int, widths: tuple[int, ...], activation: str = "elu"
+    ) -> None:
         super().__init__()
         pairs = list(zip((inputs, *widths[:-1]), widths, strict=True))
-        self.down = nn.ModuleList(nn.Sequential(_block(a, b), _block(b, b)) for a, b in pairs)
+        self.down = nn.ModuleList(
+            nn.Sequential(_block(a, b, activation), _block(b, b, activation)) for a, b in pairs
+        )
         rising = list(zip(widths[::-1][1:], widths[::-1], strict=False))
         self.up = nn.ModuleList(
-            nn.Sequential(_block(fine + coarse, fine), _block(fine, fine))
+            nn.Sequential(_block(fine + coarse, fine, activation), _block(fine, fine, activation))
             for fine, coarse in rising
         )
         self.out = _convolution(widths[0], outputs)
@@ -77,7 +89,7 @@ class UNets(Stacked):
     """A region's regressor and autoencoder, both U-Nets.
 
     Args:
-        widths: features of both.
+        widths, activation: of both, see `UNet`.
     """
 
     name = "unet"
@@ -91,8 +103,9 @@ class UNets(Stacked):
         widths: tuple[int, ...],
         residual: bool = True,
         adapted: bool = False,
+        activation: str = "elu",
     ) -> None:
-        self.widths = tuple(widths)
+        self.widths, self.activation = tuple(widths), activation
         super().__init__(controls, channels, residual, adapted)
         if residual:
             nn.init.zeros_(self.autoencoder.out.weight)
@@ -102,12 +115,17 @@ class UNets(Stacked):
     def of(cls, controls: int, channels: int, settings: FitSettings) -> Self:
         """See `Architecture.of`."""
         return cls(
-            controls, channels, settings.widths, settings.residual, settings.adapt_statistics
+            controls,
+            channels,
+            settings.widths,
+            settings.residual,
+            settings.adapt_statistics,
+            settings.activation,
         )
 
     def network(self, inputs: int, outputs: int) -> UNet:
         """See `Stacked.network`."""
-        return UNet(inputs, outputs, self.widths)
+        return UNet(inputs, outputs, self.widths, self.activation)
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -116,6 +134,7 @@ class UNets(Stacked):
             "widths": list(self.widths),
             "residual": self.residual,
             "adapted": self.adapted is not None,
+            "activation": self.activation,
         }
 
     @property
