@@ -8,6 +8,7 @@ from PySide6.QtGui import QImage
 from support.films import make_film
 from support.media import FakeOutput, settle, shown, with_media
 from support.takes import make_livelink_csv
+from support.waiting import run_events
 from support.windows import Bench, editor_of, session_of, trigger
 
 
@@ -122,3 +123,21 @@ def test_the_film_lies_where_it_was_put_and_stays_there(
     assert ticked == [place]
     again = bench.editing()
     assert editor_of(again).film_place == place
+
+
+@pytest.mark.parametrize("place", ["above", "below", "beside"])
+def test_film_and_face_are_whole_in_a_small_window(
+    place: str, bench: Bench, devices: list[FakeOutput]
+) -> None:
+    window = bench.editing()
+    window.resize(1000, 600)
+    window.show()
+    window.media.add(make_film(bench.folder / "a.mp4", 60, 30))
+    settle(bench, window)
+    trigger(window, f"film_{place}")
+    page = editor_of(window)
+    run_events()
+    for pane in (page.film, page.face):
+        bottom = pane.mapTo(page.side, pane.rect().bottomLeft())
+        assert bottom.y() < page.lists.y(), "the lists hide a part of it"
+    assert page.face.height() >= 100

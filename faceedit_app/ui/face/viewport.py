@@ -78,7 +78,7 @@ class Viewport(QWidget):
         self._idle.timeout.connect(self._refine)
         self._spare = QTimer(self, singleShot=True, interval=0)  # when no event is waiting
         self._spare.timeout.connect(self._picture.prepare)
-        self.setMinimumSize(QSize(240, 240))
+        self.setMinimumSize(QSize(240, 100))  # low: the film may lie above it
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setMouseTracking(True)  # the next move reveals a lost release

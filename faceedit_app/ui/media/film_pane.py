@@ -51,7 +51,7 @@ class Screen(QWidget):
         self.index = -1  # of the picture on screen
         self.wanted = -1
         self._note = ""
-        self.setMinimumSize(QSize(140, 140))
+        self.setMinimumSize(QSize(140, 100))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setAccessibleName("Film")

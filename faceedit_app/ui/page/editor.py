@@ -42,6 +42,7 @@ from faceedit_app.ui.state.tools import Tools
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
 _SIDE = (560, 170)  # of the height beside the curves: face, edits
+_STACKED = (630, 100)  # the same, with the film above or below the face
 
 
 class Editor(QWidget):
@@ -145,7 +146,10 @@ class Editor(QWidget):
     def place_film(self, place: FilmPlace) -> None:
         """Show the film beside, above or below the face, in equal shares."""
         beside = place is FilmPlace.BESIDE
-        self.stage.setOrientation(Qt.Orientation.Horizontal if beside else Qt.Orientation.Vertical)
+        wanted = Qt.Orientation.Horizontal if beside else Qt.Orientation.Vertical
+        if self.stage.orientation() is not wanted:
+            self.stage.setOrientation(wanted)
+            self.side.setSizes(_SIDE if beside else _STACKED)
         self.stage.insertWidget(1 if place is FilmPlace.BELOW else 0, self.film)
         self.stage.setSizes([1000, 1000])
 
