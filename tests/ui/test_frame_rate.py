@@ -159,7 +159,8 @@ def test_the_export_of_a_json_take_is_suggested_as_json(
 
 
 def test_file_dialogs_offer_takes_of_every_format() -> None:
-    assert file_kinds.takes_pattern() == "*.csv *.CSV *.json *.JSON *.txt *.TXT *.glb *.GLB"
+    endings = ["csv", "tsv", "json", "txt", "jsonl", "ndjson", "glb"]
+    assert file_kinds.takes_pattern() == " ".join(f"*.{e} *.{e.upper()}" for e in endings)
 
 
 def test_a_curve_that_the_take_cannot_answer_takes_no_mouse_and_says_why(

@@ -162,7 +162,7 @@ def begin(window):
         return
     look.stop()
     plot = window.editor.curves.plots[0].viewport()
-    for x, release in ((100, True), (200, True), (300, False)):
+    for x, release in ((80, True), (140, True), (200, False)):
         at = QPoint(x, 20)
         QTest.mouseMove(plot, at)
         QTest.mousePress(plot, Qt.MouseButton.LeftButton, pos=at)

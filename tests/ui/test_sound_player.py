@@ -122,7 +122,7 @@ def test_what_is_played_is_heard_when_the_playhead_is_there(
 ) -> None:
     """Through the real loudspeaker, to a device whose clock the test moves."""
     FakeLibrary.streams, FakeLibrary.now = [], 100.0
-    monkeypatch.setattr(output, "_library", FakeLibrary)
+    monkeypatch.setattr(output, "sound_library", FakeLibrary)
     monkeypatch.setattr(output, "DeviceClock", partial(DeviceClock, lambda: FakeLibrary.now))
     window = with_media(bench, make_wav(bench.folder / "voice.wav", at=0.5))
     (stream,) = FakeLibrary.streams

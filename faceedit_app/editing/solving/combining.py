@@ -245,9 +245,10 @@ class Combining:
         missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
         missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
         missing *= 1.0 - asked.calm[where].max(axis=1, initial=0.0)
-        rest = np.flatnonzero(missing > np.minimum(aim.share, beyond))
+        asleep = (quiet < most[where]).any(axis=1)
+        rest = np.flatnonzero(missing > np.where(asleep, 0.0, np.minimum(aim.share, beyond)))
         if len(rest):
-            # What the take does not show, others do.
+            # What the take does not show, others do; and what is at rest leaves it.
             bounds = part.bounds(np.maximum(beyond, missing)[rest])
             more = replace(aim, share=np.maximum(aim.share, missing)).at(rest)
             found[np.ix_(rest, columns)] = more.solve(reach, columns, bounds, naturalness)

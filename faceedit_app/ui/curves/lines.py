@@ -70,7 +70,7 @@ class CurveLines(ViewItem):
         ratio = painter.device().devicePixelRatioF()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
         for stroke in (self._tracked, self._character, self._face, self._asked):
-            stroke.paint(painter, ratio)
+            stroke.draw(painter, ratio)
 
 
 class Stroke:
@@ -102,7 +102,7 @@ class Stroke:
                 changed = changed[0], max(changed[1], float(line.x[-1]))  # all dashes move
         return changed
 
-    def paint(self, painter: QPainter, ratio: float) -> None:
+    def draw(self, painter: QPainter, ratio: float) -> None:
         """Draw the line, in full width unless it fills its pixel columns anyway.
 
         Args:
