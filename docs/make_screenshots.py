@@ -80,9 +80,12 @@ def main() -> None:
         film.open_demo_now()
         Film(film).shoot("drag")
         film.leave()
-        tracked = MainWindow(Preferences(settings))
+        experienced = Preferences(settings)
+        experienced.set_hints_seen()
+        tracked = MainWindow(experienced)
         tracked.resize(*SIZE)
         tracked.show()
+        tracked.start(None)
         track(tracked, Path(folder))
         tracked.leave()
 
@@ -176,6 +179,7 @@ def track(window: MainWindow, folder: Path) -> None:
     assert editor is not None
     session = window.document.session
     assert session is not None
+    wait_until(lambda: editor.face.viewport.draws > 0)
     line.go_to_time(0.9)
     editor.problems.search()
     picture(window, "film_open")
