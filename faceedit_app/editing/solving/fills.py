@@ -6,8 +6,7 @@ on the result, so that curves drawn within a fill stay as they are, whichever ca
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
-from typing import Generic, TypeVar
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,34 +17,12 @@ from faceedit_app.core.controls import MAIN_CONTROLS
 from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.solving.filling import Filling, Stretch, fill_frames
+from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.retimes import Measure, Retiming
 from faceedit_app.editing.solving.rounding import DECIMALS
 
 REMEMBERED = 32  # results that are kept: a drag over a fill asks for the same again
-
-
-Kept = TypeVar("Kept")
-
-
-class Recent(Generic[Kept]):
-    """Results that are kept until others have been asked for more recently.
-
-    Args:
-        most: how many are kept.
-    """
-
-    def __init__(self, most: int) -> None:
-        self._most, self._kept = most, dict[Hashable, Kept]()
-
-    def to(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
-        """The result for a key; it is made if it is not kept."""
-        found = self._kept.pop(key, None)
-        found = make() if found is None else found
-        self._kept[key] = found
-        while len(self._kept) > self._most:
-            del self._kept[next(iter(self._kept))]
-        return found
 
 
 class Fills:

@@ -14,11 +14,16 @@ from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.parts import Part, Sample
+from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.residual import Residuals
 from faceedit_app.editing.solving.start import Start
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
+
+# Layers between the two ends of naturalness that are kept: what is computed from one is recognised
+# by it.
+MIXED = 6
 
 
 class NetworkAnswers:
@@ -47,6 +52,7 @@ class NetworkAnswers:
         self._parts, self._sampled, self._sample = parts, sampled, sample
         self._answers = Answers(engine, grid) if engine else None
         self._layers: dict[tuple[str, float], LastLayer] = {}
+        self._mixed = Recent[LastLayer](MIXED)
         self._residuals = Residuals()
         for name in engine.models if engine else ():
             self.last_layer(name, Settings())  # now, so that the first drag need not wait for it
@@ -61,10 +67,10 @@ class NetworkAnswers:
 
     def _fitted_layer(self, region: str, naturalness: float, engine: Engine) -> LastLayer:
         """Linear in naturalness, as the answers are."""
-        if 0 < naturalness < 1:
-            ends = (self._fitted_layer(region, end, engine) for end in (0.0, 1.0))
-            return next(ends).towards(next(ends), naturalness)
         key = region, naturalness
+        if 0 < naturalness < 1:
+            plain, believable = (self._fitted_layer(region, end, engine) for end in (0.0, 1.0))
+            return self._mixed.to(key, lambda: plain.towards(believable, naturalness))
         if key not in self._layers:
             answers = []
             for chunk in self._sampled:
@@ -129,15 +135,17 @@ class NetworkAnswers:
                 exchanges[name] = self._residuals.exchange(
                     key if same else None, layer, lacking, now, change_by
                 )
-        stacked = np.concatenate([found[name] for name in regions], axis=1)
-        ends = np.cumsum([found[name].shape[1] for name in regions])[:-1]
-        parts = np.split(from_grid(stacked, first, self._times[rows]), ends, axis=1)
-        for name, answer in zip(regions, parts, strict=True):
+        # All in one go: the positions between grid frames are the same.
+        columns = [*found.values(), *exchanges.values()]
+        ends = np.cumsum([each.shape[1] for each in columns])[:-1]
+        stacked = from_grid(np.concatenate(columns, axis=1), first, self._times[rows])
+        parts = np.split(stacked, ends, axis=1)
+        for name, answer in zip(found, parts, strict=False):
             if resynthesize:
                 answers[name][:, : answer.shape[1]] = answer
             else:
                 answers[name] = answer
-        still |= {name: from_grid(e, first, self._times[rows]) for name, e in exchanges.items()}
+        still |= zip(exchanges, parts[len(found) :], strict=True)
         return answers, still
 
     def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:

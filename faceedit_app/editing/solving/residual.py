@@ -21,6 +21,7 @@ import numpy as np
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.editing.solving.last_layer import LastLayer
+from faceedit_app.editing.solving.recent import Recent
 
 # The distance over which a residual is kept, in standard deviations of the take's curves.
 LENGTH = 1.0
@@ -37,7 +38,7 @@ class Residuals:
     """The residuals of one take, of which the last ones are kept."""
 
     def __init__(self) -> None:
-        self._recent: dict[tuple[int, str, float], Doubles] = {}
+        self._recent = Recent[Doubles](RECENT)
 
     def exchange(
         self,
@@ -59,13 +60,11 @@ class Residuals:
         share = kept(layer.distance(change))
         if (share == 1.0).all():
             return np.zeros((len(curves), len(layer.constant)))
-        residual = None if key is None else self._recent.pop(key, None)
-        if residual is None:
-            residual = lacking() - layer(curves)
-        if key is not None:
-            self._recent[key] = residual
-            while len(self._recent) > RECENT:
-                del self._recent[next(iter(self._recent))]  # the least recently used
+
+        def measured() -> Doubles:
+            return lacking() - layer(curves)
+
+        residual = measured() if key is None else self._recent.to(key, measured)
         return exchange(residual, share)
 
 

@@ -33,10 +33,11 @@ from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.combining import Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
-from faceedit_app.editing.solving.fills import Fills, Recent
+from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
+from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import Request, active, request
 from faceedit_app.editing.solving.rounding import DECIMALS, rounded
 from faceedit_app.editing.solving.sideways import Sideways
