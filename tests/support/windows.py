@@ -16,8 +16,10 @@ from pytestqt.qtbot import QtBot
 
 from faceedit_app import render
 from faceedit_app.core.errors import FileError, Unavailable
+from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
+from faceedit_app.editing.help import presets
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.look.theme import apply_theme
@@ -204,6 +206,38 @@ def add_edit(window: MainWindow, value: float = 6.0) -> None:
 def trigger(window: MainWindow, command: str) -> None:
     """Choose a command from the menus."""
     window.actions_[command].trigger()
+
+
+def trigger_enabled(window: MainWindow, *commands: str) -> None:
+    """Choose commands one after the other, each of which must be enabled by then."""
+    for command in commands:
+        assert window.actions_[command].isEnabled(), command
+        trigger(window, command)
+
+
+def step_names(session: EditSession) -> tuple[str, str]:
+    """What Undo and Redo would take back and repeat."""
+    return session.undo_name, session.redo_name
+
+
+def with_problems(bench: Bench, monkeypatch: pytest.MonkeyPatch, folder: Path) -> MainWindow:
+    """With the demo take: it has a half blink and lips that nearly meet.
+
+    Presets of the user's are kept in a folder of the test's.
+    """
+    monkeypatch.setattr(presets, "own_folder", lambda: folder / "presets")
+    window = bench.window(shipped("assets/demo_take.csv"))
+    editor_of(window).problems.search()
+    return window
+
+
+def with_undone_slider(bench: Bench) -> MainWindow:
+    """With a take with one edit, and a step of its slider that was taken back."""
+    window = bench.editing()
+    add_edit(window)
+    press_key(editor_of(window).settings_bar.exactness, Qt.Key.Key_Left)
+    trigger(window, "undo")
+    return window
 
 
 def drop(target: QWidget, *paths: Path) -> None:

@@ -9,12 +9,10 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMenu
-from support.windows import Bench, editor_of, session_of
+from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
 
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.core.resources import shipped
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
@@ -25,28 +23,18 @@ LEFT_EYE, OPENING = CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["mouth_opening"]
 
 @pytest.fixture
 def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> MainWindow:
-    """With the demo take: it has a half blink and lips that nearly meet."""
-    monkeypatch.setattr(presets, "own_folder", lambda: tmp_path / "presets")
-    window = bench.window(shipped("assets/demo_take.csv"))
-    editor_of(window).problems.search()
-    return window
-
-
-def trigger(window: MainWindow, *names: str) -> None:
-    for name in names:
-        assert window.actions_[name].isEnabled(), name
-        window.actions_[name].trigger()
+    return with_problems(bench, monkeypatch, tmp_path)
 
 
 def test_every_fix_is_one_step_and_ready_to_be_weakened(window: MainWindow) -> None:
     session = session_of(window)
     window.timeline.go_to_time(4.8)
     for fix in shipped_presets():
-        trigger(window, f"fix_{fix.id}")
+        trigger_enabled(window, f"fix_{fix.id}")
         assert session.edits, fix
         assert editor_of(window).edits.rows == list(range(len(session.edits)))
         assert editor_of(window).edits.strength.isEnabled()
-        trigger(window, "undo")
+        trigger_enabled(window, "undo")
         assert session.edits == ()
 
 
@@ -62,29 +50,29 @@ def test_a_blink_at_the_playhead_closes_the_eyes(window: MainWindow) -> None:
 
 def test_smile_acts_on_the_selection_or_on_the_whole_take(window: MainWindow) -> None:
     session = session_of(window)
-    trigger(window, "fix_smile")
+    trigger_enabled(window, "fix_smile")
     assert session.edits[0].end - session.edits[0].start > 9
-    trigger(window, "undo")
+    trigger_enabled(window, "undo")
     window.timeline.select((2.0, 3.0))
-    trigger(window, "fix_smile")
+    trigger_enabled(window, "fix_smile")
     assert (session.edits[0].start, session.edits[0].end) == pytest.approx((2.0, 3.0))
 
 
 def test_a_chosen_edit_does_not_catch_fixes_made_elsewhere(window: MainWindow) -> None:
     session = session_of(window)
     window.timeline.select((2.0, 3.0))
-    trigger(window, "fix_smile")
+    trigger_enabled(window, "fix_smile")
     window.timeline.select(None)
     editor_of(window).edits.select(0)
     assert window.timeline.selection == pytest.approx((2.0, 3.0))
     window.timeline.go_to_time(6.0)
-    trigger(window, "fix_blink")
+    trigger_enabled(window, "fix_blink")
     assert abs(session.edits[1].start - 6.0) < 0.3
 
 
 def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     session = session_of(window)
-    trigger(window, "expression")
+    trigger_enabled(window, "expression")
     dialog = window.findChild(SliderDialog)
     assert dialog is not None
     dialog.slider.setValue(50)
@@ -97,7 +85,7 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     kept: tuple[Edit, ...] = session.edits
     assert {round(made.strength, 2) for made in kept} == {0.8}
     assert session.asked[100, column] != session.tracked[100, column]
-    trigger(window, "undo", "expression")
+    trigger_enabled(window, "undo", "expression")
     dialog = next(d for d in window.findChildren(SliderDialog) if d.isVisible())
     dialog.slider.setValue(90)
     dialog.preview()
@@ -113,10 +101,10 @@ def test_a_preset_is_saved_applied_and_deleted(
 ) -> None:
     session, menu = session_of(window), window.actions_.submenu("presets")
     window.timeline.select((2.0, 3.0))
-    trigger(window, "fix_smile")
+    trigger_enabled(window, "fix_smile")
     monkeypatch.setattr(dialogs, "ask_preset_name", lambda _w: "My smile")
-    trigger(window, "save_preset")
-    trigger(window, "undo")
+    trigger_enabled(window, "save_preset")
+    trigger_enabled(window, "undo")
     window.timeline.select((5.0, 6.0))
     menu.aboutToShow.emit()
     mine = next(a for a in menu.actions() if a.text() == "My smile")
@@ -132,22 +120,22 @@ def test_a_preset_is_saved_applied_and_deleted(
 
 def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
     session, line = session_of(window), window.timeline
-    trigger(window, "copy")
+    trigger_enabled(window, "copy")
     assert "select it first" in window.status.currentMessage()
-    trigger(window, "paste")
+    trigger_enabled(window, "paste")
     assert session.edits == ()
     line.select((5.0, 6.0))
-    trigger(window, "copy")
+    trigger_enabled(window, "copy")
     line.select(None)
     line.go_to_time(1.0)
-    trigger(window, "paste")
+    trigger_enabled(window, "paste")
     clip = session.take.clip
     to, source = clip.frame_at(1.5), clip.frame_at(5.5)
     assert session.asked[to, OPENING] == pytest.approx(session.tracked[source, OPENING], abs=0.2)
-    trigger(window, "undo")
+    trigger_enabled(window, "undo")
     assert session.edits == ()
     line.go_to_time(9.5)
-    trigger(window, "paste")
+    trigger_enabled(window, "paste")
     assert "9.50 to 9.98 s" in window.status.currentMessage(), "not beyond the end of the take"
 
 
@@ -155,7 +143,7 @@ def test_mirror_swaps_left_and_right(window: MainWindow) -> None:
     session = session_of(window)
     window.tools.link(False)
     window.timeline.select((2.0, 3.0))
-    trigger(window, "mirror")
+    trigger_enabled(window, "mirror")
     frame = session.take.clip.frame_at(2.5)
     right = CONTROL_INDEX["right_eyelid"]
     assert session.asked[frame, LEFT_EYE] == pytest.approx(session.tracked[frame, right], abs=0.1)

@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import pytest
-from PySide6.QtCore import Qt
-from support.windows import Bench, add_edit, editor_of, press_key, session_of, trigger
+from support.windows import (
+    Bench,
+    add_edit,
+    editor_of,
+    session_of,
+    trigger,
+    with_undone_slider,
+)
 
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.start.window import MainWindow
 
 
 @pytest.fixture
 def window(bench: Bench) -> MainWindow:
-    """A take with one edit, and a step of its slider that was taken back."""
-    window = bench.editing()
-    add_edit(window)
-    press_key(editor_of(window).settings_bar.exactness, Qt.Key.Key_Left)
-    trigger(window, "undo")
-    return window
-
-
-def names(session: EditSession) -> tuple[str, str]:
-    return session.undo_name, session.redo_name
+    return with_undone_slider(bench)
 
 
 # --- what the menu says --------------------------------------------------------------------------

@@ -11,11 +11,9 @@ from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QToolButton
 from support.waiting import run_events
-from support.windows import Bench, editor_of, session_of
+from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
 
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.core.resources import shipped
-from faceedit_app.editing.help import presets
 from faceedit_app.editing.help.problems import Kind, Problem
 from faceedit_app.ui.page.problems_bar import ProblemsHead
 from faceedit_app.ui.start.window import MainWindow
@@ -25,17 +23,7 @@ LEFT_EYE, OPENING = CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["mouth_opening"]
 
 @pytest.fixture
 def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> MainWindow:
-    """With the demo take: it has a half blink and lips that nearly meet."""
-    monkeypatch.setattr(presets, "own_folder", lambda: tmp_path / "presets")
-    window = bench.window(shipped("assets/demo_take.csv"))
-    editor_of(window).problems.search()
-    return window
-
-
-def trigger(window: MainWindow, *names: str) -> None:
-    for name in names:
-        assert window.actions_[name].isEnabled(), name
-        window.actions_[name].trigger()
+    return with_problems(bench, monkeypatch, tmp_path)
 
 
 # --- problems ----------------------------------------------------------------------------------
@@ -55,14 +43,14 @@ def test_down_goes_to_the_problem_and_the_fix_is_shown_before_it_is_made(
     assert editor.proposal.isVisible()
     assert session.edits == ()
     assert not np.array_equal(session.asked, session.tracked)
-    trigger(window, "deselect")  # Esc
+    trigger_enabled(window, "deselect")  # Esc
     assert not editor.proposal.isVisible()
     np.testing.assert_array_equal(session.asked, session.tracked)
-    trigger(window, "fix_problem", "accept_fix")
+    trigger_enabled(window, "fix_problem", "accept_fix")
     assert not editor.proposal.isVisible()
     assert session.edits == problem.fix
     assert len(editor.problems.problems) == count - 1
-    trigger(window, "undo")
+    trigger_enabled(window, "undo")
     assert session.edits == ()
 
 
@@ -74,13 +62,13 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
         run_events()  # layouts come to rest
         return [part.geometry() for part in (editor.panes, editor.tool_bar, editor.transport)]
 
-    trigger(window, "next_problem")
+    trigger_enabled(window, "next_problem")
     before = places()
-    trigger(window, "fix_problem")
+    trigger_enabled(window, "fix_problem")
     assert places() == before
     bar = editor.proposal
     assert bar.geometry() == editor.curves.legend.geometry()
-    trigger(window, "discard_fix")
+    trigger_enabled(window, "discard_fix")
     assert not bar.isVisible()
 
 
@@ -88,7 +76,7 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
 def test_a_double_click_on_a_proposal_is_one_click(window: MainWindow, button: str) -> None:
     """Nothing else lies where the second click falls, whether the bar is gone by then or not."""
     editor, session = editor_of(window), session_of(window)
-    trigger(window, "next_problem", "fix_all")
+    trigger_enabled(window, "next_problem", "fix_all")
     run_events()
     (on,) = [b for b in editor.proposal.findChildren(QToolButton) if b.text() == button]
     place = on.mapTo(window, on.rect().center())
@@ -109,11 +97,11 @@ def test_a_double_click_on_a_proposal_is_one_click(window: MainWindow, button: s
 def test_accept_goes_on_to_the_next_problem(window: MainWindow) -> None:
     editor, session = editor_of(window), session_of(window)
     first, second = editor.problems.problems
-    trigger(window, "next_problem", "fix_problem", "accept_fix")
+    trigger_enabled(window, "next_problem", "fix_problem", "accept_fix")
     assert session.edits == first.fix
     assert editor.problems.current_problem == second
     assert window.timeline.time == pytest.approx(second.time, abs=1e-3)
-    trigger(window, "fix_problem", "accept_fix")
+    trigger_enabled(window, "fix_problem", "accept_fix")
     assert session.edits == (*first.fix, *second.fix)
     assert "no more problems" in window.status.currentMessage()
 
@@ -140,11 +128,11 @@ def test_a_search_that_finds_nothing_ends_in_the_list_too(window: MainWindow) ->
 def test_a_preset_pressed_beside_the_problems_shows_its_edit(window: MainWindow) -> None:
     editor = editor_of(window)
     editor.list_problems()
-    trigger(window, "fix_smile")
+    trigger_enabled(window, "fix_smile")
     assert editor.lists.currentWidget() is editor.edits
     assert editor.edits.strength.isVisible()
     editor.lists.setCurrentWidget(editor.expressions)
-    trigger(window, "fix_smile")
+    trigger_enabled(window, "fix_smile")
     assert editor.lists.currentWidget() is editor.expressions
 
 
@@ -192,14 +180,14 @@ def texts(window: MainWindow, column: int = 0) -> list[str]:
 
 def test_the_list_says_what_when_and_how_bad(window: MainWindow) -> None:
     editor, session = editor_of(window), session_of(window)
-    trigger(window, "list_problems")
+    trigger_enabled(window, "list_problems")
     assert editor.problem_list.isVisible()
     assert editor.lists.tabText(1) == "Problems  2"
     assert texts(window) == ["Half blink", "Lips stay open"]
     problems = editor.problems.problems
     assert texts(window, 2) == [problem.amount for problem in problems]
     assert texts(window, 1)[0] == f"{problems[0].time:.3f} s"
-    trigger(window, "unit_frames")
+    trigger_enabled(window, "unit_frames")
     assert texts(window, 1)[0] == str(session.take.clip.frame_at(problems[0].time) + 1)
     tree = editor.problem_list.rows
     place = tree.visualRect(cells(window)[1]).center()
@@ -218,7 +206,7 @@ def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
     assert texts(window)[0] == "Lips stay open"
     found.kinds.setCurrentIndex(1)
     assert texts(window) == ["Lips stay open"]
-    trigger(window, "fix_all", "accept_fix")
+    trigger_enabled(window, "fix_all", "accept_fix")
     assert session_of(window).edits == lips.fix
     assert [problem.kind for problem in editor.problems.problems] == ["blink"]
 
@@ -226,7 +214,7 @@ def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
 def test_what_is_unticked_is_left_alone(window: MainWindow) -> None:
     editor, session = editor_of(window), session_of(window)
     blink, lips = editor.problems.problems
-    trigger(window, "fix_all")
+    trigger_enabled(window, "fix_all")
     assert editor.problem_list.isVisible()
     assert "2 problems" in editor.proposal.text.text()
     tick = Qt.ItemDataRole.CheckStateRole
@@ -234,7 +222,7 @@ def test_what_is_unticked_is_left_alone(window: MainWindow) -> None:
     assert "1 problem " in editor.proposal.text.text()
     frame = session.take.clip.frame_at(blink.time)
     assert session.asked[frame, LEFT_EYE] == session.tracked[frame, LEFT_EYE]
-    trigger(window, "accept_fix")
+    trigger_enabled(window, "accept_fix")
     assert session.edits == lips.fix
     assert cells(window)[0].data(tick) is Qt.CheckState.Unchecked, "it stays unticked"
     assert not window.actions_["fix_all"].isEnabled()
@@ -282,15 +270,15 @@ def test_a_mark_is_clicked(window: MainWindow) -> None:
 
 def test_all_problems_at_once(window: MainWindow) -> None:
     editor = editor_of(window)
-    trigger(window, "fix_all", "accept_fix")
+    trigger_enabled(window, "fix_all", "accept_fix")
     assert len(session_of(window).edits) >= len(editor.problems.problems)
-    trigger(window, "undo")
+    trigger_enabled(window, "undo")
     assert session_of(window).edits == ()
 
 
 def test_another_gesture_drops_a_proposal(window: MainWindow) -> None:
     editor, session = editor_of(window), session_of(window)
-    trigger(window, "next_problem", "fix_problem", "fix_calm_down")
+    trigger_enabled(window, "next_problem", "fix_problem", "fix_calm_down")
     assert not editor.proposal.isVisible()
     assert all(edit.name.startswith("Calm down") for edit in session.edits)
 
@@ -299,7 +287,7 @@ def test_a_list_of_thousands_makes_the_texts_of_what_is_in_view(
     window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     editor = editor_of(window)
-    trigger(window, "list_problems")
+    trigger_enabled(window, "list_problems")
     asked: list[float] = []
 
     def shown_time(seconds: float) -> str:

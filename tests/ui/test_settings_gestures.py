@@ -8,9 +8,18 @@ from PySide6.QtGui import QFocusEvent, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QSlider, QStyle, QStyleOptionSlider, QWidget
 from support.films import make_wav
-from support.windows import Bench, add_edit, drag_curve, editor_of, press_key, session_of, trigger
+from support.windows import (
+    Bench,
+    add_edit,
+    drag_curve,
+    editor_of,
+    press_key,
+    session_of,
+    step_names,
+    trigger,
+    with_undone_slider,
+)
 
-from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.start.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
@@ -18,16 +27,7 @@ LEFT = Qt.MouseButton.LeftButton
 
 @pytest.fixture
 def window(bench: Bench) -> MainWindow:
-    """A take with one edit, and a step of its slider that was taken back."""
-    window = bench.editing()
-    add_edit(window)
-    press_key(editor_of(window).settings_bar.exactness, Qt.Key.Key_Left)
-    trigger(window, "undo")
-    return window
-
-
-def names(session: EditSession) -> tuple[str, str]:
-    return session.undo_name, session.redo_name
+    return with_undone_slider(bench)
 
 
 def handle(slider: QSlider) -> QPoint:
@@ -88,7 +88,7 @@ def test_a_slider_that_is_dragged_back_is_no_step_and_costs_no_redo(
 ) -> None:
     """It dropped the earlier redo, and offered the 60 % on the way there in its place."""
     session, slider = session_of(window), editor_of(window).settings_bar.exactness
-    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
+    assert step_names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
     start = press(slider)
     move(slider, start, -35)
     bench.qtbot.waitUntil(lambda: session.is_previewing)
@@ -98,7 +98,7 @@ def test_a_slider_that_is_dragged_back_is_no_step_and_costs_no_redo(
     release(slider, start, 0)
     assert slider.value() == 50
     assert not session.is_previewing
-    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
+    assert step_names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
     trigger(window, "redo")
     assert session.settings.reach == pytest.approx(0.98)
     assert session.settings.naturalness == 1.0
@@ -114,9 +114,9 @@ def test_a_drag_of_a_slider_is_one_step_with_its_name(bench: Bench, window: Main
     kept = slider.value() / 100
     assert kept < 0.4
     assert session.settings.exactness == pytest.approx(kept)
-    assert names(session) == ("Natural to exact", "")
+    assert step_names(session) == ("Natural to exact", "")
     trigger(window, "undo")
-    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
+    assert step_names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
     assert (session.settings.reach, slider.value()) == (1.0, 50)
     trigger(window, "redo")
     assert session.settings.exactness == pytest.approx(kept)
@@ -143,7 +143,7 @@ def test_esc_and_undo_drop_the_drag_of_a_slider(
     release(slider, start, -20)
     assert (session.state, slider.value()) == (before, value)
     assert (session.weights == weights).all()
-    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
+    assert step_names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
     start = press(slider)  # it works as before
     move(slider, start, -30)
     release(slider, start, -30)
@@ -167,9 +167,9 @@ def test_ticks_of_a_slider_are_one_step(window: MainWindow, how: str) -> None:
 def test_ticks_that_lead_back_are_no_step_and_cost_no_redo(window: MainWindow) -> None:
     session, slider = session_of(window), editor_of(window).settings_bar.exactness
     press_key(slider, Qt.Key.Key_Left, 3)
-    assert names(session) == ("Natural to exact", "")
+    assert step_names(session) == ("Natural to exact", "")
     press_key(slider, Qt.Key.Key_Right, 3)
-    assert names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
+    assert step_names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
 
 
 @pytest.mark.parametrize("between", ["focus", "pointer", "drag", "other slider", "save"])
@@ -232,7 +232,7 @@ def test_an_offset_by_arrows_is_one_step_that_enter_ends(bench: Bench) -> None:
     assert box.value() == pytest.approx(0.03)
     trigger(window, "undo")
     assert box.value() == 0.0
-    assert names(session) == ("Add sound", "Move sound")
+    assert step_names(session) == ("Add sound", "Move sound")
 
 
 def test_a_sound_that_is_dragged_back_is_no_step_and_costs_no_redo(bench: Bench) -> None:
@@ -256,7 +256,7 @@ def test_a_sound_that_is_dragged_back_is_no_step_and_costs_no_redo(bench: Bench)
         assert session.state.media == window.media.placement or pixels
     QTest.mouseRelease(wave, LEFT, alt, start)
     assert not session.is_previewing
-    assert names(session) == ("Add sound", redo)
+    assert step_names(session) == ("Add sound", redo)
     assert (session.weights == weights).all()
 
 
