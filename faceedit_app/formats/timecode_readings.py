@@ -26,6 +26,7 @@ _WORST = 4.0  # the most that one step adds to the unevenness, in ordinary steps
 _LOST = 0.5  # the factor of that for a step of several ordinary ones
 _CHANCE = 0.02  # the probability that counts as chance
 _CLEARLY = 0.4  # ordinary steps by which a less common reading must be more even
+_AGREE = 3  # seconds that must end alike to show an unusual base
 _FILM = 3 * 3600  # seconds; a timecode that begins earlier may be a film's
 
 
@@ -126,10 +127,19 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
         nearest = min(possible, key=lambda base: abs(base - fall), default=0)
         if abs(nearest - fall) <= 0.1 * fall:
             return nearest, ()
+        if len(over) < _AGREE:
+            # An unusual base takes more proof; frames lost at the second are likelier.
+            base = next((base for base in possible if base >= fall), None)
+            if base is not None:
+                return base, _assumed(base)
         if round(fall) > most:
             return round(fall), ()
     base = assumed_base(stamps)
-    return base, (f"the timecode does not say its base: {base} fps is assumed",)
+    return base, _assumed(base)
+
+
+def _assumed(base: int) -> tuple[str, ...]:
+    return (f"the timecode does not say its base: {base} fps is assumed",)
 
 
 def assumed_base(stamps: Stamps) -> int:

@@ -103,6 +103,21 @@ def test_lost_frames_are_gaps_with_their_length() -> None:
     assert timing.rate == 30
 
 
+@pytest.mark.parametrize(("base", "step"), [(60, 2), (60, 1), (30, 1), (24, 1)])
+def test_frames_lost_as_the_only_second_ends_make_no_unusual_base(base: int, step: int) -> None:
+    rows = [frame for i, frame in enumerate(every(step, 37)) if not 9 < i < 13]
+    for start in range(base - 13 * step, base - 9 * step):
+        timing = derive_timing(codes(rows, base, 1000 * base + start + 0.58))
+        assert timing.rate == base / step
+        assert gaps_of(timing) == [(9, 3)]
+
+
+def test_a_base_that_lost_frames_leave_open_is_admitted() -> None:
+    rows = [frame for i, frame in enumerate(every(1, 37)) if not 9 < i < 13]
+    timing = derive_timing(codes(rows, 25, 25_015))  # as well 24 frames a second and two lost
+    assert "24 fps is assumed" in timing.notes[0]
+
+
 def test_midnight_does_not_turn_time_back() -> None:
     timing = derive_timing(codes(every(1, 120), start=24 * 3600 * 60 - 60))
     assert timing.times[-1] == pytest.approx(119 / 60)
