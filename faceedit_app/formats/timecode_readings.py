@@ -125,9 +125,10 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
             return possible[shares.index(best)], ()
         fall = float(np.percentile(falls, 75, method="higher"))
         nearest = min(possible, key=lambda base: abs(base - fall), default=0)
+        few = len(over) < _AGREE
         if abs(nearest - fall) <= 0.1 * fall:
-            return nearest, ()
-        if len(over) < _AGREE:
+            return nearest, _assumed(nearest) if few and nearest - fall > step / 2 else ()
+        if few:
             # An unusual base takes more proof; frames lost at the second are likelier.
             base = next((base for base in possible if base >= fall), None)
             if base is not None:
