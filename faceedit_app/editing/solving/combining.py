@@ -324,9 +324,7 @@ class _Aim:
         lower = np.where(self.still, start, np.maximum(bounds[0], self.least))
         upper = np.where(self.still, start, np.minimum(bounds[1], self.most))
         share, vectors = self.share, self.vectors
-        return reach(
-            self.here, self.goal, upper, naturalness, lower, self.closed, share, vectors
-        )
+        return reach(self.here, self.goal, upper, naturalness, lower, self.closed, share, vectors)
 
 
 def _couple(weights: Doubles, old: Doubles, columns: Indices, where: Bools) -> None:
