@@ -12,11 +12,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO
 
-PATIENCE = 60.0  # seconds for one step, without the time in which others had the processor
+PATIENCE = 60.0  # seconds for one step, in which the process could run
 _SURELY = (
     1800.0  # seconds by the clock; then a thread that keeps Python's lock has to be what hangs
 )
 _LOOKS = 1.0  # seconds between two looks
+_LATEST = 2.0  # seconds after the last look; a later one comes because the process was stopped
 
 
 class Watchdog:
@@ -43,7 +44,7 @@ class Watchdog:
         self._native = threading.get_native_id()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)
-        self._since = self._now()
+        self._passed = 0.0  # seconds of this step
 
     def __enter__(self) -> Watchdog:
         self.step()
@@ -62,23 +63,28 @@ class Watchdog:
 
     def step(self) -> None:
         """A step has ended."""
-        self._since = self._now()
+        self._passed = 0.0
         if self._stream is not None:
             faulthandler.dump_traceback_later(_SURELY, exit=True, file=self._stream)
 
     def _watch(self) -> None:
         """Look again and again whether the step still ends in time (in a thread of its own)."""
+        before = self._now()
         while not self._stopped.wait(min(_LOOKS, self._patience / 4)):
-            if self._now() - self._since > self._patience:
-                if self._stream is not None:
-                    print(
-                        f"No step has ended for {self._patience:.0f} s: {self._doing()}",
-                        file=self._stream,
-                        flush=True,
-                    )
-                    faulthandler.dump_traceback(self._stream, all_threads=True)
+            now = self._now()
+            self._passed += min(now - before, _LATEST)
+            before = now
+            if self._passed > self._patience:
+                self._report()
                 self._end(1)
                 return
+
+    def _report(self) -> None:
+        """Print what hangs."""
+        if self._stream is not None:
+            hangs = f"No step has ended for {self._patience:.0f} s: {self._doing()}"
+            print(hangs, file=self._stream, flush=True)
+            faulthandler.dump_traceback(self._stream, all_threads=True)
 
     def _now(self) -> float:
         """The time in seconds, without what the watched thread has waited for a free processor."""
