@@ -11,19 +11,21 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.assembly import Assembler, Assembly
 from faceedit_app.characters.character import Character, Part, Place, Surface
-from faceedit_app.characters.checklist import Checklist, make_checklist
+from faceedit_app.characters.checklist import DEAD, Checklist, make_checklist
+from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
 from faceedit_app.characters.names import Match, Share, match_channels
 from faceedit_app.characters.pictures import Unreadable, decode
-from faceedit_app.characters.points import PAIRS, POINTS, Face, Points, find_points
+from faceedit_app.characters.points import PAIRS, POINTS, find_points
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.welding import Weld, weld
 from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
 from faceedit_app.core.arrays import Bools, Pixels
-from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, control_named
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.levels import UNCHANGED, Level, Levels
+from faceedit_app.core.regions import OPTIONAL_REGIONS
 from faceedit_app.core.rig import Material, Rig
 
 # The kind of a surface, by a word in the name of its part or material; the first match counts.
@@ -257,10 +259,6 @@ def _rig(
             )
         )
         stop += len(mine)
-    pairs = np.full((len(CONTROL_IDS), 2), -1, np.int32)
-    for control, a, b in PAIRS:
-        if a in points and b in points:
-            pairs[CONTROL_IDS.index(control)] = welded.first[[points[a], points[b]]]
     rig = Rig(
         neutral=assembly.neutral,
         faces=np.concatenate(runs),
@@ -268,7 +266,7 @@ def _rig(
         deltas=assembly.deltas,
         colors=np.concatenate(colors),
         materials=tuple(materials),
-        control_pairs=pairs,
+        control_pairs=_control_pairs(face, points, welded),
         name=character.name,
         attribution=character.attribution,
         uv=np.concatenate(uv) if textures else None,
@@ -276,6 +274,24 @@ def _rig(
         shading_groups=welded.number.astype(np.int32),
     )
     return rig, faults
+
+
+def _control_pairs(face: Face, points: Points, welded: Weld) -> NDArray[np.int32]:
+    """(C, 2) as in `Rig`; without optional controls that no shape of their region moves."""
+    pairs = np.full((len(CONTROLS), 2), -1, np.int32)
+    movers = {region.id: region.channels for region in OPTIONAL_REGIONS}
+    for name, a, b in PAIRS:
+        if a not in points or b not in points:
+            continue
+        control, ends = control_named(name), [points[a], points[b]]
+        if control.optional:
+            channels = movers[control.region]
+            moves = np.stack([np.diff(face.move(c)[ends], axis=0)[0] for c in channels])
+            amounts = np.abs(moves[:, 0]) if control.sideways else np.linalg.norm(moves, axis=1)
+            if amounts.max() < DEAD:
+                continue
+        pairs[CONTROL_INDEX[name]] = welded.first[ends]
+    return pairs
 
 
 def _textures(parts: Sequence[Part]) -> tuple[list[Pixels], list[int | None], list[str]]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 from trimesh.registration import procrustes
 
-from faceedit_app.characters.points import PAIRS
+from faceedit_app.characters.points import MAIN_POINTS, PAIRS
 from faceedit_app.characters.registration import Fitted, Landmarks, carry, distances, register
 from faceedit_app.characters.scans import Scan
 from faceedit_app.characters.transfer import Transfer
@@ -72,6 +72,7 @@ class Template:
             name: int(vertex_of[rig.control_pairs[CONTROL_IDS.index(control), end]])
             for control, *names in PAIRS
             for end, name in enumerate(names)
+            if name in MAIN_POINTS
         }
         return cls(
             rig,
