@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,12 +16,12 @@ from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
 from faceedit_app.characters.names import Match, Share, match_channels
-from faceedit_app.characters.pictures import Unreadable, decode
+from faceedit_app.characters.pictures import read_textures
 from faceedit_app.characters.points import PAIRS, POINTS, find_points
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.welding import Weld, weld
 from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
-from faceedit_app.core.arrays import Bools, Pixels
+from faceedit_app.core.arrays import Bools
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, control_named
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.levels import UNCHANGED, Level, Levels
@@ -229,7 +229,7 @@ def _rig(
 ) -> tuple[Rig, list[str]]:
     """The rig, and sentences about what cannot be drawn as in the file."""
     skin = face.skin[welded.number]
-    textures, numbers, faults = _textures(assembly.parts)
+    textures, numbers, faults = read_textures(assembly.parts)
     materials, runs, stop = [], [], 0
     colors, uv = [], []
     start = 0
@@ -292,28 +292,6 @@ def _control_pairs(face: Face, points: Points, welded: Weld) -> NDArray[np.int32
                 continue
         pairs[CONTROL_INDEX[name]] = welded.first[ends]
     return pairs
-
-
-def _textures(parts: Sequence[Part]) -> tuple[list[Pixels], list[int | None], list[str]]:
-    """The pictures, the number of each part's, and sentences about unreadable ones."""
-    pictures: list[Pixels] = []
-    known: dict[bytes, int | None] = {}
-    numbers: list[int | None] = []
-    faults: list[str] = []
-    for part in parts:
-        texture = part.surface.texture
-        if texture is None or part.uv is None:
-            numbers.append(None)
-            continue
-        if texture.content not in known:
-            try:
-                pictures.append(decode(texture))
-                known[texture.content] = len(pictures) - 1
-            except Unreadable as error:
-                known[texture.content] = None
-                faults.append(str(error))
-        numbers.append(known[texture.content])
-    return pictures, numbers, faults
 
 
 def _surface(part: Part, skin: Bools) -> str:
