@@ -77,13 +77,13 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
         times=times,
         rate=rate,
         gaps=find_gaps(times, rate),
-        timecodes=_timecodes(clip.timecodes, times) if clip.timecodes else None,
+        timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
         rotations=None if clip.rotations is None else floats[:, channels:],
     )
 
 
-def _timecodes(before: tuple[str, ...], times: Times) -> tuple[str, ...]:
-    """The timecodes of a clip for other times."""
+def timecodes_at(before: tuple[str, ...], times: Times) -> tuple[str, ...]:
+    """The timecodes of a clip for other times (N,), seconds from its first frame."""
     begin = start_of_day(before)
     return tuple(write_timecode(begin + time, DEFAULT_BASE) for time in times.tolist())
 
