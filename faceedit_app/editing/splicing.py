@@ -18,7 +18,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.splice import Splice, Spliced, splice
-from faceedit_app.editing.exporting import choose, export_take, own_format
+from faceedit_app.editing.exporting import OutFormat, choose, export_take, own_format
 from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import Take
 from faceedit_app.media import beside
@@ -56,8 +56,17 @@ class Written:
         return ", ".join(p.name for p in (self.path, self.sound, self.film) if p is not None)
 
     def words(self, words: Transcript | None) -> Transcript | None:
-        """The old take's words at their times in the new one, without those that are cut out."""
-        return None if words is None else words.at_times(self.spliced.at)
+        """The old take's words at their times in the new one.
+
+        Those of which less than half is left are gone.
+        """
+        if words is None:
+            return None
+        ends = np.array([(word.start, word.end) for word in words.words]).reshape(-1, 2)
+        left = np.diff(self.spliced.at(ends.ravel()).reshape(-1, 2), axis=1)[:, 0]
+        there = left >= 0.5 * (ends[:, 1] - ends[:, 0])
+        kept = tuple(word for word, is_there in zip(words.words, there, strict=True) if is_there)
+        return replace(words, words=kept).at_times(self.spliced.at)
 
 
 def write_spliced(
@@ -87,7 +96,7 @@ def write_spliced(
     """
     made = splice(shown, splices)
     form = own_format(take)
-    if form is None or path.suffix.lower() not in _endings(form.kind):
+    if form is None or path.suffix.lower() not in _endings(form):
         form = choose(path)
     film = media.film if has_film else None
     sound = None if media.sound is None else read_sound(media.sound.path)
@@ -123,8 +132,16 @@ def write_spliced(
     )
 
 
-def _endings(kind: object) -> tuple[str, ...]:
-    """The endings of a take's format that can be written from any clip."""
+def ending_for(take: Take) -> str:
+    """The ending of a new take: its own format's, if any clip can be written in it."""
+    form = own_format(take)
+    endings = () if form is None else _endings(form)
+    own = take.path.suffix.lower()
+    return own if own in endings else next(iter(endings), ".csv")
+
+
+def _endings(form: OutFormat) -> tuple[str, ...]:
+    kind = form.kind
     return kind.endings if isinstance(kind, Format) and kind.write is not None else ()
 
 
@@ -138,10 +155,10 @@ def _check_room(path: Path, paths: tuple[Path, Path], has_sound: bool, has_film:
     for file in (path, *written):
         if file.exists():
             raise FileError(file, "exists", "choose another name for the new take")
-    for file in beside(path.absolute()):
-        if file is not None and file not in [p.absolute() for p in written]:
+    for found in beside(path.absolute()):
+        if found is not None and found not in [p.absolute() for p in written]:
             problem = "is named like the new take, but has its old length"
-            raise FileError(file, problem, "choose another name for the new take")
+            raise FileError(found, problem, "choose another name for the new take")
 
 
 def spliced_sound(sound: Sound, offset: float, made: Spliced) -> Samples:
