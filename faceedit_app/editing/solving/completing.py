@@ -193,6 +193,8 @@ class Completing:
             if not question.share.any():
                 continue
             share, further = self._network(question.features)
+            # Even, as all answers are: a symmetric request leaves a symmetric face.
+            further = 0.5 * (further + further[:, self._expectation.mirror])
             further = np.clip(further, -FURTHER, FURTHER) * ~known
             away = (question.share * share)[:, None] * (question.away + further)
             by = from_grid(away * self._expectation.spread, grid_range[0], times)

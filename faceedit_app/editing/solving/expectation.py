@@ -38,7 +38,7 @@ class Expectation:
     Attributes:
         mean, spread: (C,) mm, of the curves.
         low, high: (C,) mm, their range.
-        held: (C,) as above.
+        mirror, held: (C,) as above.
     """
 
     def __init__(self, curves: Doubles, prior: Doubles, mirror: Indices, held: Bools) -> None:
@@ -50,7 +50,7 @@ class Expectation:
         covariance = covariance / (len(curves) + PRIOR_FRAMES)
         self._covariance = 0.5 * (covariance + covariance[np.ix_(mirror, mirror)])
         self._most = FARTHEST * np.sqrt(np.diag(self._covariance) + JITTER)
-        self._mirror, self.held = mirror, held
+        self.mirror, self.held = mirror, held
         size = len(self._covariance)
         self._precision = np.linalg.inv(self._covariance + JITTER * np.eye(size))
         self._gains: dict[bytes, Doubles] = {}
@@ -80,7 +80,7 @@ class Expectation:
             change, asked: see `fill`.
         """
         given = asked | (change != 0)
-        given |= given[:, self._mirror] | (given.any(axis=1)[:, None] & self.held)
+        given |= given[:, self.mirror] | (given.any(axis=1)[:, None] & self.held)
         return given
 
     def _filled(self, change: Doubles, within: Doubles, known: Bools) -> Doubles:
