@@ -179,29 +179,41 @@ class Completing:
             hold: (N, C) in 0..1, how firmly each curve is asked for.
         """
         added = np.zeros_like(change)
-        edited = given.any(axis=1)
-        grid_curves, grid_change = (to_grid(times, each, *grid_range) for each in (curves, change))
-        trusted = to_grid(times, edited[:, None].astype(np.float64), *grid_range)[:, 0] < ROUNDING
-        patterns = np.unique(given[edited], axis=0)
-        for known in patterns:
-            if known.all():
-                continue
-            rows = (given == known).all(axis=1)[:, None]
-            mine = to_grid(times, hold * rows, *grid_range)
-            mine[mine < ROUNDING] = 0.0
-            question = ask(self._expectation, known, grid_curves, grid_change, mine, trusted)
-            if not question.share.any():
-                continue
-            share, further = self._network(question.features)
-            # Even, as all answers are: a symmetric request leaves a symmetric face.
-            further = 0.5 * (further + further[:, self._expectation.mirror])
-            further = np.clip(further, -FURTHER, FURTHER) * ~known
-            away = (question.share * share)[:, None] * (question.away + further)
-            by = from_grid(away * self._expectation.spread, grid_range[0], times)
-            added += np.where(rows & ~known, by, 0.0)
+        edited = np.flatnonzero(given.any(axis=1))
+        if not len(edited):
+            return added
+        patterns = given[edited[:1]]
+        if not (given[edited] == patterns).all():
+            patterns = np.unique(given[edited], axis=0)
+        patterns = patterns[~patterns.all(axis=1)]
+        rows = [(given == known).all(axis=1)[:, None] for known in patterns]
+        # All in one go: the places of the grid frames are the same.
+        signals = [curves, change, given.any(axis=1)[:, None], *(hold * each for each in rows)]
+        grid = to_grid(times, np.concatenate(signals, axis=1, dtype=np.float64), *grid_range)
+        size = curves.shape[1]
+        trusted = grid[:, 2 * size] < ROUNDING
+        holds = np.split(grid[:, 2 * size + 1 :], max(len(patterns), 1), axis=1)
+        for known, where, firm in zip(patterns, rows, holds, strict=False):
+            firm[firm < ROUNDING] = 0.0
+            on_grid = grid[:, :size], grid[:, size : 2 * size]
+            away = self._away(ask(self._expectation, known, *on_grid, firm, trusted), known)
+            if away is not None:
+                by = from_grid(away, grid_range[0], times)
+                added += np.where(where & ~known, by, 0.0)
         if len(patterns) > 1:
             added *= _apart(times, given)
         return self._within(curves + change, added)
+
+    def _away(self, question: Question, known: Bools) -> Doubles | None:
+        """(M, C) mm, by how much curves that are not known differ; None if they do not."""
+        if not question.share.any():
+            return None
+        share, further = self._network(question.features)
+        # Even, as all answers are: a symmetric request leaves a symmetric face.
+        further = 0.5 * (further + further[:, self._expectation.mirror])
+        further = np.clip(further, -FURTHER, FURTHER) * ~known
+        away = (question.share * share)[:, None] * (question.away + further)
+        return away * self._expectation.spread
 
     def _within(self, curves: Doubles, added: Doubles) -> Doubles:
         """What is added to curves (N, C), so that it takes none of them out of the take's range."""
