@@ -282,7 +282,7 @@ def _dropped(clip: Clip, controls: Doubles, lost: Sequence[float]) -> list[Probl
 def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> list[Problem]:
     if confidence is None:
         return []
-    unsure: Bools = confidence < UNSURE
+    unsure: Bools = (confidence > 0.0) & (confidence < UNSURE)  # 0: it has been filled
     for start, end in clip.gap_times:  # beside a gap the fill of the gap covers them
         unsure = unsure & ~((clip.times >= start - BESIDE) & (clip.times <= end + BESIDE))
     for edit in edits:
