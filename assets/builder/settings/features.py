@@ -108,7 +108,7 @@ class Brows:
     outer_extra: float = 1.0
     strands: int = 132
     width: float = 0.5
-    widest_at: float = 0.35  # share of a strand
+    widest_at: float = 0.4  # share of a strand
     thickness: float = 4.6
     # Along the brow it swells from this share of the thickness as a sine of this pace, and
     # tapers by this share between two points.
