@@ -117,7 +117,7 @@ class Recording:
         timecodes: as `Clip.timecodes`.
         carried: as `Take.carried`.
         notes: the format's own notes.
-        rotations: as `Clip.rotations`.
+        rotations, confidence: as in `Clip`.
     """
 
     path: Path
@@ -130,6 +130,7 @@ class Recording:
     carried: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     rotations: Floats | None = None
+    confidence: Floats | None = None
 
 
 def finish_take(
@@ -168,6 +169,7 @@ def finish_take(
         gaps=gaps,
         timecodes=recording.timecodes,
         rotations=recording.rotations,
+        confidence=recording.confidence,
     )
     notes = (
         *recording.notes,
