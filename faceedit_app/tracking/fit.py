@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import Bounds, minimize
 
-from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING
 from faceedit_app.tracking.face_model import FaceModel
@@ -31,6 +31,8 @@ from faceedit_app.tracking.pose import Poses, fit_poses
 _BLOCK, _MARGIN = 1500, 50  # pictures fitted at once, and what is fitted with them on either side
 _ROUNDS = 3  # of pose and weights in turn
 _JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
+# Landmarks do not show these; noise would puff the cheeks of a head that is turned.
+_SEEN = ~np.isin(ARKIT_CHANNELS, ("cheekPuff", "tongueOut"))
 _TURNED = np.radians((10.0, 25.0))
 _OTHERS = 0.3  # how much skin that moves shows of the pose, once it is known how it moves
 
@@ -250,7 +252,7 @@ class _Problem:
             smooth, bend = self._smoothness(weights)
             return value + smooth, ((slope + bend) * unit).ravel()
 
-        bounds = Bounds(0.0, np.tile(1.0 / unit, len(start)))
+        bounds = Bounds(0.0, np.tile(np.where(_SEEN, 1.0 / unit, 0.0), len(start)))
         found = minimize(
             cost,
             (_parted(start) / unit).ravel(),

@@ -66,16 +66,17 @@ def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -
     neutral = used[_quiet(gaps)]
     # Turned heads are foreshortened: the pictures in which the person looks at the camera count.
     calm = np.isin(used, neutral)
-    offset = np.median(placed[calm], axis=0) - model.rest
-    offset[:, 2] *= _DEPTH
-    offset -= _ajar(model, float(np.median(gaps[LIP_OPENING][calm])))
+    depth = _DEPTH * (np.median(placed[calm, :, 2], axis=0) - model.rest[:, 2])
     # The iris's depth is not measured, and would turn the eyes with the head.
     pupils, lids = (np.isin(model.numbers, some) for some in (IRISES, LIDS_AROUND))
-    offset[pupils, 2] = offset[lids, 2].mean()
-    rest = model.rest + offset
+    depth[pupils] = depth[lids].mean()
+    rest = model.rest.copy()
+    rest[:, 2] += depth
     poses = fit_poses(some, rest, model.steady)
     flat = poses.on_face(some[..., :2], rest[:, 2])
+    rest[:, :2] = np.median(flat[calm], axis=0)
     rest[pupils, :2] = np.median(flat[:, pupils], axis=0)
+    rest -= _ajar(model, float(np.median(gaps[LIP_OPENING][calm])))
     touch = _touch(gap_of(model, flat, LIP_OPENING))
     return Person(
         rest, neutral, lens, touch, np.array([_lid(gap_of(model, flat, c)) for c in LIDS])
