@@ -25,6 +25,9 @@ _ROUNDED = 0.0045  # the rounding error of a broadcast rate with two decimals
 _DRIFT = 0.005
 _GAP = 1.5  # steps of at least this many frames have a frame missing
 _BREAK = 3  # after a step of this many frames the phase may be another
+_SHORT = 8  # steps; fewer do not show which is the usual one
+_OFF = 0.05  # share of a step by which its multiples may be off
+_MOST_LOST = 60  # steps that lost frames may make, in a take of a few rows
 _FEW = 4  # steps of at most this many frames measure the rate
 _LONGEST_GAP = 3600.0  # seconds; rows farther apart are two recordings in one file
 _COARSE = 0.1  # share of a frame; rows that move farther get a note
@@ -209,6 +212,14 @@ def _count_frames(
         few = frames[whole] == 1
         period = float(steps[whole][few].mean())
         return frames, period, 1.0 / max(int(few.sum()), 1)
+    if len(steps) < _SHORT:
+        period = _common_step(steps, period, resolution)
+    elif resolution > _COARSE * period:
+        # Rounded to hundredths, 90 frames a second step by 0.01 s, and now and then by 0.02 s.
+        mean = float(seconds[-1] - seconds[0]) / len(steps)
+        ones = np.ones(len(steps))
+        if _even(seconds, ones, mean, 1.01 * resolution) is not None:
+            return ones, mean, resolution / float(seconds[-1] - seconds[0])
     for _ in range(4):
         if resolution > _COARSE * period:
             frames = _follow(seconds, period)
@@ -217,6 +228,21 @@ def _count_frames(
         few = frames <= _FEW
         period = float(steps[few].sum() / frames[few].sum())
     return frames, period, resolution / float(seconds[-1] - seconds[0])
+
+
+def _common_step(steps: Times, period: float, resolution: float) -> float:
+    """The smallest step of a few rows if it divides all of them, else `period`.
+
+    Among few rows, the step that is most frequent may have lost a frame.
+    """
+    least = float(steps.min())
+    counts = np.round(steps / least)
+    off = np.abs(steps - counts * least)
+    fits = counts.max() <= _MOST_LOST and np.all(off <= counts * max(resolution, _OFF * least))
+    if not fits or 2 * resolution > least:
+        return period
+    found = float(steps.sum() / counts.sum())
+    return found if nominal_rate(1 / found, resolution / float(steps.sum())) else period
 
 
 def _follow(seconds: Times, period: float) -> Times:
