@@ -158,7 +158,7 @@ class Table:
                 flat.extend(nothing)
                 cells += [b""] * (width - len(cells))
             zero.append(count is not None and _is_zero(cells[count]))
-            texts.append(tuple([self._text(cells[k]) for k in text_columns]))
+            texts.append(tuple([self.text(cells[k]) for k in text_columns]))
             lines.append(line)
         if not texts:
             raise self.error("has a header but no frames", "export the take again", self.header)
@@ -170,7 +170,7 @@ class Table:
         between = [lines[i] for i in np.flatnonzero(lost) if kept and kept[0] < lines[i] < kept[-1]]
         return Rows(texts, lost, numbers[frames], kept, tuple(between))
 
-    def _text(self, cell: bytes) -> str:
+    def text(self, cell: bytes) -> str:
         """A cell's text, with a point in a number."""
         if self.decimal != b"." and _DECIMAL_COMMA.fullmatch(cell):
             cell = cell.replace(self.decimal, b".")
@@ -182,7 +182,7 @@ class Table:
                 return [float(cells[k]) for k in columns]
             except ValueError:
                 pass
-        return [self._number(line, k, cells[k]) for k in columns]
+        return [self.number(line, k, cells[k]) for k in columns]
 
     def _fits(self, line: int, cells: Cells, columns: Sequence[int], count: int | None) -> bool:
         """Whether a row of unusual length has numbers; raises unless its kind is known."""
@@ -206,8 +206,9 @@ class Table:
             line,
         )
 
-    def _number(self, line: int, column: int, cell: bytes) -> float:
-        text = self._text(cell)
+    def number(self, line: int, column: int, cell: bytes) -> float:
+        """The number in a cell; NaN if it is missing. Raises FileError if it is something else."""
+        text = self.text(cell)
         if text.lower() in _MISSING:
             return np.nan
         try:

@@ -11,9 +11,8 @@ from faceedit_app.formats.csv_table import first_rows, plain_text
 
 _HEAD = 1 << 16
 _FEWEST_COLUMNS = 20  # columns of unnamed numbers that look like a face
-_FEWEST_LINES, _MOST = 5, 0.6  # lines of a table, and the share of them that name a channel
+_FEWEST_LINES = 5  # lines of a table that name a channel
 _MATRIX = re.compile(rb"\s*\[\s*\[\s*-?[0-9]")
-_STREAM = re.compile(rb"\w+[-&]\d{1,3}\|\w+[-&]\d{1,3}\|")
 _SAVE_AS_CSV = "save it as CSV with a line of ARKit names at the top"
 
 
@@ -71,13 +70,6 @@ def is_transposed(content: bytes) -> bool:
     return sum(1 for head in heads[1:] if canonical_channel(head)) > _FEWEST_LINES
 
 
-def _is_long(content: bytes) -> bool:
-    """A table with one line per weight, whose channel is named in a cell."""
-    rows = [re.split(rb"[,;\t]", line) for line in content[:_HEAD].splitlines()[1:80]]
-    named = sum(any(canonical_channel(plain_text(cell)) for cell in row) for row in rows)
-    return len(rows) > _FEWEST_LINES and named > _MOST * len(rows)
-
-
 # fmt: off
 _FOREIGN: tuple[Foreign, ...] = (
     Foreign("holds the emotions of an Audio2Face export, not its blendshapes",
@@ -93,9 +85,6 @@ _FOREIGN: tuple[Foreign, ...] = (
             "export the character with its shape keys and their animation", _starts(b"glTF")),
     Foreign("is an FBX file", "export the animation as GLB or CSV",
             lambda content: content.startswith((b"Kaydara FBX Binary", b"; FBX"))),
-    Foreign("is a raw stream of iFacialMocap, which has no times",
-            "record it with a tool that writes Live Link Face CSV",
-            lambda content: _STREAM.search(content[:_HEAD]) is not None),
     Foreign("is a workbook", "save its sheet as CSV", _is_archive_of(b"xl/")),
     Foreign("holds numbers without the names of their channels", _SAVE_AS_CSV,
             _is_archive_of(b".npy")),
@@ -108,8 +97,6 @@ _FOREIGN: tuple[Foreign, ...] = (
             "write the ARKit names of the columns in a line at the top", _is_nameless),
     Foreign("has a line for each channel, not for each frame",
             "transpose it in a spreadsheet and save it as CSV", is_transposed),
-    Foreign("has a line for each weight, not for each frame",
-            "make a column of each channel (a pivot table) and save it as CSV", _is_long),
     Foreign("is a BVH file, which has no blendshapes", "export the face as CSV or GLB",
             _starts(b"HIERARCHY")),
 )
