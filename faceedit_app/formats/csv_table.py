@@ -26,6 +26,7 @@ _MOST_LINES = 6_000_000  # more than a day at 60 fps
 _MOST_COLUMNS = 10_000
 _LONGEST_LINE = 2 << 20  # bytes
 _DELIMITERS = (b",", b";", b"\t")
+_BAR = b"|"  # also stands in Maya's names
 # What programs write in place of a missing number.
 _MISSING = {
     *(
@@ -328,9 +329,10 @@ def _is_number(text: str) -> bool:
 
 
 def split_header(text: bytes) -> tuple[bytes, Cells | None]:
-    """The delimiter and the cells of a header."""
-    split = {delimiter: split_line(text, delimiter) for delimiter in _DELIMITERS}
-    delimiter = max(split, key=lambda one: len(split[one] or ()))
+    """The delimiter and the cells of a header; `|` separates them only if nothing else does."""
+    split = {delimiter: split_line(text, delimiter) for delimiter in (*_DELIMITERS, _BAR)}
+    delimiter = max(_DELIMITERS, key=lambda one: len(split[one] or ()))
+    delimiter = _BAR if len(split[delimiter] or ()) == 1 else delimiter
     return delimiter, split[delimiter]
 
 

@@ -55,9 +55,18 @@ def sniff(content: bytes) -> float:
     if looks_like_json(content) or b"\0" in content[:_HEAD]:
         return 0.0
     lines = [line for line in content[:_HEAD].removeprefix(BOM).splitlines() if line.strip()]
-    return (
-        0.6 if any(_name_column(lines, delimiter) is not None for delimiter in _DELIMITERS) else 0
-    )
+    return 0.6 if any(_is_long(lines, delimiter) for delimiter in _DELIMITERS) else 0.0
+
+
+def _is_long(lines: Sequence[bytes], delimiter: bytes) -> bool:
+    """Whether lines have a column of names, each of which comes again, or a column of values."""
+    column = _name_column(lines, delimiter)
+    if column is None:
+        return False
+    rows = [split_line(line, delimiter) or [] for line in lines[:_SAMPLE]]
+    names = [row[column] for row in rows[1:] if column < len(row)]
+    head = {plain_text(cell).lower() for cell in rows[0]}
+    return len(set(names)) < len(names) or not head.isdisjoint(_VALUES)
 
 
 def read(path: Path, content: bytes, fps: float | None) -> Take:

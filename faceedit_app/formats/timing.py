@@ -30,6 +30,7 @@ _OFF = 0.05  # share of a step by which its multiples may be off
 _MOST_LOST = 60  # steps that lost frames may make, in a take of a few rows
 _FEW = 4  # steps of at most this many frames measure the rate
 _LONGEST_GAP = 3600.0  # seconds; rows farther apart are two recordings in one file
+_HOUR, _HOUR_OFF = 3600.0, 2.0  # seconds that a clock is set back at the end of summer, and a row
 _COARSE = 0.1  # share of a frame; rows that move farther get a note
 _INERTIA = 0.2  # how far the phase follows each coarse time
 _UNUSABLE = 0.05  # share of rows out of order from which on all times are unusable
@@ -171,6 +172,20 @@ def join_recordings(steps: Times, usual: float, unit: float) -> tuple[Times, tup
     where = counted(int(apart.sum()), "time")
     note = f"the times jump by more than an hour {where}: the rows follow one another there"
     return np.where(apart, usual, steps), (note,)
+
+
+def set_back(seconds: Times) -> tuple[Times, tuple[str, ...]]:
+    """Undo that a local clock was set back by an hour, with a note about it.
+
+    Args:
+        seconds: (T,) of a clock on a wall.
+    """
+    steps = np.diff(seconds)
+    back = np.abs(steps + _HOUR) < _HOUR_OFF
+    if back.sum() != 1:
+        return seconds, ()
+    note = "the clock goes back by an hour: the rows follow one another there"
+    return seconds + np.concatenate([[0.0], np.cumsum(np.where(back, _HOUR, 0.0))]), (note,)
 
 
 def _joined(seconds: Times) -> tuple[Times, tuple[str, ...]]:
