@@ -287,7 +287,7 @@ def _header(lines: Sequence[bytes]) -> int:
         if _separators(line) > _MOST_COLUMNS:
             continue
         texts = [plain_text(cell) for cell in split_header(line)[1] or ()]
-        if any(map(canonical_channel, texts)) and not any(map(_is_number, texts)):
+        if any(map(canonical_channel, texts)) and not any(map(is_number, texts)):
             return place
     return first
 
@@ -314,13 +314,14 @@ def _is_units(cells: Cells, texts: Sequence[int], numbers: Sequence[int]) -> boo
     if max([*texts, *numbers]) >= len(cells):
         return False
     shown = [plain_text(cells[k]) for k in numbers]
-    if any(_is_number(text) or text.lower() in _MISSING - {""} for text in shown):
+    if any(is_number(text) or text.lower() in _MISSING - {""} for text in shown):
         return False
     digits = any(character.isdigit() for k in texts for character in plain_text(cells[k]))
     return not digits and any(cells[k].strip() for k in [*texts, *numbers])
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Whether a text is a number, with a point or a comma."""
     try:
         float(text.replace(",", "."))
     except ValueError:

@@ -83,7 +83,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         carried=tuple(part for part in _PARTS if part.encode() + b"#" in content),
         scale=PERCENT,
     )
-    whole = not re.search(rb"[-&]\d+\.\d", content)
+    whole = not any(b"." in content[a:b] for a, b in spans.reshape(-1, 2).tolist())
     source = partial(SpanSource, content, spans, form=WHOLE if whole else None)
     return finish_take(
         recording,

@@ -17,7 +17,14 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import bare
-from faceedit_app.formats.csv_table import Cells, Table, plain_text, read_table, split_line
+from faceedit_app.formats.csv_table import (
+    Cells,
+    Table,
+    is_number,
+    plain_text,
+    read_table,
+    split_line,
+)
 from faceedit_app.formats.files import BOM, LONGEST_NAME, REPAIR, shown
 from faceedit_app.formats.json_take import Naming
 from faceedit_app.formats.json_text import looks_like_json
@@ -130,13 +137,9 @@ def _layout(table: Table, rows: Sequence[Cells], naming: Naming) -> Layout:
 
 
 def _holds_numbers(table: Table, rows: Sequence[Cells], column: int) -> bool:
-    try:
-        for row in rows:
-            if column < len(row):
-                float(table.text(row[column]) or "nan")
-    except ValueError:
-        return False
-    return True
+    """Whether most cells of a column are numbers."""
+    numbers = sum(column < len(row) and is_number(table.text(row[column])) for row in rows)
+    return numbers >= _MOST * len(rows)
 
 
 def long_take(table: Table, fps: float | None, naming: Naming = canonical_channel) -> Take:

@@ -132,6 +132,11 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
         raise NoTimes(f"has times that step by {period:g} s")
     rate = nominal_rate(1 / period, uncertainty)
     slack = 1.01 * resolution + noise
+    if len(steps) < _SHORT and resolution > _COARSE * period and np.ptp(steps) > slack:
+        notes = (
+            *notes,
+            f"these few rounded times leave the rate open: {format_rate(rate or 1 / period)} is assumed",
+        )
     even = None
     if rate is not None:
         even = _even(seconds, frames, 1 / rate, slack)
@@ -231,10 +236,10 @@ def _count_frames(
         period = _common_step(steps, period, resolution)
     elif resolution > _COARSE * period:
         # Rounded to hundredths, 90 frames a second step by 0.01 s, and now and then by 0.02 s.
-        mean = float(seconds[-1] - seconds[0]) / len(steps)
-        ones = np.ones(len(steps))
-        if _even(seconds, ones, mean, 1.01 * resolution) is not None:
-            return ones, mean, resolution / float(seconds[-1] - seconds[0])
+        length, ones = float(seconds[-1] - seconds[0]), np.ones(len(steps))
+        rate = nominal_rate(len(steps) / length, resolution / length)
+        if rate and _even(seconds, ones, 1 / rate, 1.01 * resolution) is not None:
+            return ones, length / len(steps), resolution / length
     for _ in range(4):
         if resolution > _COARSE * period:
             frames = _follow(seconds, period)
