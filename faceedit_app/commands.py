@@ -17,6 +17,7 @@ from faceedit_app import (
     __version__,
     character_commands,
     export_commands,
+    retime_commands,
     tracking_commands,
     word_commands,
 )
@@ -56,6 +57,7 @@ app = typer.Typer(
 
 app.add_typer(character_commands.app, name="character")
 app.command("words")(word_commands.words)
+app.command("retime")(retime_commands.retime)
 app.command()(export_commands.convert)
 app.command()(export_commands.batch)
 app.command()(export_commands.live)

@@ -117,7 +117,7 @@ class Recording:
         timecodes: as `Clip.timecodes`.
         carried: as `Take.carried`.
         notes: the format's own notes.
-        rotations: as `Clip.rotations`.
+        rotations, confidence: as in `Clip`.
         scale: the value of a full blendshape in the file, if the format says it.
     """
 
@@ -131,6 +131,7 @@ class Recording:
     carried: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     rotations: Floats | None = None
+    confidence: Floats | None = None
     scale: float | None = None
 
 
@@ -170,6 +171,7 @@ def finish_take(
         gaps=gaps,
         timecodes=recording.timecodes,
         rotations=recording.rotations,
+        confidence=recording.confidence,
     )
     notes = (
         *recording.notes,

@@ -133,10 +133,8 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
     rate = nominal_rate(1 / period, uncertainty)
     slack = 1.01 * resolution + noise
     if len(steps) < _SHORT and resolution > _COARSE * period and np.ptp(steps) > slack:
-        notes = (
-            *notes,
-            f"these few rounded times leave the rate open: {format_rate(rate or 1 / period)} is assumed",
-        )
+        note = "these few rounded times leave the rate open"
+        notes = (*notes, f"{note}: {format_rate(rate or 1 / period)} is assumed")
     even = None
     if rate is not None:
         even = _even(seconds, frames, 1 / rate, slack)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, MOUTH_WIDTH
 from faceedit_app.tracking.face_model import FaceModel
@@ -19,6 +20,7 @@ _MOST = 1500  # pictures, spread over the film, that show enough of a person
 _WHILE = 9  # pictures
 _DEPTH = 0.5  # how far the landmarks' depth is believed
 _TOUCH = 3.0  # percentile of the distance between the lips at which they touch
+_FARTHEST_TOUCH = 2.0  # mm; lips whose landmarks are farther apart never touch in the film
 _OPEN = 70.0  # percentile of the distance between the lids at which an eye is at rest
 _SHUT = 2.0  # percentile at which it is shut, if it ever is
 _SHUT_SHARE = (0.05, 0.3)  # of the distance at rest; a shut eye is in this range
@@ -64,12 +66,13 @@ def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -
     calm = np.isin(used, neutral)
     offset = np.median(placed[calm], axis=0) - model.rest
     offset[:, 2] *= _DEPTH
+    offset -= _ajar(model, float(np.median(gaps[LIP_OPENING][calm])))
     pupils = [model.row(number) for number in IRISES]
     offset[pupils] = np.median(placed[:, pupils], axis=0) - model.rest[pupils]
     rest = model.rest + offset
     poses = fit_poses(some, rest, model.steady)
     flat = poses.on_face(some[..., :2], rest[:, 2])
-    touch = float(np.percentile(gap_of(model, flat, LIP_OPENING), _TOUCH))
+    touch = min(float(np.percentile(gap_of(model, flat, LIP_OPENING), _TOUCH)), _FARTHEST_TOUCH)
     return Person(
         rest, neutral, lens, touch, np.array([_lid(gap_of(model, flat, c)) for c in LIDS])
     )
@@ -89,6 +92,18 @@ def _lens(model: FaceModel, seen: Doubles, middle: Doubles) -> tuple[Lens, Poses
         tried.append((float(model.weights @ (away**2).mean(axis=(0, 2))), lens, poses))
     _, lens, poses = min(tried, key=lambda one: one[0])
     return lens, poses
+
+
+def _ajar(model: FaceModel, gap: float) -> Doubles:
+    """(n, 3) mm: what an open jaw moves in the neutral pictures, if the lips never touch.
+
+    Args:
+        gap: mm between the lips in these.
+    """
+    upper, lower = (model.row(number) for number in CONTROL_PAIRS[CONTROL_INDEX[LIP_OPENING]])
+    moves = model.moves[ARKIT_INDEX["jawOpen"]]
+    opens = float(moves[upper, 1] - moves[lower, 1])
+    return max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
 
 
 def _placed(seen: Doubles, poses: Poses) -> Doubles:

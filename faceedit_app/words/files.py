@@ -18,7 +18,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, Fields, clean_text, read_document, to_text
 from faceedit_app.words.aligning import Line
-from faceedit_app.words.dictionary import pronunciations, tokens
+from faceedit_app.words.dictionary import phonemes_of, tokens
 from faceedit_app.words.transcript import (
     MOST_WORDS,
     VERSION,
@@ -109,13 +109,12 @@ def spread(lines: tuple[Line, ...], seconds: float) -> Transcript:
     Args:
         seconds: the time of a line without times.
     """
-    known = pronunciations()
     words: list[Word] = []
     for line in lines:
         start = max(line.start or 0.0, words[-1].end if words else 0.0)
         end = max(seconds if line.end is None else line.end, start + 0.01)
         texts = tokens(line.text)
-        sounds = [known.get(text.lower(), "").split() for text in texts]
+        sounds = [(phonemes_of(text.lower()) or "").split() for text in texts]
         shares = [max(len(some), 1) for some in sounds]
         step = (end - start) / max(sum(shares), 1)
         at = start

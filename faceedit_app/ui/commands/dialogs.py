@@ -381,5 +381,6 @@ def _save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Pat
 
 
 def _open_name(parent: QWidget, title: str, folder: Path, kinds: str) -> Path | None:
-    name, _ = QFileDialog.getOpenFileName(parent, title, str(folder), kinds)
+    short = QFileDialog.Option.HideNameFilterDetails  # the endings would fill the list of kinds
+    name, _ = QFileDialog.getOpenFileName(parent, title, str(folder), kinds, options=short)
     return Path(name) if name else None

@@ -28,7 +28,7 @@ from faceedit_app.ui.look.texts import plain_label
 from faceedit_app.ui.state.background import Background
 from faceedit_app.words import aligning, files
 from faceedit_app.words.denoising import Stopped
-from faceedit_app.words.dictionary import LANGUAGE, spoken, unknown_words
+from faceedit_app.words.dictionary import LANGUAGE, is_foreign, spoken, suggestion, unknown_words
 from faceedit_app.words.transcript import Transcript
 
 if TYPE_CHECKING:  # it imports PyAV
@@ -206,14 +206,19 @@ class WordsDialog(QDialog):
         for word in unknown[:_MOST_ASKED]:
             field = QLineEdit()
             field.setPlaceholderText("sounds like, in English words")
-            field.setAccessibleName(f"{word} sounds like")
+            field.setAccessibleName(f"{word[:40]} sounds like")
+            field.setText(suggestion(word))
             self._asked[word] = field
             self.spellings.addRow(plain_label(f"“{word[:40]}”"), field)
+        left = len(unknown) - len(self._asked)
+        more = f" {left} more follow." if left else ""
+        if is_foreign(self.text.toPlainText(), unknown):
+            more = f" For a language other than {LANGUAGE}, open a file with times."
         self.message.setText(
             "Not in the dictionary. Correct the spelling above, or type what it sounds like:"
-            " “two” for 2."
+            f" “two” for 2.{more}"
         )
-        next(iter(self._asked.values())).setFocus()
+        next((f for f in self._asked.values() if not f.text()), self.search).setFocus()
 
     def _found(self, words: Transcript) -> None:
         self._job = None
