@@ -41,7 +41,7 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
-    if looks_like_json(content) or is_transposed(content):
+    if looks_like_json(content) or content.startswith(b"#usda") or is_transposed(content):
         return 0.0
     return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
 

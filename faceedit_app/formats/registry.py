@@ -24,6 +24,7 @@ from faceedit_app.formats import (
     metahuman,
     named_frames,
     named_weights,
+    usd_text,
 )
 from faceedit_app.formats.encodings import as_utf8
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
@@ -104,6 +105,8 @@ FORMATS: tuple[Format, ...] = (
            "Unreal scripts that list a MetaHuman's curves", metahuman.sniff, metahuman.read),
     Format("glb", glb_animation.FORMAT, (".glb",), "model/gltf-binary",
            "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
+    Format("usda", usd_text.FORMAT, (".usda",), "",
+           "Audio2Face, Omniverse, FaceEdit itself", usd_text.sniff, usd_text.read),
 )
 # fmt: on
 
