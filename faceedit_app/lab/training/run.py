@@ -173,7 +173,8 @@ def _make_folders(plan: TrainingPlan) -> None:
         checkpoints.mkdir(parents=True, exist_ok=True)
         if plan.baseline:
             (plan.output / FOLDER).mkdir(exist_ok=True)
-        (plan.output / FOLDER_OF_COMPLETION).mkdir(exist_ok=True)
+        if plan.settings.epochs_completion or plan.finetune is not None:
+            (plan.output / FOLDER_OF_COMPLETION).mkdir(exist_ok=True)
     except OSError as error:
         raise FileError(plan.output, "cannot be made", "choose another folder") from error
 
