@@ -40,7 +40,7 @@ RESEMBLE, OWN = 0.6, 0.05
 # Grid frames beyond which nothing is taken from the frames around an edit.
 FARTHEST = 30
 # Standard deviations of the take's curves: a request up to this changes nothing else.
-MOVES = 0.15
+MOVES = 0.3
 # Seconds between two edits over which the answer to one gives way to what the other asks for.
 APART = 0.4
 # A share this small is none, but for rounding.

@@ -24,7 +24,7 @@ from faceedit_app.lab.training.data import Performance
 # Frames of an edit and of the damage under it, and how far their ends may lie apart.
 SHORTEST, LONGEST, ASIDE = 6, 40, 3
 # Frames over which damage begins and ends, and an edit fades beyond its hold.
-EASES = (2, 6)
+EASES = (1, 5)
 FALLOFF = np.array([0.33, 0.66])
 # Shares of the examples: those with nothing wrong, and, of the others, those with other content and
 # those with a jump; the rest freeze.
