@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ WINDOW = 64
 
 
 def small(**changes: object) -> FitSettings:
-    return tiny(epochs_completion=3, completion_widths=(4, 6), **changes)
+    return replace(tiny(epochs_completion=3, completion_widths=(4, 6)), **changes)  # type: ignore[arg-type]
 
 
 def examples(seed: int = 0) -> Requests:

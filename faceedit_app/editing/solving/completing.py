@@ -129,8 +129,8 @@ def _kriging(trusted: bytes, first: int, last: int) -> tuple[Doubles, Doubles]:
         return np.asarray(np.exp(-away / RESEMBLE), np.float64)
 
     own = resemblance(known) + OWN * np.eye(len(known))
-    weights = np.linalg.solve(own, resemblance(wanted)).T
-    distance = np.abs(np.subtract.outer(wanted, known)).min(axis=1).astype(np.float64)
+    weights: Doubles = np.linalg.solve(own, resemblance(wanted)).T
+    distance: Doubles = np.abs(np.subtract.outer(wanted, known)).min(axis=1).astype(np.float64)
     return weights, distance
 
 
@@ -179,21 +179,18 @@ class Completing:
             hold: (N, C) in 0..1, how firmly each curve is asked for.
         """
         added = np.zeros_like(change)
-        edited = np.flatnonzero(given.any(axis=1))
-        if not len(edited):
+        edited = given.any(axis=1)
+        patterns = _patterns(given[edited])
+        if not len(patterns):
             return added
-        patterns = given[edited[:1]]
-        if not (given[edited] == patterns).all():
-            patterns = np.unique(given[edited], axis=0)
-        patterns = patterns[~patterns.all(axis=1)]
-        rows = [(given == known).all(axis=1)[:, None] for known in patterns]
+        rows = [np.equal(given, known).all(axis=1, keepdims=True) for known in patterns]
         # All in one go: the places of the grid frames are the same.
-        signals = [curves, change, given.any(axis=1)[:, None], *(hold * each for each in rows)]
+        signals = [curves, change, edited[:, None], *(hold * each for each in rows)]
         grid = to_grid(times, np.concatenate(signals, axis=1, dtype=np.float64), *grid_range)
         size = curves.shape[1]
         trusted = grid[:, 2 * size] < ROUNDING
-        holds = np.split(grid[:, 2 * size + 1 :], max(len(patterns), 1), axis=1)
-        for known, where, firm in zip(patterns, rows, holds, strict=False):
+        holds = np.split(grid[:, 2 * size + 1 :], len(patterns), axis=1)
+        for known, where, firm in zip(patterns, rows, holds, strict=True):
             firm[firm < ROUNDING] = 0.0
             on_grid = grid[:, :size], grid[:, size : 2 * size]
             away = self._away(ask(self._expectation, known, *on_grid, firm, trusted), known)
@@ -212,8 +209,9 @@ class Completing:
         # Even, as all answers are: a symmetric request leaves a symmetric face.
         further = 0.5 * (further + further[:, self._expectation.mirror])
         further = np.clip(further, -FURTHER, FURTHER) * ~known
-        away = (question.share * share)[:, None] * (question.away + further)
-        return away * self._expectation.spread
+        away: Doubles = (question.share * share)[:, None] * (question.away + further)
+        away *= self._expectation.spread
+        return away
 
     def _within(self, curves: Doubles, added: Doubles) -> Doubles:
         """What is added to curves (N, C), so that it takes none of them out of the take's range."""
@@ -221,6 +219,14 @@ class Completing:
         high = np.maximum(self._expectation.high, curves)
         within: Doubles = np.minimum(np.maximum(curves + added, low), high) - curves
         return np.where(added != 0, within, 0.0)
+
+
+def _patterns(given: Bools) -> Bools:
+    """(P, C) the different rows of (n, C) that leave a curve to be completed."""
+    patterns = given[:1]
+    if not np.equal(given, patterns).all():
+        patterns = np.unique(given, axis=0)
+    return patterns[~patterns.all(axis=1)]
 
 
 def _apart(times: Times, given: Bools) -> Doubles:

@@ -27,7 +27,7 @@ from faceedit_app.lab.training.data import Performance, load_performances
 from faceedit_app.lab.training.fit import Epoch, fit_region
 from faceedit_app.lab.training.holden import fit_holden
 from faceedit_app.lab.training.run import THREADS
-from faceedit_app.lab.training.settings import RECIPES, FitSettings
+from faceedit_app.lab.training.settings import COMPLETION_PASSES, RECIPES, FitSettings
 
 
 @dataclass
@@ -124,7 +124,8 @@ class Setting:
             passes = "1 pass" if self.epochs == 1 else f"{self.epochs} passes"
             figures.notes.append(
                 f"{names}: answered by networks that were trained here on everything else, with "
-                f"{passes} over the data for each; the shipped ones had more"
+                f"{passes} over the data for each, and {COMPLETION_PASSES} times as many for "
+                "completion; the shipped ones had more"
             )
         return figures
 

@@ -179,7 +179,8 @@ def _damaged(curves: Doubles, true: Doubles, random: np.random.Generator) -> Dou
         return curves[begin : begin + len(true)]
     if kind < SWAPPED + JUMPED:
         one, two = random.integers(len(curves), size=2)
-        return true + curves[one] - curves[two]
+        jumped: Doubles = true + curves[one] - curves[two]
+        return jumped
     return np.broadcast_to(true[:1], true.shape)
 
 
