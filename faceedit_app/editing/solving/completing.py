@@ -39,7 +39,7 @@ if TYPE_CHECKING:  # the window is there before the networks
 RESEMBLE, OWN = 0.6, 0.05
 # Grid frames beyond which nothing is taken from the frames around an edit.
 FARTHEST = 30
-# Standard deviations of the take's curves: a request up to this changes nothing else.
+# Standard deviations of the take's curves: a request below this hardly changes other curves.
 MOVES = 0.3
 # Seconds between two edits over which the answer to one gives way to what the other asks for.
 APART = 0.4
