@@ -108,7 +108,8 @@ def _ajar(model: FaceModel, gap: float) -> Doubles:
     upper, lower = (model.row(number) for number in CONTROL_PAIRS[CONTROL_INDEX[LIP_OPENING]])
     moves = model.moves[ARKIT_INDEX["jawOpen"]]
     opens = float(moves[upper, 1] - moves[lower, 1])
-    return max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    ajar: Doubles = max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    return ajar
 
 
 def _placed(seen: Doubles, poses: Poses) -> Doubles:
