@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -146,6 +147,16 @@ def test_gaps_and_timecodes_go_with_the_frames(tmp_path: Path) -> None:
     assert [gap.missing for gap in found.gaps] == [gap.missing for gap in clip.gaps] == [2]
     assert clip.timecodes is not None
     assert found.timecodes == clip.timecodes[: len(found)]
+
+
+def test_the_tracker_s_confidence_goes_with_its_frames() -> None:
+    sure = np.linspace(0.0, 1.0, len(CLIP)).astype(np.float32)
+    clip = replace(CLIP, confidence=sure)
+    found = splice(clip, [Splice(0.5, 1.0)]).clip
+    assert found.confidence is not None
+    cut = len(clip) - len(found)
+    first = clip.frame_at(0.5)
+    np.testing.assert_array_equal(found.confidence, np.delete(sure, range(first, first + cut)))
 
 
 @pytest.mark.skipif(not PHONE.is_file(), reason="no recordings of a phone here")

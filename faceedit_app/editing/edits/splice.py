@@ -124,6 +124,7 @@ def splice(clip: Clip, splices: Sequence[Splice]) -> Spliced:
         gaps=find_gaps(times, clip.rate),
         timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
         rotations=rotations,
+        confidence=None if clip.confidence is None else clip.confidence[frames],
     )
     return Spliced(made, pieces)
 
