@@ -36,6 +36,8 @@ class Clip:
         timecodes: the T timecodes as the source writes them; empty if it has none.
         rotations: (T, 9) yaw, pitch and roll of the head, the left and the right eye, in radians,
             if the source has them; edits leave them.
+        confidence: (T,) how sure the tracker was of each frame, 0..1, if the source says so; 0 if
+            it was filled.
     """
 
     weights: Floats
@@ -45,6 +47,7 @@ class Clip:
     gaps: tuple[Gap, ...] = ()
     timecodes: tuple[str, ...] | None = None
     rotations: Floats | None = None
+    confidence: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.weights)

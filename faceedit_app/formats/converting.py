@@ -64,26 +64,29 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
         return clip
     rate = clip.rate if rate is None else rate
     parts = [clip.weights, *([] if clip.rotations is None else [clip.rotations])]
+    if clip.confidence is not None:
+        parts.append(clip.confidence[:, None])
     values = at_rate(clip.times, np.concatenate(parts, axis=1), rate, clip.rate)
     times = np.arange(len(values)) / rate
     if not fill_gaps:
         seen = ~_inside_gaps(times, clip)
         times, values = times[seen], values[seen]
     floats = values.astype(np.float32)
-    channels = len(clip.channels)
+    channels, turns = len(clip.channels), clip.rotations
     return Clip(
         weights=np.ascontiguousarray(floats[:, :channels]),
         channels=clip.channels,
         times=times,
         rate=rate,
         gaps=find_gaps(times, rate),
-        timecodes=_timecodes(clip.timecodes, times) if clip.timecodes else None,
-        rotations=None if clip.rotations is None else floats[:, channels:],
+        timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
+        rotations=None if turns is None else floats[:, channels : channels + turns.shape[1]],
+        confidence=None if clip.confidence is None else np.clip(floats[:, -1], 0.0, 1.0),
     )
 
 
-def _timecodes(before: tuple[str, ...], times: Times) -> tuple[str, ...]:
-    """The timecodes of a clip for other times."""
+def timecodes_at(before: tuple[str, ...], times: Times) -> tuple[str, ...]:
+    """The timecodes of a clip for other times (N,), seconds from its first frame."""
     begin = start_of_day(before)
     return tuple(write_timecode(begin + time, DEFAULT_BASE) for time in times.tolist())
 

@@ -75,6 +75,7 @@ class CsvSource:
         turns: (9) the columns of the rotations; empty if there are none.
         lost: (L) the lines without a face that lie between frames.
         count: the column with the number of values in each row, if any.
+        confidence: the column of the tracker's confidence, if any.
     """
 
     table: Table
@@ -84,6 +85,7 @@ class CsvSource:
     turns: Sequence[int] = ()
     lost: Sequence[int] = ()
     count: int | None = None
+    confidence: int | None = None
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
@@ -120,6 +122,7 @@ class CsvSource:
         """The file with weights in rows that lost the face.
 
         Cells that such a row lacks, such as the head's rotations, are those of the frame before.
+        Its confidence is 0.
 
         Args:
             weights: (L, K) for `lost`; a row of NaN stays as it is.
@@ -134,6 +137,8 @@ class CsvSource:
             for k, cell in enumerate(own[: len(cells)]):
                 if cell.strip() and k != self.count:
                     cells[k] = cell
+            if self.confidence not in (None, self.count):
+                cells[self.confidence] = b"0"
             for column, weight in zip(self.columns, row.tolist(), strict=True):
                 text = self.table.cells(before)[column]
                 cells[column] = _replaced(text, write(weight * self.scale))
@@ -151,13 +156,14 @@ class CsvSource:
         for line in islice(self.lines, 0, None, stride):
             cells = self.table.cells(line)
             for column in columns:
-                yield _bare(cells[column]).replace(self.table.decimal, b".")
+                yield bare(cells[column]).replace(self.table.decimal, b".")
 
 
 def _replaced(cell: bytes, number: bytes) -> bytes:
     """The cell with another number, in its own quotes and spaces."""
-    return cell.replace(_bare(cell), number, 1)
+    return cell.replace(bare(cell), number, 1)
 
 
-def _bare(cell: bytes) -> bytes:
+def bare(cell: bytes) -> bytes:
+    """A cell without the quotes and spaces around its number."""
     return cell.strip().strip(b'"').strip()

@@ -19,16 +19,11 @@ from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.foreign import is_transposed
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
-from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
+from faceedit_app.formats.time_columns import TRACKED, RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
 
 _COUNTS = ("blendshapecount", "numproperties")
-# Columns that say whether the face was tracked: 0 or false if not. Letters only, in lower case.
-_TRACKED = (
-    *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
-    *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
-    *("numfaces", "facecount", "faces", "nfaces"),
-)
+CONFIDENCE = "confidence"
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
     part + axis for part in ("head", "lefteye", "righteye") for axis in ("yaw", "pitch", "roll")
@@ -46,7 +41,7 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
-    if looks_like_json(content) or is_transposed(content):
+    if looks_like_json(content) or content.startswith(b"#usda") or is_transposed(content):
         return 0.0
     return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
 
@@ -62,10 +57,13 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 
 
 def write(clip: Clip) -> bytes:
-    """A clip as a plain CSV: seconds in `time_s`, and its channels under ARKit's names."""
+    """A clip as a plain CSV: seconds in `time_s`, its channels under ARKit's names; confidence."""
     lines = [",".join(["time_s", *clip.channels])]
     for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True):
         lines.append(",".join([f"{time:.6f}", *(f"{value:.6f}" for value in row)]))
+    if clip.confidence is not None:
+        sure = [CONFIDENCE, *(f"{value:.3f}" for value in clip.confidence.tolist())]
+        lines = [f"{line},{cell}" for line, cell in zip(lines, sure, strict=True)]
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -89,12 +87,14 @@ def csv_take(
     found = find_channels(table, naming)
     lower = [column.lower() for column in table.names]
     letters = [re.sub(r"[\W_]", "", name) for name in lower]
-    count = next((letters.index(n) for n in (*_COUNTS, *_TRACKED) if n in letters), None)
+    count = next((letters.index(n) for n in (*_COUNTS, *TRACKED) if n in letters), None)
     said = count if count is not None and letters[count] in _COUNTS else None
     clocks = [k for k in time_columns(table.names) if k not in found.indices]
     turns = [lower.index(name) for name in ROTATIONS if name in lower]
     turns = turns if len(turns) == len(ROTATIONS) else []
-    texts = [*clocks, *turns, *([] if count is None else [count])]
+    sure = letters.index(CONFIDENCE) if CONFIDENCE in letters else None
+    last = [place for place in (sure, count) if place is not None]
+    texts = [*clocks, *turns, *last]
     rows = table.read(texts, found.indices, count)
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
@@ -115,6 +115,7 @@ def csv_take(
             *_count_notes(table, rows, said),
         ),
         rotations=_rotations(rows, len(clocks)) if turns else None,
+        confidence=None if sure is None else _confidence(rows, len(clocks) + len(turns)),
     )
     source = partial(
         CsvSource,
@@ -124,6 +125,7 @@ def csv_take(
         turns=tuple(turns),
         lost=rows.lost_lines,
         count=count,
+        confidence=sure,
     )
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:
@@ -165,6 +167,16 @@ def _rotations(rows: Rows, start: int) -> Floats | None:
     return found if np.isfinite(found).all() else None
 
 
+def _confidence(rows: Rows, place: int) -> Floats | None:
+    """(T,) of a text column; None if it holds something else than numbers from 0 to 1."""
+    frames = np.flatnonzero(~rows.lost).tolist()
+    try:
+        found = np.array([rows.texts[row][place] for row in frames], np.float32)
+    except ValueError:
+        return None
+    return found if ((found >= 0.0) & (found <= 1.0)).all() else None
+
+
 def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
     empty = [channel for channel in found.channels if channel not in filled.channels]
     if not empty or not filled.channels:
@@ -175,7 +187,8 @@ def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
 def _count_notes(table: Table, rows: Rows, count: int | None) -> tuple[str, ...]:
     if count is None:
         return ()
-    values = len(table.names) - 2
+    # The tracker's confidence stands after what is counted.
+    values = len(table.names) - 2 - (table.names[-1].lower() == CONFIDENCE)
     frames = np.flatnonzero(~rows.lost).tolist()
     said = {rows.texts[row][-1].removesuffix(".0") for row in frames}
     wrong = [shown(text) for text in sorted(said - {str(values)})]

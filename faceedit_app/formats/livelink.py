@@ -1,7 +1,9 @@
 """Live Link Face CSV, recorded by Epic's iPhone application and tools that imitate it.
 
 Each row has a timecode, the number of values that follow, the ARKit blendshapes, and other values
-(head and eye rotations, emotions). If the face was lost, the row ends after a count of 0.
+(head and eye rotations, emotions). If the face was lost, the row ends after a count of 0. A take
+that was tracked in a film has one more column, which is not counted: the tracker's confidence.
+Unreal's importer takes any column as a property, and wants a number in each.
 """
 
 from __future__ import annotations
@@ -75,16 +77,23 @@ def write_with(clip: Clip, rotations: Floats, lost: Times | None = None) -> byte
     """A clip with rotations, and with rows for the frames in which the face was lost.
 
     Args:
-        clip: as for `write`.
+        clip: as for `write`; with its confidence, if it has one.
         rotations: (T, 9) radians: yaw, pitch and roll of the head, the left and the right eye.
         lost: (L,) times of lost frames, seconds on the clip's clock.
     """
     begin = start_of_day(clip.timecodes) if clip.timecodes else _begin(clip.rate)
     frames = zip((begin + clip.times).tolist(), clip.arkit_weights(), rotations, strict=True)
     lines = [(time, frame_line(time, row, turns)) for time, row, turns in frames]
+    header = header_line()
+    if clip.confidence is not None:
+        header = f"{header[:-1]},Confidence\n"
+        lines = [
+            (time, f"{line[:-1]},{sure:.3f}\n")
+            for (time, line), sure in zip(lines, clip.confidence.tolist(), strict=True)
+        ]
     for time in [] if lost is None else (begin + lost).tolist():
         lines.append((time, f"{write_timecode(time, DEFAULT_BASE)},0\n"))
-    return "".join([header_line(), *(line for _, line in sorted(lines))]).encode()
+    return "".join([header, *(line for _, line in sorted(lines))]).encode()
 
 
 def _begin(rate: float) -> float:

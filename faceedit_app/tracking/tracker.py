@@ -71,6 +71,7 @@ class Tracked:
             film.times[self.sure],
             film.rate,
             timecodes=None if code is None else (code,),
+            confidence=self.confidence[self.sure].astype(np.float32),
         )
 
     @property
@@ -96,14 +97,21 @@ class Tracked:
         lost = film.times[~sure]
         if fps is not None:
             began, count = clip.times[0], clip.weights.shape[1]
-            whole = np.concatenate([clip.weights, rotations], axis=1)
+            sureness = self.confidence[sure, None]
+            whole = np.concatenate([clip.weights, rotations, sureness], axis=1)
             values = at_rate(clip.times - began, whole, fps, film.rate)
             times = began + np.arange(len(values)) / fps
             nearest = np.abs(film.times[:, None] - times).argmin(axis=0)
             kept, lost = sure[nearest], times[~sure[nearest]]
-            rotations = values[kept, count:]
+            rotations, sureness = values[kept, count:-1], np.clip(values[kept, -1], SURE, 1.0)
             weights = values[kept, :count].astype(np.float32)
-            clip = replace(clip, weights=weights, times=times[kept], rate=fps)
+            clip = replace(
+                clip,
+                weights=weights,
+                times=times[kept],
+                rate=fps,
+                confidence=sureness.astype(np.float32),
+            )
         return livelink.write_with(clip, rotations, lost)
 
 

@@ -17,6 +17,7 @@ from faceedit_app.editing.help.confidence import confidence_of
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
 from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
+from faceedit_app.formats import livelink
 from faceedit_app.tracking.film_landmarks import FilmLandmarks
 from faceedit_app.tracking.landmark_file import beside, write_landmarks
 from faceedit_app.tracking.person import Person
@@ -104,3 +105,16 @@ def test_a_take_of_another_rate_or_with_a_damaged_file_has_none(
     assert not unsure(session)
     beside(session.take.path).write_bytes(b"damaged")
     assert confidence_of(session.take) is None
+
+
+def test_the_takes_own_column_needs_no_file_beside_it(tmp_path: Path) -> None:
+    weights = np.zeros((40, 52), np.float32)
+    sure = np.ones(40, np.float32)
+    sure[10:15], sure[25:30] = 0.7, 0.0
+    clip = Clip(weights, ARKIT_CHANNELS, np.arange(40) / 25.0, 25.0, confidence=sure)
+    path = tmp_path / "take.csv"
+    path.write_bytes(livelink.write(clip))
+    session = open_session(path, shipped_rig())
+    (problem,) = unsure(session)  # what is 0 has been filled
+    assert problem.start == pytest.approx(10 / 25.0)
+    assert problem.end == pytest.approx(14 / 25.0)

@@ -84,6 +84,7 @@ def test_the_take_opens_with_the_times_of_the_film(tmp_path: Path, tracked: Trac
     assert take.clip.rate == RATE
     np.testing.assert_allclose(take.clip.times, tracked.landmarks.times, atol=1e-4)
     np.testing.assert_allclose(take.clip.arkit_weights(), tracked.weights, atol=1e-6)
+    assert take.clip.confidence == pytest.approx(tracked.confidence, abs=6e-4)
     assert "HeadYaw" in take.carried
     assert "LeftEyePitch" in take.carried
 
@@ -93,6 +94,8 @@ def test_a_take_can_have_another_frame_rate(tmp_path: Path, tracked: Tracked) ->
     clip = open_take(tmp_path / "take.csv").clip
     assert clip.rate == 60.0
     assert clip.duration == pytest.approx(len(speaking()) / RATE, abs=0.02)
+    assert clip.confidence is not None
+    assert clip.confidence.mean() == pytest.approx(tracked.confidence.mean(), abs=0.01)
 
 
 def test_varying_times_are_kept(tmp_path: Path, pictures: list[NDArray[np.uint8]]) -> None:

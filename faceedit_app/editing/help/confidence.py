@@ -14,7 +14,12 @@ from faceedit_app.tracking.drawing import ENDING
 
 
 def confidence_of(take: Take) -> Doubles | None:
-    """(T,) 0..1 for the frames of a take; None if it was not tracked here, or at another rate."""
+    """(T,) 0..1 for the frames of a take; None if nothing says so.
+
+    Takes of before the column `Confidence` have it only in the file of their landmarks.
+    """
+    if take.clip.confidence is not None:
+        return take.clip.confidence.astype(np.float64)
     path = take.path.with_name(take.path.stem + ENDING)
     try:
         facts = path.stat()

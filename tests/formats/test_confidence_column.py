@@ -1,0 +1,94 @@
+"""The tracker's confidence stays with its frames, in the take's own file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from faceedit_app.cli import main
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
+from faceedit_app.formats import csv_take, livelink
+from faceedit_app.formats.opening import open_take
+from faceedit_app.formats.take import FillableSource
+
+COUNT = 40
+SURE = np.linspace(1.0, 0.61, COUNT).astype(np.float32)
+STILL = np.zeros((COUNT, 9), np.float32)
+
+
+def a_clip(confidence: np.ndarray | None = SURE) -> Clip:
+    weights = np.full((COUNT, len(ARKIT_CHANNELS)), 0.25, np.float32)
+    return Clip(weights, ARKIT_CHANNELS, np.arange(COUNT) / 25.0, 25.0, confidence=confidence)
+
+
+@pytest.fixture(params=["livelink", "csv"])
+def take(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    path = tmp_path / "take.csv"
+    write = livelink.write if request.param == "livelink" else csv_take.write
+    path.write_bytes(write(a_clip()))
+    return path
+
+
+def test_a_take_says_how_sure_it_is_of_each_frame(take: Path) -> None:
+    opened = open_take(take)
+    assert opened.clip.confidence == pytest.approx(SURE, abs=6e-4)
+    assert not any("header has" in note for note in opened.notes)
+    assert [name.lower() for name in opened.carried][-1] == "confidence"
+    assert len(opened.clip.channels) == len(ARKIT_CHANNELS)
+
+
+@pytest.mark.parametrize("form", ["livelink", "csv"])
+@pytest.mark.parametrize("rate", [25, 60, 12])
+def test_it_survives_other_formats_and_frame_rates(
+    take: Path, tmp_path: Path, form: str, rate: int
+) -> None:
+    out = tmp_path / "out.csv"
+    assert main(["convert", str(take), str(out), "--format", form, "--fps", str(rate)]) == 0
+    clip = open_take(out).clip
+    assert clip.rate == rate
+    assert clip.confidence is not None
+    expected = np.interp(clip.times, np.arange(COUNT) / 25.0, SURE)
+    np.testing.assert_allclose(clip.confidence[1:-1], expected[1:-1], atol=0.01)
+
+
+def test_every_row_of_a_live_link_face_csv_has_a_number_in_every_column(take: Path) -> None:
+    """Unreal's importer stops at the first row that has not."""
+    rows = [line.split(",") for line in take.read_text().splitlines()]
+    assert {len(row) for row in rows} == {len(rows[0])}
+    assert all(all(row) for row in rows)
+
+
+def test_a_take_without_it_has_no_such_column() -> None:
+    for write in (livelink.write, csv_take.write):
+        assert b"onfidence" not in write(a_clip(None))
+
+
+@pytest.mark.parametrize("cells", [["high"] * COUNT, ["98"] * COUNT, ["nan"] * COUNT])
+def test_a_column_of_other_values_is_only_carried(tmp_path: Path, cells: list[str]) -> None:
+    lines = livelink.write(a_clip(None)).decode().splitlines()
+    rows = [f"{line},{cell}" for line, cell in zip(lines, ["Confidence", *cells], strict=True)]
+    path = tmp_path / "take.csv"
+    path.write_text("\n".join(rows) + "\n")
+    take = open_take(path)
+    assert take.clip.confidence is None
+    assert "Confidence" in take.carried
+
+
+def test_what_is_filled_is_not_called_certain(tmp_path: Path) -> None:
+    kept = np.delete(np.arange(COUNT), 20)
+    whole = a_clip()
+    clip = Clip(whole.weights[kept], ARKIT_CHANNELS, whole.times[kept], 25.0, confidence=SURE[kept])
+    path = tmp_path / "take.csv"
+    path.write_bytes(livelink.write_with(clip, STILL[kept], whole.times[20:21]))
+    take = open_take(path)
+    assert isinstance(take.source, FillableSource)
+    filled = take.source.with_faces(np.full((1, len(ARKIT_CHANNELS)), 0.5, np.float32))
+    path.write_bytes(filled.encode(take.clip.weights, take.clip.weights))
+    again = open_take(path).clip
+    assert len(again) == COUNT
+    assert again.confidence is not None
+    assert again.confidence[20] == 0.0
+    assert again.confidence[19] == pytest.approx(SURE[19], abs=6e-4)
