@@ -227,7 +227,7 @@ def single_weights(text: JsonText, naming: Naming, rate: float | None) -> JsonFr
         problem = f'gives "{shown(name)}" twice at the same time'
         raise text.error(problem, "keep the weights of one face", int(place)) from None
     weights = [[named[n][1] if n >= 0 else None for n in row] for row in places.tolist()]
-    times = [kept[int(row.max())][clocks[0]] for row in places] if clocks else ()
+    times = [kept[int(row.max())].get(clocks[0]) for row in places] if clocks else ()
     return JsonFrames(names, weights, times, clocks[0] if clocks else "time", rate, naming)
 
 
