@@ -1,9 +1,9 @@
 """The blend shapes that Azure's text to speech gives with a voice, saved as JSON.
 
 Each viseme event has `{"FrameIndex": 0, "BlendShapes": [[55 numbers], ...]}`, at 60 frames a
-second; a file holds one of them, a list, or one per line. The numbers have no names: the order is that of
-Microsoft's page "Get facial position with viseme" (learn.microsoft.com), ARKit's 52 shapes and
-three angles.
+second; a file holds one of them, a list, or one per line. The numbers have no names: the order is
+that of Microsoft's page "Get facial position with viseme" (learn.microsoft.com), ARKit's 52 shapes
+and three angles.
 """
 
 from __future__ import annotations

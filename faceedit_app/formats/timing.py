@@ -28,6 +28,7 @@ _BREAK = 3  # after a step of this many frames the phase may be another
 _SHORT = 8  # steps; fewer do not show which is the usual one
 _OFF = 0.05  # share of a step by which its multiples may be off
 _MOST_LOST = 60  # steps that lost frames may make, in a take of a few rows
+_FEWEST_TICKS = 2  # changes of a clock that is slower than the rows
 _FEW = 4  # steps of at most this many frames measure the rate
 _LONGEST_GAP = 3600.0  # seconds; rows farther apart are two recordings in one file
 _HOUR, _HOUR_OFF = 3600.0, 2.0  # seconds that a clock is set back at the end of summer, and a row
@@ -226,6 +227,8 @@ def _count_frames(
         # The clock is slower than the rows: count the rows between its first and last change.
         frames = np.where(steps <= _FEW * period, 1.0, np.round(steps / period))
         ticks = np.flatnonzero(steps > 0)
+        if len(ticks) < _FEWEST_TICKS:
+            raise NoTimes("has times that are too coarse to show its frame rate")
         whole = slice(ticks[0] + 1, ticks[-1] + 1) if len(ticks) > 1 else slice(None)
         few = frames[whole] == 1
         period = float(steps[whole][few].mean())
