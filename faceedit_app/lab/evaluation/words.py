@@ -278,9 +278,9 @@ def report(figures: WordFigures) -> str:
         )
     lines += [
         "",
-        "Noise is white, added at so many dB below the words, with five seeds for each take.",
-        "Refused are sounds in which the words were not found. The start of the first word is left",
-        "out: its published time has silence in it.",
+        "Noise is white, the same in all channels, at so many dB below the words, with five seeds",
+        "for each take. Refused are sounds in which the words were not found. The start of the first",
+        "word is left out: its published time has silence in it.",
         "",
         "## Closures",
         "",
