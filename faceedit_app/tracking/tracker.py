@@ -17,6 +17,7 @@ from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
 from faceedit_app.formats import livelink
 from faceedit_app.formats.opening import checked_rate
+from faceedit_app.formats.timing import counted
 from faceedit_app.media.container import check
 from faceedit_app.tracking.face_model import FaceModel
 from faceedit_app.tracking.film_landmarks import FilmLandmarks, Progress, Report, read_landmarks
@@ -81,6 +82,8 @@ class Tracked:
         lost = int((~self.sure).sum())
         if lost:
             notes.append(f"{lost} of {len(self.sure)} pictures show the face badly: they are gaps")
+        if self.person.is_ajar:
+            notes.append("the lips never touch: how far they are open is less exact")
         tall = np.nanmedian(np.ptp(self.landmarks.points[..., 1], axis=1))
         if tall < _SMALL_FACE:
             notes.append(f"the face is only {tall:.0f} pixels high: lips and lids are less exact")
@@ -167,8 +170,8 @@ def fit_landmarks(
     if len(found) < _FEWEST:
         raise FileError(
             film.path,
-            f"shows a face in only {len(found)} pictures",
-            "use a film in which a face looks at the camera",
+            f"shows a face in only {counted(len(found), 'picture')}",
+            "use a film in which a face looks at the camera, the right way up",
         )
     seen = film.points[found][:, model.numbers] * (1.0, -1.0, -1.0)
     middle = 0.5 * np.array(film.size) * (1.0, -1.0)
