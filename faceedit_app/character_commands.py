@@ -66,19 +66,32 @@ def seal(
 
     Prints the result before and after closing them by the smallest believable change.
     """
+    from faceedit_app.editing.opening import load_engine, shipped_rig
+
+    theirs, ours = rig_of(file), shipped_rig()
+    covariances = _covariances(load_engine(ours, models))
+    _check_output(output, takes)
+    facts = {"character": str(file), **_closed(ours, theirs, covariances, takes, output)}
+    say(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
+
+
+def _closed(
+    ours: Rig,
+    theirs: Rig,
+    covariances: dict[str, Doubles],
+    takes: list[Path],
+    output: Path | None,
+) -> dict[str, Any]:
+    """Close lips and lids of takes, write the takes if asked to, and say what that changed."""
     import numpy as np
 
     from faceedit_app.characters.closure import Gaps, closure, together
     from faceedit_app.core.arkit import ARKIT_INDEX
-    from faceedit_app.editing.opening import load_engine, shipped_rig
     from faceedit_app.editing.solving.closing import Closing
     from faceedit_app.formats.opening import open_take, write_take
 
-    theirs, ours = rig_of(file), shipped_rig()
-    covariances = _covariances(load_engine(ours, models))
     on_ours, on_theirs = Gaps.of(ours), Gaps.of(theirs)
     own, before, after, changed = [], [], [], []
-    _check_output(output, takes)
     for path in takes:
         take = open_take(path)
         closing = Closing(ours, theirs, frozenset(take.clip.channels), covariances)
@@ -91,29 +104,25 @@ def seal(
         if output is not None:
             columns = [ARKIT_INDEX[channel] for channel in take.clip.channels]
             write_take(output / path.name, take, np.ascontiguousarray(closed[:, columns]))
-    shut = together(own)
+    shut, moved = together(own), np.concatenate(changed)
     figures = {
         name: vars(closure(shut, together(gaps)))
         for name, gaps in (("before", before), ("after", after))
     }
-    moved = np.concatenate(changed)
-    medians = {
-        channel: round(_median(moved[:, ARKIT_INDEX[channel]]), 4)
-        for channel in ("jawOpen", "mouthClose", "eyeBlinkLeft", "eyeBlinkRight")
-    }
-    facts = {
-        "character": str(file),
+    return {
         "takes": [str(path) for path in takes],
         "frames": len(shut),
         "changed_frames": int((moved > 0).any(axis=1).sum()),
-        "median_change": medians,
+        "median_change": {
+            channel: round(_median(moved[:, ARKIT_INDEX[channel]]), 4)
+            for channel in ("jawOpen", "mouthClose", "eyeBlinkLeft", "eyeBlinkRight")
+        },
         **{
             share: {when: figures[when][share] for when in figures}
             for share in ("lips_open_share", "lids_open_share")
         },
         **figures,
     }
-    say(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
 
 
 @app.command()

@@ -17,6 +17,8 @@ from faceedit_app import (
     __version__,
     character_commands,
     export_commands,
+    json_output,
+    retime_commands,
     tracking_commands,
     word_commands,
 )
@@ -56,6 +58,7 @@ app = typer.Typer(
 
 app.add_typer(character_commands.app, name="character")
 app.command("words")(word_commands.words)
+app.command("retime")(retime_commands.retime)
 app.command()(export_commands.convert)
 app.command()(export_commands.batch)
 app.command()(export_commands.live)
@@ -117,6 +120,7 @@ def apply(
     models: ModelsOption = None,
     follow_head: FollowHeadOption = False,
     overwrite: OverwriteOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Apply edits to a take and export it as it came, or in the format of the output's ending.
 
@@ -139,15 +143,25 @@ def apply(
     if character:
         session.use_character(character_commands.rig_of(character))
     session.load_edits(edits)
-    _warn_of_unanswerable(session, engine)
+    warnings = _warnings(session, engine)
+    for text in warnings:
+        say(f"faceedit: warning: {text}", to=sys.stderr)
     form = exporting.by_ending(output, session.take)
     if form is None:
-        session.export(output, overwrite)
+        clip, name, remarks = session.take.clip, session.take.format, tuple[str, ...]()
+        backup = session.export(output, overwrite)
     else:
         options = exporting.Options(
             character=character, overwrite=overwrite, follows_head=follow_head
         )
-        exporting.export_session(session, output, form, options)
+        done = exporting.export_session(session, output, form, options)
+        clip, name, remarks, backup = done.clip, form.name, done.remarks, done.backup
+    if as_json:
+        notes = (*warnings, *remarks)
+        facts = json_output.written_facts(output, take, name, clip, notes, backup)
+        changed = session.changed_frames()
+        json_output.say_json(facts | {"edits": len(session.edits), "changed_frames": changed})
+        return
     say(
         f"{output}: {counted(len(session.edits), 'edit')}, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
@@ -220,16 +234,18 @@ def render(
     say(f"{output}: frame {frame} of {take}")
 
 
-def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
-    """Warn of edits that the take's channels cannot answer, which change nothing."""
+def _warnings(session: EditSession, engine: Engine) -> list[str]:
+    """Which edits the take's channels cannot answer, so that they change nothing."""
     from faceedit_app.editing.solving.answerable import unanswerable
     from faceedit_app.editing.solving.channel_edits import missing_channels
 
+    found = []
     for number, edit in enumerate(session.edits, start=1):
-        for lack in unanswerable(edit, session.take, session.rig, engine):
-            say(f"faceedit: warning: edit {number}: {lack}", to=sys.stderr)
+        lacks = unanswerable(edit, session.take, session.rig, engine)
+        found += [f"edit {number}: {lack}" for lack in lacks]
         if missing := missing_channels([edit], session.take.clip):
-            say(f"faceedit: warning: edit {number}: {missing}", to=sys.stderr)
+            found.append(f"edit {number}: {missing}")
+    return found
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -29,7 +29,7 @@ def test_inspect_as_json(head: Path, capfd: pytest.CaptureFixture[str]) -> None:
     facts = json.loads(capfd.readouterr().out)
     assert len(facts["matched"]) == 52
     assert facts["missing"] == facts["dead"] == []
-    assert len(facts["points"]) == 12
+    assert len(facts["points"]) == 16
     assert facts["vertices"] > 2000
     assert facts["scale_mm"] == pytest.approx(1000, rel=1e-3)
 
@@ -66,7 +66,7 @@ def test_a_map_is_written_once(
     assert main(["character", "inspect", str(path), "--write-map"]) == 0
     stored = json.loads((tmp_path / "own.glb.map.json").read_text())
     assert stored["channels"]["jawOpen"] == ["jawOpen"]
-    assert len(stored["points"]) == 12
+    assert len(stored["points"]) == 16
     assert main(["character", "inspect", str(path), "--write-map"]) == 2
     assert "exists" in capfd.readouterr().err
 

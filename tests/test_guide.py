@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
-import re
 from pathlib import Path
-
-import pytest
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -28,10 +25,3 @@ def test_contributors_find_every_room_in_the_table() -> None:
     rooms |= {path.parent for path in package.glob("ui/*/*.py")}
     names = [room.relative_to(DOCS.parent).as_posix() for room in rooms]
     assert [name for name in names if f"| `{name}/`" not in text] == []
-
-
-@pytest.mark.parametrize("page", ["docs/guide.md", "README.md"])
-def test_every_picture_and_page_is_there(page: str) -> None:
-    path = DOCS.parent / page
-    for target in re.findall(r"\]\(([^)]+)\)", path.read_text(encoding="utf-8")):
-        assert (path.parent / target.partition("#")[0]).exists(), target

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,19 +11,21 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.assembly import Assembler, Assembly
 from faceedit_app.characters.character import Character, Part, Place, Surface
-from faceedit_app.characters.checklist import Checklist, make_checklist
+from faceedit_app.characters.checklist import DEAD, Checklist, make_checklist
+from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
 from faceedit_app.characters.names import Match, Share, match_channels
-from faceedit_app.characters.pictures import Unreadable, decode
-from faceedit_app.characters.points import PAIRS, POINTS, Face, Points, find_points
+from faceedit_app.characters.pictures import read_textures
+from faceedit_app.characters.points import PAIRS, POINTS, find_points
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.welding import Weld, weld
 from faceedit_app.core.arkit import ARKIT_CHANNELS, mirrored_channel
-from faceedit_app.core.arrays import Bools, Pixels
-from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.core.arrays import Bools
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, control_named
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.levels import UNCHANGED, Level, Levels
+from faceedit_app.core.regions import OPTIONAL_REGIONS
 from faceedit_app.core.rig import Material, Rig
 
 # The kind of a surface, by a word in the name of its part or material; the first match counts.
@@ -227,7 +229,7 @@ def _rig(
 ) -> tuple[Rig, list[str]]:
     """The rig, and sentences about what cannot be drawn as in the file."""
     skin = face.skin[welded.number]
-    textures, numbers, faults = _textures(assembly.parts)
+    textures, numbers, faults = read_textures(assembly.parts)
     materials, runs, stop = [], [], 0
     colors, uv = [], []
     start = 0
@@ -257,10 +259,6 @@ def _rig(
             )
         )
         stop += len(mine)
-    pairs = np.full((len(CONTROL_IDS), 2), -1, np.int32)
-    for control, a, b in PAIRS:
-        if a in points and b in points:
-            pairs[CONTROL_IDS.index(control)] = welded.first[[points[a], points[b]]]
     rig = Rig(
         neutral=assembly.neutral,
         faces=np.concatenate(runs),
@@ -268,7 +266,7 @@ def _rig(
         deltas=assembly.deltas,
         colors=np.concatenate(colors),
         materials=tuple(materials),
-        control_pairs=pairs,
+        control_pairs=_control_pairs(face, points, welded),
         name=character.name,
         attribution=character.attribution,
         uv=np.concatenate(uv) if textures else None,
@@ -278,26 +276,22 @@ def _rig(
     return rig, faults
 
 
-def _textures(parts: Sequence[Part]) -> tuple[list[Pixels], list[int | None], list[str]]:
-    """The pictures, the number of each part's, and sentences about unreadable ones."""
-    pictures: list[Pixels] = []
-    known: dict[bytes, int | None] = {}
-    numbers: list[int | None] = []
-    faults: list[str] = []
-    for part in parts:
-        texture = part.surface.texture
-        if texture is None or part.uv is None:
-            numbers.append(None)
+def _control_pairs(face: Face, points: Points, welded: Weld) -> NDArray[np.int32]:
+    """(C, 2) as in `Rig`; without optional controls that no shape of their region moves."""
+    pairs = np.full((len(CONTROLS), 2), -1, np.int32)
+    movers = {region.id: region.channels for region in OPTIONAL_REGIONS}
+    for name, a, b in PAIRS:
+        if a not in points or b not in points:
             continue
-        if texture.content not in known:
-            try:
-                pictures.append(decode(texture))
-                known[texture.content] = len(pictures) - 1
-            except Unreadable as error:
-                known[texture.content] = None
-                faults.append(str(error))
-        numbers.append(known[texture.content])
-    return pictures, numbers, faults
+        control, ends = control_named(name), [points[a], points[b]]
+        if control.optional:
+            channels = movers[control.region]
+            moves = np.stack([np.diff(face.move(c)[ends], axis=0)[0] for c in channels])
+            amounts = np.abs(moves[:, 0]) if control.sideways else np.linalg.norm(moves, axis=1)
+            if amounts.max() < DEAD:
+                continue
+        pairs[CONTROL_INDEX[name]] = welded.first[ends]
+    return pairs
 
 
 def _surface(part: Part, skin: Bools) -> str:

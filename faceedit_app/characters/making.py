@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 from trimesh.registration import procrustes
 
-from faceedit_app.characters.points import PAIRS
+from faceedit_app.characters.paint import Atlas, Paint, painted
+from faceedit_app.characters.points import MAIN_POINTS, PAIRS
 from faceedit_app.characters.registration import Fitted, Landmarks, carry, distances, register
 from faceedit_app.characters.scans import Scan
+from faceedit_app.characters.skin import skin_of
 from faceedit_app.characters.transfer import Transfer
 from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
 from faceedit_app.core.controls import CONTROL_IDS
@@ -72,6 +74,7 @@ class Template:
             name: int(vertex_of[rig.control_pairs[CONTROL_IDS.index(control), end]])
             for control, *names in PAIRS
             for end, name in enumerate(names)
+            if name in MAIN_POINTS
         }
         return cls(
             rig,
@@ -140,6 +143,9 @@ def make(template: Template, scan: Scan, landmarks: Landmarks, name: str) -> Mad
     here = Fitted(closed, np.eye(4))  # the fit, in the template's coordinates
     trim(moves, closed, template)
     rig = _rig(template, here, moves, scan, fitted, name)
+    if scan.paint is not None:
+        paint = scan.paint.of_skin(landmarks.positions)
+        rig = _with_picture(template, rig, paint, fitted)
     chin = template.vertices[template.points["chin"], 1]
     face = (template.vertices[:, 2] > _FRONT) & (template.vertices[:, 1] > chin - _UNDER_CHIN)
     return Made(rig, skin, moves, fitted.similarity, face, parted)
@@ -200,15 +206,10 @@ def _gap(vertices: Doubles, moves: Doubles, held: int, moved: int) -> Doubles:
 
 
 def _surface(scan: Scan, positions: Doubles) -> trimesh.Trimesh:
-    """The connected parts of a scan that have landmarks, without eyeballs, hair and so on."""
+    """The skin of a scan as a mesh of its own."""
     mesh = trimesh.Trimesh(scan.vertices, scan.faces, process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, len(mesh.faces))
-    _, _, triangles = mesh.nearest.on_surface(positions)
-    kept = np.isin(labels, np.unique(labels[triangles]))
-    # A splinter that happens to be nearest to one landmark is not skin.
-    sizes = np.bincount(labels)
-    kept &= sizes[labels] > 0.02 * len(mesh.faces)
+    kept = skin_of(mesh, positions)
     if kept.any():
         mesh.update_faces(kept)
         mesh.remove_unreferenced_vertices()
@@ -265,6 +266,51 @@ def _carried(template: Template, moves: Doubles, others: Doubles) -> Doubles:
     far = np.linalg.norm(others[:, None] - template.vertices[chosen][None, ::8], axis=2).min(axis=1)
     fading: Doubles = carried * np.clip(1.5 - far / 20.0, 0.0, 1.0)[None, :, None]
     return fading
+
+
+def _with_picture(template: Template, rig: Rig, paint: Paint, fitted: Fitted) -> Rig:
+    """The rig with a picture of the scan on its skin; cuts in the picture repeat vertices."""
+    atlas = Atlas.of(template.vertices, template.faces)
+    is_skin = [material.name in _SKIN for material in rig.materials]
+    runs = [(m.start, m.stop) for m in rig.materials if m.name in _SKIN]
+    corners = np.concatenate([rig.faces[start:stop] for start, stop in runs]).ravel()
+    own = np.zeros((len(template.vertices), 3), np.float32)
+    own[template.vertex_of[corners]] = template.rig.colors[corners, :3]
+    scale = float(np.cbrt(np.linalg.det(fitted.similarity[:3, :3])))
+    picture = painted(atlas, fitted.vertices, own, paint, _COLOR_FROM * scale)
+
+    flat = atlas.faces.ravel()
+    pairs, number_of = np.unique(np.stack((corners, flat), 1), axis=0, return_inverse=True)
+    _, first = np.unique(pairs[:, 0], return_index=True)
+    is_first = np.zeros(len(pairs), np.bool_)
+    is_first[first] = True  # it keeps its number; the others are added
+    numbers = pairs[:, 0].astype(np.int32)
+    numbers[~is_first] = len(rig.neutral) + np.arange(int((~is_first).sum()))
+    source = np.concatenate((np.arange(len(rig.neutral)), pairs[~is_first, 0]))
+    faces, done = rig.faces.copy(), 0
+    for start, stop in runs:
+        count = 3 * (stop - start)
+        faces[start:stop] = numbers[number_of.ravel()[done : done + count]].reshape(-1, 3)
+        done += count
+    uv = np.zeros((len(source), 2), np.float32)
+    uv[numbers] = atlas.uv[pairs[:, 1]]
+    colors = rig.colors[source]
+    colors[numbers] = 1.0
+    return replace(
+        rig,
+        neutral=rig.neutral[source],
+        faces=faces,
+        deltas=np.ascontiguousarray(rig.deltas[:, source]),
+        colors=colors,
+        materials=tuple(
+            replace(material, texture=0) if skin else material
+            for material, skin in zip(rig.materials, is_skin, strict=True)
+        ),
+        uv=uv,
+        textures=(picture,),
+        shading_groups=source.astype(np.int32),
+        shade=None if rig.shade is None else rig.shade[source],
+    )
 
 
 def _colors(template: Template, scan: Scan, fitted: Fitted) -> Floats:

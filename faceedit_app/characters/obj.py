@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.characters.base_colors import linear
 from faceedit_app.characters.bounded import Damaged, check_targets, finite, read_file
-from faceedit_app.characters.character import Character, Part, Surface, Texture, unique_names
+from faceedit_app.characters.character import Character, Part, Surface, unique_names
+from faceedit_app.characters.obj_materials import read_materials
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
 
@@ -25,9 +27,17 @@ _REMEDY = "put the neutral head as neutral.obj and one OBJ per shape into a fold
 
 @dataclass(frozen=True)
 class _Mesh:
-    """The content of an OBJ file: (V, 3) places, and corners, texture and material per triangle."""
+    """The content of an OBJ file.
+
+    Attributes:
+        places: (V, 3).
+        colors: (V, 4) linear, if they follow the places.
+        corners, uv_corners: (F, 3).
+        materials: (F,).
+    """
 
     places: Floats
+    colors: Floats | None
     corners: NDArray[np.int64]
     uv_corners: NDArray[np.int64] | None
     uv: Floats | None
@@ -56,12 +66,10 @@ def read_obj(path: Path) -> Character:
     if len(others) > _MOST_FILES:
         raise FileError(path, f"has more than {_MOST_FILES} OBJ files", _REMEDY)
     mesh = _read_mesh(neutral)
-    if not len(mesh.corners):
-        raise FileError(neutral, "holds no triangles", "export the mesh of the head")
     check_targets([len(mesh.places)], [len(others)])
     targets, strangers = {}, []
     for other in others:
-        places = _places(read_file(other))
+        places = _places(_read(other))
         if places.shape == mesh.places.shape:
             targets[other.stem] = places - mesh.places
         else:
@@ -70,8 +78,19 @@ def read_obj(path: Path) -> Character:
     if strangers and path.is_dir():
         shown = ", ".join(strangers[:3]) + (" …" if len(strangers) > 3 else "")
         remarks.append(f"{len(strangers)} files have other vertices and were left out: {shown}")
-    parts = _parts(neutral, mesh, targets)
-    return Character(path, "OBJ", tuple(parts), tuple(remarks))
+    parts, missing = _parts(neutral, mesh, targets)
+    return Character(path, "OBJ", tuple(parts), (*remarks, *missing))
+
+
+def read_one_obj(path: Path) -> Character:
+    """Read an OBJ file without those beside it.
+
+    Raises:
+        FileError: it cannot be read, or holds no mesh.
+        Damaged: it contradicts itself.
+    """
+    parts, missing = _parts(path, _read_mesh(path), {})
+    return Character(path, "OBJ", tuple(parts), missing)
 
 
 def _neutral(folder: Path, files: list[Path]) -> Path:
@@ -84,6 +103,12 @@ def _neutral(folder: Path, files: list[Path]) -> Path:
     raise FileError(folder, "has no OBJ file named neutral", _REMEDY)
 
 
+def _read(path: Path) -> bytes:
+    """The content of an OBJ file, with plain spaces and line ends, and long lines joined."""
+    content = read_file(path).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return content.replace(b"\\\n", b" ").replace(b"\t", b" ")
+
+
 def _places(content: bytes) -> Floats:
     """(V, 3) float32 of the lines that begin with v."""
     rows = [line.split()[1:4] for line in content.split(b"\n") if line.startswith(b"v ")]
@@ -94,8 +119,22 @@ def _places(content: bytes) -> Floats:
     return finite(places, "vertices").astype(np.float32)
 
 
+def _colors(content: bytes) -> Floats | None:
+    """(V, 4) linear colours, if red, green and blue follow the places of all vertices."""
+    rows = [line.split()[4:7] for line in content.split(b"\n") if line.startswith(b"v ")]
+    if not rows or any(len(row) != 3 for row in rows):
+        return None
+    try:
+        stored = finite(np.array(rows, np.float64), "colours")
+    except ValueError as error:
+        raise Damaged("a colour does not have three numbers") from error
+    colors = np.ones((len(stored), 4), np.float32)
+    colors[:, :3] = linear((stored / (255.0 if stored.max() > 1.0 else 1.0)).clip(0, 1))
+    return colors
+
+
 def _read_mesh(path: Path) -> _Mesh:
-    content = read_file(path)
+    content = _read(path)
     places = _places(content)
     uv_rows: list[list[bytes]] = []
     corners: list[tuple[int, int, int]] = []
@@ -119,7 +158,9 @@ def _read_mesh(path: Path) -> _Mesh:
         elif line.startswith(b"mtllib "):
             library = line[7:].strip().decode("utf-8", "replace")
     triangles = np.array(corners, np.int64).reshape(-1, 3)
-    if triangles.size and not (triangles.min() >= 0 and triangles.max() < len(places)):
+    if not len(triangles):
+        raise FileError(path, "holds no triangles", "export the mesh of the head")
+    if not (triangles.min() >= 0 and triangles.max() < len(places)):
         raise Damaged(f"a triangle of {path.name} names a vertex that does not exist")
     uv, uv_triangles = None, np.array(uv_corners, np.int64).reshape(-1, 3)
     if uv_rows and uv_triangles.size and uv_triangles.min() >= 0:
@@ -129,6 +170,7 @@ def _read_mesh(path: Path) -> _Mesh:
         uv[:, 1] = 1 - uv[:, 1]
     return _Mesh(
         places,
+        _colors(content),
         triangles,
         uv_triangles if uv is not None else None,
         uv,
@@ -163,8 +205,10 @@ def _index(text: bytes, count: int) -> int:
     return number - 1 if number > 0 else count + number
 
 
-def _parts(path: Path, mesh: _Mesh, targets: dict[str, Floats]) -> list[Part]:
-    """One part for each material."""
+def _parts(
+    path: Path, mesh: _Mesh, targets: dict[str, Floats]
+) -> tuple[list[Part], tuple[str, ...]]:
+    """One part for each material, and sentences about what is missing."""
     corners, uv = mesh.corners.ravel(), None
     if mesh.uv is not None and mesh.uv_corners is not None:
         keys = np.column_stack((corners, mesh.uv_corners.ravel()))
@@ -179,8 +223,9 @@ def _parts(path: Path, mesh: _Mesh, targets: dict[str, Floats]) -> list[Part]:
         faces=vertex_of.reshape(-1, 3).astype(np.int32),
         targets={name: moves[points] for name, moves in targets.items()},
         uv=uv,
+        colors=None if mesh.colors is None else mesh.colors[points],
     )
-    surfaces = _surfaces(path, mesh.library)
+    surfaces, missing = read_materials(path, mesh.library)
     parts = []
     for number in np.unique(mesh.materials):
         faces = whole.faces[mesh.materials == number]
@@ -188,42 +233,4 @@ def _parts(path: Path, mesh: _Mesh, targets: dict[str, Floats]) -> list[Part]:
         part = replace(whole, faces=faces, surface=surfaces.get(name, Surface(name)))
         parts.append(part.only(np.unique(faces).astype(np.intp)))
     labels = unique_names([part.name for part in parts])
-    return [replace(part, name=name) for part, name in zip(parts, labels, strict=True)]
-
-
-def _surfaces(path: Path, library: str) -> dict[str, Surface]:
-    """The materials of an MTL file next to an OBJ file; empty if it is missing."""
-    if not library:
-        return {}
-    try:
-        text = read_file(path.parent / library).decode("utf-8", "replace")
-    except FileError:
-        return {}
-    surfaces: dict[str, Surface] = {}
-    name = ""
-    for line in text.splitlines():
-        words = line.split(maxsplit=1)
-        if len(words) < 2:
-            continue
-        if words[0] == "newmtl":
-            name = words[1].strip()[:60]
-            surfaces[name] = Surface(name)
-        elif name and words[0] == "Kd":
-            surfaces[name] = replace(surfaces[name], color=_color(words[1]))
-        elif name and words[0] == "map_Kd":
-            picture = words[1].split(" -")[-1].strip()
-            try:
-                content = read_file(path.parent / picture.replace("\\", "/"))
-            except FileError:
-                content = b""
-            texture = Texture(picture[:60], content)
-            surfaces[name] = replace(surfaces[name], texture=texture, color=(1.0, 1.0, 1.0, 1.0))
-    return surfaces
-
-
-def _color(text: str) -> tuple[float, float, float, float]:
-    try:
-        red, green, blue = (min(max(float(x), 0.0), 1.0) for x in text.split()[:3])
-    except ValueError:
-        return 0.8, 0.8, 0.8, 1.0
-    return red, green, blue, 1.0
+    return [replace(part, name=name) for part, name in zip(parts, labels, strict=True)], missing

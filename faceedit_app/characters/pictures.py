@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import warnings
+from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image
 
-from faceedit_app.characters.character import Texture
+from faceedit_app.characters.character import Part, Texture
 from faceedit_app.core.arrays import Pixels
 
 LARGEST = 2048  # pixels per side; larger pictures are scaled down
@@ -67,3 +68,25 @@ def _ktx2(texture: Texture) -> Pixels:
     except Exception as error:  # the library's own kinds, and ValueError
         raise Unreadable(f"the texture {texture.name} cannot be read") from error
     return np.ascontiguousarray(pixels, np.uint8)
+
+
+def read_textures(parts: Sequence[Part]) -> tuple[list[Pixels], list[int | None], list[str]]:
+    """The pictures, the number of each part's, and sentences about unreadable ones."""
+    pictures: list[Pixels] = []
+    known: dict[bytes, int | None] = {}
+    numbers: list[int | None] = []
+    faults: list[str] = []
+    for part in parts:
+        texture = part.surface.texture
+        if texture is None or part.uv is None:
+            numbers.append(None)
+            continue
+        if texture.content not in known:
+            try:
+                pictures.append(decode(texture))
+                known[texture.content] = len(pictures) - 1
+            except Unreadable as error:
+                known[texture.content] = None
+                faults.append(str(error))
+        numbers.append(known[texture.content])
+    return pictures, numbers, faults

@@ -1,121 +1,39 @@
-"""Find the twelve control points from the shapes alone.
+"""Find the control points from the shapes alone.
 
 Without landmarks or knowledge of the mesh, a vertex is recognised by how the shapes move it. The
 inner lips are the two points on the midline that are together until jawOpen parts them; a mouth
 corner is where the shortest way around the mouth, from one inner lip to the other, is farthest out;
-the upper lid is what eyeBlink lowers most, and the lower lid is where it arrives.
+the upper lid is what eyeBlink lowers most, and the lower lid is where it arrives. The points of the
+brows are found in `brow_points`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
 
 import numpy as np
-import trimesh
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import dijkstra
 
-from faceedit_app.characters.assembly import Assembly
-from faceedit_app.characters.welding import Weld
-from faceedit_app.core.arrays import Bools, Doubles, Indices
+from faceedit_app.characters.brow_points import find_brow
+from faceedit_app.characters.face import Face, NotFound, Points
+from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.controls import CONTROLS
-
-Points = dict[str, int]
 
 # Each control that can be looked for, and its two control points, in the order of the table.
 PAIRS: tuple[tuple[str, str, str], ...] = tuple(
     (control.id, *control.between) for control in CONTROLS if control.between is not None
 )
 POINTS: tuple[str, ...] = tuple(dict.fromkeys(name for pair in PAIRS for name in pair[1:]))
-_LIPS = (
-    *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
-    *("mouthRollLower", "mouthUpperUpLeft", "mouthLowerDownLeft"),
+# Those that every face has; the others are found only if shapes move them.
+MAIN_POINTS: tuple[str, ...] = tuple(
+    dict.fromkeys(name for c in CONTROLS if c.between and not c.optional for name in c.between)
 )
 # Channels that part the lips; the first that does is used.
 _OPENERS = ("jawOpen", "mouthFunnel", "mouthUpperUpLeft")
 _PARTED = 3.0  # mm
 
 
-class NotFound(Exception):
-    """A control point cannot be found; the text says which one and why."""
-
-
-@dataclass(frozen=True)
-class Face:
-    """A welded head in millimetres.
-
-    Attributes:
-        places: (N, 3), X the character's left, Y up, Z forward; the eyes are at 0.
-        moves: by channel, (N, 3) at weight 1.
-        faces: (F, 3).
-    """
-
-    places: Doubles
-    moves: Mapping[str, Doubles]
-    faces: Indices
-
-    @classmethod
-    def of(cls, assembly: Assembly, weld: Weld) -> Face:
-        """The face of an assembly, with one vertex for each welded one."""
-        deltas = 1000.0 * assembly.deltas[:, weld.first].astype(np.float64)
-        places = 1000.0 * assembly.neutral[weld.first].astype(np.float64)
-        return cls(places, dict(zip(assembly.channels, deltas, strict=True)), weld.faces)
-
-    def move(self, channel: str) -> Doubles:
-        """(N, 3) mm of a channel; zero where it has no shape."""
-        found = self.moves.get(channel)
-        return np.zeros_like(self.places) if found is None else found
-
-    def amount(self, channel: str) -> Doubles:
-        """(N,) mm that a channel moves each vertex."""
-        amount: Doubles = np.linalg.norm(self.move(channel), axis=1)
-        return amount
-
-    @cached_property
-    def edges(self) -> Indices:
-        """(E, 2) each edge once."""
-        edges = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        once: Indices = edges[trimesh.grouping.unique_rows(edges)[0]]
-        return once
-
-    @cached_property
-    def lips(self) -> Doubles:
-        """(N,) how much the shapes of the lips, which do not move teeth, move each vertex."""
-        total = np.zeros(len(self.places))
-        for channel in _LIPS:
-            amount = self.amount(channel)
-            if amount.max(initial=0.0) > 1e-6:
-                total += amount / amount.max()
-        return total
-
-    @cached_property
-    def middle(self) -> float:
-        """The x of the mouth's midline, mm; shapes are never quite symmetric."""
-        amount = sum(
-            (self.amount(channel) for channel in ("mouthPucker", "mouthFunnel", "jawOpen")),
-            np.zeros(len(self.places)),
-        )
-        weight = np.where(self.skin, amount, 0.0)
-        return float(weight @ self.places[:, 0] / max(weight.sum(), 1e-9))
-
-    @cached_property
-    def skin(self) -> Bools:
-        """(N,) which vertices are on the connected surface with the lips.
-
-        Lashes and eyeballs that touch it only in an edge or a vertex do not belong to it.
-        """
-        adjacency = trimesh.graph.face_adjacency(self.faces)
-        labels = trimesh.graph.connected_component_labels(adjacency, len(self.faces))
-        weight = np.bincount(labels, self.lips[self.faces].sum(axis=1))
-        skin = np.zeros(len(self.places), np.bool_)
-        skin[self.faces[labels == weight.argmax()].ravel()] = True
-        return skin
-
-
 def find_points(face: Face) -> tuple[Points, list[str]]:
-    """Find the twelve control points, as vertices of `face`.
+    """Find the control points, as vertices of `face`.
 
     Returns:
         The points that were found, and a sentence about each that was not.
@@ -135,6 +53,9 @@ def find_points(face: Face) -> tuple[Points, list[str]]:
     look(lambda: {"nose_bridge": _bridge(face)})
     if "lower_lip" in points:
         look(lambda: {"chin": _chin(face, points["lower_lip"])})
+    for side in ("left", "right"):
+        if f"{side}_upper_lid" in points:
+            points.update(find_brow(face, side, points))
     return {name: points[name] for name in POINTS if name in points}, problems
 
 
@@ -196,19 +117,9 @@ def _corner(face: Face, opened: Doubles, points: Points, sign: float) -> int:
         & (places[:, 2] > places[start, 2] - 45)
         & (np.abs(places[:, 1] - places[start, 1]) < 25)
     )
-    edges = face.edges[near[face.edges].all(axis=1)]
-    a, b = edges.T
-    moved = places + opened
-    # The rim of the lips is short at rest, and not much longer when the jaw is open.
-    cost = np.linalg.norm(places[a] - places[b], axis=1)
-    cost = cost + 0.25 * np.linalg.norm(moved[a] - moved[b], axis=1)
-    graph = coo_matrix((cost + 1e-9, (a, b)), (len(places), len(places))).tocsr()
-    distances, before = dijkstra(graph, False, indices=start, return_predecessors=True)
-    if not np.isfinite(distances[end]):
+    way = face.way(near, start, end, opened)
+    if way is None:
         raise NotFound("the lips are not joined at the mouth corners")
-    way = [end]
-    while way[-1] != start:
-        way.append(int(before[way[-1]]))
     return way[int((sign * places[way, 0]).argmax())]
 
 

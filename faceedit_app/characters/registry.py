@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from faceedit_app.characters.bounded import Damaged
@@ -11,7 +11,7 @@ from faceedit_app.characters.character import Character
 from faceedit_app.characters.fbx import read_fbx
 from faceedit_app.characters.fbx_tree import MAGIC
 from faceedit_app.characters.gltf import read_gltf
-from faceedit_app.characters.obj import read_obj
+from faceedit_app.characters.obj import read_obj, read_one_obj
 from faceedit_app.characters.vrm import read_vrm
 from faceedit_app.core.errors import FileError
 
@@ -86,8 +86,12 @@ def is_character(path: Path) -> bool:
     return any(path.suffix.lower() in kind.endings for kind in FORMATS)
 
 
-def read_character(path: Path | str) -> Character:
+def read_character(path: Path | str, with_shapes: bool = True) -> Character:
     """Open any character; its kind is recognised by its content, then by its name.
+
+    Args:
+        path: the file or folder.
+        with_shapes: whether other OBJ files beside an OBJ file are its shapes.
 
     Raises:
         FileError: it is not a character, is damaged, or its kind or version is not supported.
@@ -96,7 +100,8 @@ def read_character(path: Path | str) -> Character:
     head = _head(path)
     for kind in FORMATS:
         if kind.sniff(path, head):
-            return _read(kind, path)
+            is_alone = kind.read is read_obj and not with_shapes and path.is_file()
+            return _read(replace(kind, read=read_one_obj) if is_alone else kind, path)
     known = _KNOWN.get(path.suffix.lower())
     if known is not None:
         problem, _, remedy = known.partition("; ")

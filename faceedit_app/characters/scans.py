@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
+from pathlib import Path, PureWindowsPath
 
 import fast_simplification
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from faceedit_app.characters.base_colors import linear, png_of
 from faceedit_app.characters.bounded import MOST_TRIANGLES, MOST_VERTICES, finite, read_file
-from faceedit_app.characters.character import Character, Part
-from faceedit_app.characters.pictures import Unreadable, decode
+from faceedit_app.characters.character import Character, Part, Surface, Texture
+from faceedit_app.characters.paint import Paint
+from faceedit_app.characters.pictures import read_textures
 from faceedit_app.characters.registry import read_character
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
@@ -20,6 +22,8 @@ from faceedit_app.core.errors import FileError
 _PLAIN = (".ply", ".stl")
 _ENOUGH = 120_000  # triangles; more would only slow the fit
 _FEWEST = 200
+_FINE = 20_000  # vertices; the colours of more are finer than those of our vertices
+_GREY = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
 _REMEDY = "use an OBJ, PLY, STL or GLB of a neutral face"
 
 
@@ -32,12 +36,14 @@ class Scan:
         faces: (F, 3).
         colors: (V, 4) float32, linear RGBA, if the file has colours or a texture.
         remarks: sentences about what was left out or decimated.
+        paint: the colours of its surface, if they show more than `colors`.
     """
 
     vertices: Doubles
     faces: NDArray[np.int32]
     colors: Floats | None
     remarks: tuple[str, ...] = ()
+    paint: Paint | None = None
 
 
 def read_scan(path: Path | str) -> Scan:
@@ -47,19 +53,19 @@ def read_scan(path: Path | str) -> Scan:
         FileError: it cannot be read, or is not a head.
     """
     path = Path(path)
-    scan = _plain(path) if path.suffix.lower() in _PLAIN else _joined(read_character(path))
+    is_plain = path.suffix.lower() in _PLAIN
+    scan = _joined(_plain(path) if is_plain else read_character(path, with_shapes=False))
     if len(scan.faces) < _FEWEST:
         raise FileError(path, f"has only {len(scan.faces)} triangles", _REMEDY)
     return _smaller(scan)
 
 
-def _plain(path: Path) -> Scan:
+def _plain(path: Path) -> Character:
     """PLY and STL, by trimesh."""
-    content = read_file(path)
+    kind = path.suffix[1:].lower()
+    stream, beside = trimesh.util.wrap_as_stream(read_file(path)), _Beside(path.parent)
     try:
-        mesh = trimesh.load_mesh(
-            trimesh.util.wrap_as_stream(content), file_type=path.suffix[1:].lower(), process=False
-        )
+        mesh = trimesh.load_mesh(stream, file_type=kind, process=False, resolver=beside)
         vertices = finite(np.asarray(mesh.vertices, np.float64), "vertices")
         faces = np.asarray(mesh.faces, np.int32)
     except Exception as error:  # trimesh raises all kinds
@@ -68,57 +74,79 @@ def _plain(path: Path) -> Scan:
         raise FileError(path, f"has {len(faces)} triangles", "export a smaller one")
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise FileError(path, "has a triangle without its vertices", "export it again")
-    colors = None
-    if isinstance(mesh.visual, trimesh.visual.ColorVisuals) and mesh.visual.kind == "vertex":
-        colors = np.asarray(mesh.visual.vertex_colors, np.float32) / 255.0
-        colors[:, :3] = _linear(colors[:, :3])
-    return Scan(vertices, faces, colors)
+    part = Part(path.stem, vertices.astype(np.float32), faces)
+    visual = mesh.visual
+    if isinstance(visual, trimesh.visual.TextureVisuals) and visual.uv is not None:
+        uv = np.asarray(visual.uv, np.float64) * (1, -1) + (0, 1)
+        uv = finite(uv, "texture coordinates").astype(np.float32)
+        part = replace(part, uv=uv, surface=Surface("scan", texture=beside.texture))
+        return Character(path, kind.upper(), (part,))
+    if isinstance(visual, trimesh.visual.ColorVisuals) and visual.kind == "vertex":
+        colors = np.asarray(visual.vertex_colors, np.float32) / 255.0
+        colors[:, :3] = linear(colors[:, :3])
+        part = replace(part, colors=colors)
+    return Character(path, kind.upper(), (part,))
+
+
+class _Beside:
+    """Gives trimesh the pictures that lie beside a mesh, and no other files.
+
+    Attributes:
+        texture: the last one; without content if it is missing.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.texture = Texture("picture", b"")
+
+    def get(self, name: str) -> bytes:
+        """The content of a picture; a blank one if it is missing."""
+        name = PureWindowsPath(name).name
+        try:
+            content = read_file(self._folder / name)
+        except FileError:
+            content = b""
+        self.texture = Texture(name[:60], content)
+        return content or png_of(np.zeros((1, 1, 4), np.uint8))
 
 
 def _joined(character: Character) -> Scan:
     """All parts of a character as one mesh, in its own colours."""
-    starts = np.cumsum([0, *(len(part.neutral) for part in character.parts)])
-    faces = [p.faces + np.int32(s) for p, s in zip(character.parts, starts[:-1], strict=True)]
-    remarks = list(character.remarks)
-    colors = [_colors(part, remarks) for part in character.parts]
-    known = any(color is not None for color in colors)
-    grey = [
-        np.full((len(part.neutral), 4), 0.5, np.float32) if color is None else color
-        for part, color in zip(character.parts, colors, strict=True)
-    ]
-    return Scan(
-        np.concatenate([part.neutral for part in character.parts]).astype(np.float64),
-        np.concatenate(faces),
-        np.concatenate(grey) if known else None,
-        tuple(remarks),
+    parts = character.parts
+    starts = np.cumsum([0, *(len(part.neutral) for part in parts)])
+    faces = np.concatenate(
+        [part.faces + np.int32(start) for part, start in zip(parts, starts[:-1], strict=True)]
     )
+    vertices = np.concatenate([part.neutral for part in parts]).astype(np.float64)
+    pictures, numbers, faults = read_textures(parts)
+    remarks = (*character.remarks, *dict.fromkeys(faults))
+    known = [n is not None or p.colors is not None for p, n in zip(parts, numbers, strict=True)]
+    if not any(known):
+        return Scan(vertices, faces, None, remarks)
+    paint = Paint(
+        vertices,
+        faces,
+        np.concatenate([_tints(part, has) for part, has in zip(parts, known, strict=True)]),
+        np.concatenate([_coordinates(part) for part in parts]),
+        np.repeat([-1 if n is None else n for n in numbers], [len(p.faces) for p in parts]),
+        tuple(pictures),
+    )
+    is_finer = bool(pictures) or len(vertices) > _FINE
+    return Scan(vertices, faces, paint.of_vertices, remarks, paint if is_finer else None)
 
 
-def _colors(part: Part, remarks: list[str]) -> Floats | None:
-    """(V, 4) the colours of a part, from its texture if it has one."""
-    tint = np.array(part.surface.color, np.float32)
-    if part.surface.texture is not None and part.uv is not None:
-        try:
-            picture = decode(part.surface.texture)
-        except Unreadable as error:
-            remarks.append(str(error))
-        else:
-            height, width = picture.shape[:2]
-            column = (part.uv[:, 0] % 1.0 * width).astype(int).clip(0, width - 1)
-            row = (part.uv[:, 1] % 1.0 * height).astype(int).clip(0, height - 1)
-            seen = picture[row, column].astype(np.float32) / 255.0
-            seen[:, :3] = _linear(seen[:, :3])
-            tinted: Floats = seen * tint
-            return tinted
-    if part.colors is None:
-        return None
-    own: Floats = part.colors * tint
-    return own
+def _tints(part: Part, is_colored: bool) -> Floats:
+    """(V, 4) what multiplies the texture of a part; grey if it has no colours."""
+    count = len(part.neutral)
+    if not is_colored:
+        return np.tile(_GREY, (count, 1))
+    own = np.ones((count, 4), np.float32) if part.colors is None else part.colors
+    tints: Floats = own * np.array(part.surface.color, np.float32)
+    return tints
 
 
-def _linear(srgb: Floats) -> Floats:
-    linear: Floats = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    return linear.astype(np.float32)
+def _coordinates(part: Part) -> Floats:
+    return np.zeros((len(part.neutral), 2), np.float32) if part.uv is None else part.uv
 
 
 def _smaller(scan: Scan) -> Scan:
@@ -136,4 +164,5 @@ def _smaller(scan: Scan) -> Scan:
         colors = np.zeros((len(places), 4), np.float32)
         colors[mapping] = scan.colors
     said = f"{len(scan.faces):,} triangles were decimated to about {_ENOUGH:,}".replace(",", " ")
-    return Scan(places.astype(np.float64), faces.astype(np.int32), colors, (*scan.remarks, said))
+    remarks = (*scan.remarks, said)
+    return Scan(places.astype(np.float64), faces.astype(np.int32), colors, remarks, scan.paint)

@@ -180,6 +180,7 @@ CONTROLS: tuple[Control, ...] = (
         "left_brow",
         "Left brow height",
         "Inner corner of the character's left eye to the brow. Up raises the brow, down frowns.",
+        between=("left_eye_corner", "left_brow"),
         handle=1,
         region="brow_region",
         key="",
@@ -192,6 +193,7 @@ CONTROLS: tuple[Control, ...] = (
         "right_brow",
         "Right brow height",
         "Inner corner of the character's right eye to the brow. Up raises the brow, down frowns.",
+        between=("right_eye_corner", "right_brow"),
         handle=1,
         region="brow_region",
         key="",
@@ -205,6 +207,7 @@ CONTROLS: tuple[Control, ...] = (
         "Jaw to the side",
         "How far the chin is from the middle. Up moves the jaw to the character's left, down to "
         "the right.",
+        between=("nose_bridge", "chin"),
         handle=1,
         region="jaw_region",
         key="",

@@ -2,7 +2,8 @@
 
 Tools spell one shape `eyeBlinkLeft`, `EyeBlinkLeft`, `eyeBlink_L`, `EYE_BLINK_LEFT`,
 `left_eye_blink`, `A14_Eye_Blink_Left`, `blendShape1.eyeBlink_L`, `eyeBlink.L`,
-`head_ARKit_eyeBlinkLeft`, `weights[eyeBlinkLeft]` or `eyeBlinkLeft.value`.
+`head_ARKit_eyeBlinkLeft`, `weights[eyeBlinkLeft]`, `key_blocks["eyeBlinkLeft"].value` or
+`eyeBlinkLeft.value`.
 A name is split into words, namespaces and the usual prefixes are dropped, and a word for a side
 at either end becomes the side. Names are never compared by similarity: if the rules do not lead to
 an ARKit name, there is none. `characters.names` builds on this: a character's shapes may be halves
@@ -19,6 +20,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS
 _NAMESPACE = re.compile(r"^.*[.:|/](?!(?:l|r|left|right|values?|weights?|scores?)$)", re.IGNORECASE)
 _BRACKETS = re.compile(
     r"(?P<before>[^\[\](){}]*)[\[({]['\"]?(?P<inside>[^\[\](){}'\"]*)['\"]?[\])}]"
+    r"(?:\.(?:value|weight))?"
 )
 _PREFIX = re.compile(
     r"^(?:(?:blendshapes?|bs|shapes?|key|face|head|morph|arkit|ctrl|expressions?|[A-Z]?\d{1,3})"

@@ -55,23 +55,44 @@ def to_grid(
 def from_grid(values: NDArray[np.floating[Any]], start: int, times: Times) -> Doubles:
     """Interpolate grid frames `values` (N, C), the first of which is `start`, at `times` (T,).
 
+    See `OffGrid`.
+    """
+    return OffGrid(len(values), start, times)(values)
+
+
+class OffGrid:
+    """Interpolates signals on the same grid frames at the same times.
+
     Cubic (Catmull-Rom): it passes through the grid values, is smooth between them, and local: a
     value has an effect only within two grid frames.
+
+    Args:
+        count: N, the number of grid frames.
+        start: the first of them.
+        times: (T,) seconds.
     """
-    position = np.clip(times * GRID_RATE - start, 0, len(values) - 1)
-    i = np.minimum(position.astype(np.int64), max(len(values) - 2, 0))
-    u = (position - i)[:, None]
-    square, cube, last = u * u, u * u * u, len(values) - 1
-    taps = (
-        -0.5 * u + square - 0.5 * cube,
-        1.0 - 2.5 * square + 1.5 * cube,
-        0.5 * u + 2.0 * square - 1.5 * cube,
-        0.5 * (cube - square),
-    )
-    result: Doubles = np.zeros((len(times), values.shape[1]))
-    for step, tap in enumerate(taps, start=-1):
-        result += tap * values[np.clip(i + step, 0, last)]
-    return result
+
+    def __init__(self, count: int, start: int, times: Times) -> None:
+        position = np.clip(times * GRID_RATE - start, 0, count - 1)
+        i = np.minimum(position.astype(np.int64), max(count - 2, 0))
+        u = (position - i)[:, None]
+        square, cube = u * u, u * u * u
+        taps = (
+            -0.5 * u + square - 0.5 * cube,
+            1.0 - 2.5 * square + 1.5 * cube,
+            0.5 * u + 2.0 * square - 1.5 * cube,
+            0.5 * (cube - square),
+        )
+        self._taps = [
+            (tap, np.clip(i + step, 0, count - 1)) for step, tap in enumerate(taps, start=-1)
+        ]
+
+    def __call__(self, values: NDArray[np.floating[Any]]) -> Doubles:
+        """(T, C) of grid frames (N, C)."""
+        result: Doubles = np.zeros((len(self._taps[0][0]), values.shape[1]))
+        for tap, places in self._taps:
+            result += tap * values[places]
+        return result
 
 
 def at_rate(times: Times, values: NDArray[Any], rate: float, own_rate: float) -> Doubles:

@@ -87,6 +87,12 @@ class Rig:
     def _flat_deltas(self) -> Floats:
         return np.ascontiguousarray(self.deltas.reshape(len(self.channels), -1))
 
+    @cached_property
+    def farthest_moves(self) -> Floats:
+        """(V,) metres: the farthest that a vertex moves along an axis, in any one blendshape."""
+        farthest: Floats = np.abs(self.deltas).max(axis=(0, 2))
+        return farthest
+
     def vertices(self, weights: Floats) -> Floats:
         """The vertices of one frame.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -167,34 +168,25 @@ def film_take(
         )
     rate = take.clip.rate if shot.rate is None else shot.rate
     edited, tracked = _poses(take.clip, weights, rotations, rate, shot.follows_head)
-    width, height = (side - side % 2 for side in shot.size)
-    room = shot.view.room((width, height))
+    size = shot.size[0] - shot.size[0] % 2, shot.size[1] - shot.size[1] % 2
     make_way(path, take.path, shot.overwrite)
-    film = Film(media.film.path) if shot.view.has_film and media.film else None
-    try:
+    with ExitStack() as opened:
+        film = None
+        if shot.view.has_film and media.film is not None:
+            film = opened.enter_context(closing(Film(media.film.path))), media.film.offset
         track = _track(media.sound) if shot.has_sound and media.sound is not None else None
-        faces = _Faces(rig, *room, shot.camera)
+        room = shot.view.room(size)
+        faces = opened.enter_context(closing(_Faces(rig, *room, shot.camera)))
         try:
-            with writing(path, form, (width, height), rate, track) as out:
-                for number, pose in enumerate(edited):
+            with writing(path, form, size, rate, track) as out:
+                for number, poses in enumerate(zip(edited, tracked, strict=True)):
                     if stopped():
                         raise Abandoned
-                    picture = faces.draw(*pose)
-                    if shot.view is View.BOTH:
-                        both = [faces.draw(*tracked[number]), picture]
-                        picture = np.concatenate(both, axis=1)
-                    elif film is not None and media.film is not None:
-                        second = number / rate - media.film.offset
-                        picture = _joined(film, second, picture, shot, (width, height))
+                    picture = _picture(shot, size, faces, poses, film, number / rate)
                     out.add(np.ascontiguousarray(picture))
                     progress(number + 1, len(edited))
-        finally:
-            faces.close()
-    except Abandoned:
-        return None
-    finally:
-        if film is not None:
-            film.close()
+        except Abandoned:
+            return None
     return Filmed(path, form, len(edited), rate, out.codecs)
 
 
@@ -258,14 +250,32 @@ class _Faces:
         self._renderer.close()
 
 
-def _joined(film: Film, second: float, face: Pixels, shot: Shot, size: tuple[int, int]) -> Pixels:
-    """(H, W, 3) uint8: the film's picture at a second of it, and the face."""
+def _picture(
+    shot: Shot,
+    size: tuple[int, int],
+    faces: _Faces,
+    poses: tuple[_Pose, _Pose],
+    film: tuple[Film, float] | None,
+    time: float,
+) -> Pixels:
+    """(H, W, 3) uint8: what a film shows at a time of the take.
+
+    Args:
+        poses: edited and tracked.
+        film: the take's film, and the time at which it begins.
+    """
+    edited, tracked = poses
+    face = faces.draw(*edited)
+    if shot.view is View.BOTH:
+        return np.concatenate([faces.draw(*tracked), face], axis=1)
+    if film is None:
+        return face
     (width, height), (high, wide) = size, face.shape[:2]
-    if shot.view is View.FILM:
-        pictures = [_shown(film, second, (width - wide, height), shot.mirrored), face]
-        return np.concatenate(pictures, axis=1)
-    pictures = [_shown(film, second, (width, height - high), shot.mirrored), face]
-    return np.concatenate(pictures if shot.view is View.FILM_ABOVE else pictures[::-1])
+    room = (width - wide, height) if shot.view is View.FILM else (width, height - high)
+    pictures = [_shown(film[0], time - film[1], room, shot.mirrored), face]
+    if shot.view is View.FILM_BELOW:
+        pictures.reverse()
+    return np.concatenate(pictures, axis=1 if shot.view is View.FILM else 0)
 
 
 def _shown(film: Film, second: float, room: tuple[int, int], mirrored: bool) -> Pixels:

@@ -79,14 +79,14 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
         times=times,
         rate=rate,
         gaps=find_gaps(times, rate),
-        timecodes=_timecodes(clip.timecodes, times) if clip.timecodes else None,
+        timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
         rotations=None if turns is None else floats[:, channels : channels + turns.shape[1]],
         confidence=None if clip.confidence is None else np.clip(floats[:, -1], 0.0, 1.0),
     )
 
 
-def _timecodes(before: tuple[str, ...], times: Times) -> tuple[str, ...]:
-    """The timecodes of a clip for other times."""
+def timecodes_at(before: tuple[str, ...], times: Times) -> tuple[str, ...]:
+    """The timecodes of a clip for other times (N,), seconds from its first frame."""
     begin = start_of_day(before)
     return tuple(write_timecode(begin + time, DEFAULT_BASE) for time in times.tolist())
 

@@ -19,16 +19,10 @@ from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.foreign import is_transposed
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
-from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
+from faceedit_app.formats.time_columns import TRACKED, RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
 
 _COUNTS = ("blendshapecount", "numproperties")
-# Columns that say whether the face was tracked: 0 or false if not. Letters only, in lower case.
-_TRACKED = (
-    *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
-    *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
-    *("numfaces", "facecount", "faces", "nfaces"),
-)
 CONFIDENCE = "confidence"
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
@@ -47,7 +41,7 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
-    if looks_like_json(content) or is_transposed(content):
+    if looks_like_json(content) or content.startswith(b"#usda") or is_transposed(content):
         return 0.0
     return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
 
@@ -93,7 +87,7 @@ def csv_take(
     found = find_channels(table, naming)
     lower = [column.lower() for column in table.names]
     letters = [re.sub(r"[\W_]", "", name) for name in lower]
-    count = next((letters.index(n) for n in (*_COUNTS, *_TRACKED) if n in letters), None)
+    count = next((letters.index(n) for n in (*_COUNTS, *TRACKED) if n in letters), None)
     said = count if count is not None and letters[count] in _COUNTS else None
     clocks = [k for k in time_columns(table.names) if k not in found.indices]
     turns = [lower.index(name) for name in ROTATIONS if name in lower]

@@ -25,8 +25,12 @@ _ROUNDED = 0.0045  # the rounding error of a broadcast rate with two decimals
 _DRIFT = 0.005
 _GAP = 1.5  # steps of at least this many frames have a frame missing
 _BREAK = 3  # after a step of this many frames the phase may be another
+_SHORT = 8  # steps; fewer do not show which is the usual one
+_OFF = 0.05  # share of a step by which its multiples may be off
+_MOST_LOST = 60  # steps that lost frames may make, in a take of a few rows
 _FEW = 4  # steps of at most this many frames measure the rate
 _LONGEST_GAP = 3600.0  # seconds; rows farther apart are two recordings in one file
+_HOUR, _HOUR_OFF = 3600.0, 2.0  # seconds that a clock is set back at the end of summer, and a row
 _COARSE = 0.1  # share of a frame; rows that move farther get a note
 _INERTIA = 0.2  # how far the phase follows each coarse time
 _UNUSABLE = 0.05  # share of rows out of order from which on all times are unusable
@@ -128,6 +132,9 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
         raise NoTimes(f"has times that step by {period:g} s")
     rate = nominal_rate(1 / period, uncertainty)
     slack = 1.01 * resolution + noise
+    if len(steps) < _SHORT and resolution > _COARSE * period and np.ptp(steps) > slack:
+        note = "these few rounded times leave the rate open"
+        notes = (*notes, f"{note}: {format_rate(rate or 1 / period)} is assumed")
     even = None
     if rate is not None:
         even = _even(seconds, frames, 1 / rate, slack)
@@ -170,6 +177,20 @@ def join_recordings(steps: Times, usual: float, unit: float) -> tuple[Times, tup
     return np.where(apart, usual, steps), (note,)
 
 
+def set_back(seconds: Times) -> tuple[Times, tuple[str, ...]]:
+    """Undo that a local clock was set back by an hour, with a note about it.
+
+    Args:
+        seconds: (T,) of a clock on a wall.
+    """
+    steps = np.diff(seconds)
+    back = np.abs(steps + _HOUR) < _HOUR_OFF
+    if back.sum() != 1:
+        return seconds, ()
+    note = "the clock goes back by an hour: the rows follow one another there"
+    return seconds + np.concatenate([[0.0], np.cumsum(np.where(back, _HOUR, 0.0))]), (note,)
+
+
 def _joined(seconds: Times) -> tuple[Times, tuple[str, ...]]:
     steps = np.diff(seconds)
     usual = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
@@ -209,6 +230,14 @@ def _count_frames(
         few = frames[whole] == 1
         period = float(steps[whole][few].mean())
         return frames, period, 1.0 / max(int(few.sum()), 1)
+    if len(steps) < _SHORT:
+        period = _common_step(steps, period, resolution)
+    elif resolution > _COARSE * period:
+        # Rounded to hundredths, 90 frames a second step by 0.01 s, and now and then by 0.02 s.
+        length, ones = float(seconds[-1] - seconds[0]), np.ones(len(steps))
+        rate = nominal_rate(len(steps) / length, resolution / length)
+        if rate and _even(seconds, ones, 1 / rate, 1.01 * resolution) is not None:
+            return ones, length / len(steps), resolution / length
     for _ in range(4):
         if resolution > _COARSE * period:
             frames = _follow(seconds, period)
@@ -217,6 +246,21 @@ def _count_frames(
         few = frames <= _FEW
         period = float(steps[few].sum() / frames[few].sum())
     return frames, period, resolution / float(seconds[-1] - seconds[0])
+
+
+def _common_step(steps: Times, period: float, resolution: float) -> float:
+    """The smallest step of a few rows if it divides all of them, else `period`.
+
+    Among few rows, the step that is most frequent may have lost a frame.
+    """
+    least = float(steps.min())
+    counts = np.round(steps / least)
+    off = np.abs(steps - counts * least)
+    fits = counts.max() <= _MOST_LOST and np.all(off <= counts * max(resolution, _OFF * least))
+    if not fits or 2 * resolution > least:
+        return period
+    found = float(steps.sum() / counts.sum())
+    return found if nominal_rate(1 / found, resolution / float(steps.sum())) else period
 
 
 def _follow(seconds: Times, period: float) -> Times:

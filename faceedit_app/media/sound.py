@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import wave
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +39,17 @@ def extremes_of(samples: Samples) -> Extremes:
     """The lowest and highest of (N, C) samples, by channel."""
     length, channels = samples.shape
     return Extremes(lambda rows: samples[rows], length, channels, np.int16, BLOCK)
+
+
+def wav(samples: Samples, rate: int) -> bytes:
+    """Samples (N, C) as a WAV of 16 bits."""
+    content = io.BytesIO()
+    with wave.open(content, "wb") as file:
+        file.setnchannels(samples.shape[1])
+        file.setsampwidth(2)
+        file.setframerate(rate)
+        file.writeframes(samples.astype("<i2").tobytes())
+    return content.getvalue()
 
 
 @dataclass(frozen=True)

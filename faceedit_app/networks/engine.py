@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -20,6 +20,7 @@ from faceedit_app.networks.region import RegionAnswer, read_region
 
 ENDING = ".onnx"
 CORES = os.cpu_count() or 1
+Work = Callable[[], Doubles]
 PATIENCE = 0.0015  # seconds to wait for another thread; a region takes about one millisecond
 
 
@@ -51,26 +52,20 @@ def _helpers() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(min(CORES, len(REGIONS)) - 1, thread_name_prefix="networks")
 
 
-def _side_by_side(work: Sequence[Callable[[], Doubles]]) -> list[Doubles]:
-    """The results of calls, some of which other threads make.
-
-    Here the first is made, then all that no thread has begun, from the last on, and in the end any
-    that a thread does not finish soon.
-    """
-    if CORES == 1 or len(work) < 2:
-        return [part() for part in work]
-    others = [_helpers().submit(part) for part in work[1:]]
-    found = [work[0]()]
-    mine = {i: work[1 + i]() for i in reversed(range(len(others))) if others[i].cancel()}
-    for i, other in enumerate(others):
-        found.append(mine[i] if i in mine else _result(other, work[1 + i]))
-    return found
+def _begun(work: Mapping[str, Work]) -> dict[str, Work]:
+    """The same calls, the second and later of which other threads begin meanwhile."""
+    if CORES == 1:
+        return dict(work)
+    first, *others = work.items()
+    begun = {name: partial(_result, _helpers().submit(part), part) for name, part in others}
+    return dict([first]) | begun
 
 
-def _result(other: Future[Doubles], part: Callable[[], Doubles]) -> Doubles:
-    """What another thread computes, or the same computed here."""
-    with suppress(TimeoutError):
-        return other.result(PATIENCE)
+def _result(other: Future[Doubles], part: Work) -> Doubles:
+    """What another thread computes, or the same computed here: if that is late, or not begun."""
+    if not other.cancel():
+        with suppress(TimeoutError):
+            return other.result(PATIENCE)
     return part()
 
 
@@ -119,21 +114,29 @@ class Engine:
     def answers(
         self, regions: Sequence[str], curves: Doubles, naturalness: float
     ) -> dict[str, Doubles]:
-        """The answers of several regions, side by side on the cores that there are.
+        """(N, K) weights of several regions, by region; see `begin`."""
+        begun = self.begin(regions, curves, naturalness)
+        return {region: answer() for region, answer in begun.items()}
+
+    def begin(
+        self, regions: Sequence[str], curves: Doubles, naturalness: float
+    ) -> dict[str, Callable[[], Doubles]]:
+        """Begin to answer several regions, side by side on the cores that there are.
 
         Each region's networks run on one thread, so the answers have the same bits on any number
-        of cores. What another core has not begun, or does not finish soon, is computed here: cores
-        that other programs keep busy cost little.
+        of cores. What another core has not begun, or does not finish soon, is computed by the
+        caller's thread: cores that other programs keep busy cost little.
 
         Args:
-            regions: `Region.id`s.
+            regions: `Region.id`s, in the order in which the answers will be needed.
             curves, naturalness: see `answer`.
 
         Returns:
-            (N, K) weights by region.
+            By region, what waits for (N, K) weights. Each is called once.
         """
-        work = [partial(self._answer, region, curves, naturalness) for region in regions]
-        return dict(zip(regions, _side_by_side(work), strict=True))
+        if not regions:
+            return {}
+        return _begun({name: partial(self._answer, name, curves, naturalness) for name in regions})
 
     def _answer(self, region: str, curves: Doubles, naturalness: float) -> Doubles:
         model = self.models[region]

@@ -135,7 +135,7 @@ def default_camera(rig: Rig, aspect: float = 1.0) -> Camera:
 def _portrait(rig: Rig, aspect: float, yaw: float) -> Camera:
     """See `default_camera`; from the front or, a quarter turn away, from a side."""
     across, along = (0, 2) if yaw == 0.0 else (2, 0)
-    moving = np.abs(rig.deltas).max(axis=(0, 2)) > _MOVING
+    moving = rig.farthest_moves > _MOVING
     face = rig.neutral[moving] if moving.any() else rig.neutral
     chin = float(face[:, 1].min())
     crown = float(rig.neutral[:, 1].max())

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.bounded import read_file
 from faceedit_app.characters.making import Template
-from faceedit_app.characters.points import POINTS
+from faceedit_app.characters.points import MAIN_POINTS
 from faceedit_app.characters.registration import Landmarks
 from faceedit_app.characters.scans import Scan
 from faceedit_app.core.arrays import Doubles, Floats, Indices
@@ -38,10 +38,12 @@ def read_points(path: Path) -> dict[str, Doubles]:
     Raises:
         FileError: it is something else, or has too few points.
     """
-    remedy = f"name at least {_FEWEST} of {', '.join(POINTS)}"
+    remedy = f"name at least {_FEWEST} of {', '.join(MAIN_POINTS)}"
     try:
         stored = json.loads(read_file(path, 1 << 20))
-        points = {name: np.array(stored[name], np.float64) for name in POINTS if name in stored}
+        points = {
+            name: np.array(stored[name], np.float64) for name in MAIN_POINTS if name in stored
+        }
     except (ValueError, TypeError, RecursionError) as error:
         raise FileError(path, "does not say where points are", remedy) from error
     if len(points) < _FEWEST or any(

@@ -15,7 +15,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.words.denoising import RATE, Samples, Stopped, frame_power, without_noise
+from faceedit_app.words.denoising import (
+    RATE,
+    STEP,
+    Samples,
+    Spoken,
+    Stopped,
+    frame_power,
+    loudness,
+    without_noise,
+    without_silence,
+)
 from faceedit_app.words.dictionary import pronounce, tokens
 from faceedit_app.words.transcript import MOST_WORDS, Phoneme, Transcript, Word
 
@@ -23,7 +33,6 @@ if TYPE_CHECKING:
     from pocketsphinx import Decoder
 
 NOISY = 10.0  # dB; below, the times are doubtful
-_STEP = 0.01  # seconds of a frame
 _BEAM = 1e-200
 _LONGEST = 40.0  # seconds aligned at once
 _PIECE = 30.0  # seconds of a piece of a longer sound
@@ -33,6 +42,7 @@ _AROUND = 0.3  # seconds on either side of a line with times
 _SHORTEST = 3  # frames: no phoneme is shorter in the model, so words that were not said are
 _SQUEEZED = 0.35  # share of phonemes as short as that, above which the words do not fit
 _FEW = 6  # phonemes, with which the share says nothing
+_LONG_SILENCE = 120  # frames
 _SILENT = 33  # of 32768, -60 dB
 
 
@@ -57,7 +67,8 @@ def align(
     Args:
         samples: (N,) or (N, C) int16.
         rate: samples per second.
-        lines: all that is said, in order; a line without times may be anywhere after the last.
+        lines: all that is said, in order; a line without times may be anywhere after the last,
+            and those with times outside the sound are left out.
         sounds_like: spellings of words that are not in the dictionary.
         progress: is given 0..1 now and then; False gives up.
 
@@ -68,25 +79,30 @@ def align(
         FaceEditError: the sound is silent, the words do not fit it, or one is unknown.
         Stopped: `progress` said so.
     """
-    sounds_like = dict(sounds_like or {})
-    typed = [(line, tokens(line.text)) for line in lines]
+    sounds_like, seconds = dict(sounds_like or {}), len(samples) / rate
+    typed = [(line, tokens(line.text)) for line in lines if _is_in(line, seconds)]
+    if lines and not typed:
+        raise FaceEditError("None of the lines is said in this sound; choose those of the take")
     total = sum(len(words) for _, words in typed)
-    _check_amount(total, len(samples) / rate)
+    _check_amount(total, seconds)
     phones = pronounce((word.lower() for _, words in typed for word in words), sounds_like)
     voice = _mono(samples, rate)
-    if np.percentile(np.abs(voice.astype(np.int32)), 99) < _SILENT:
+    if not len(voice) or np.percentile(np.abs(voice.astype(np.int32)), 99) < _SILENT:
         raise FaceEditError("The sound is silent where the words should be; choose another part")
     progress = progress or (lambda _: True)
-    aligner = _Aligner(without_noise(voice, progress), phones, progress)
+    spoken = without_silence(without_noise(voice, progress))
+    aligner = _Aligner(spoken, phones, progress)
     found: list[Word] = []
     at = 0.0
     for line, words in typed:
         if line.start is not None and line.end is not None:
-            begin = max(line.start - _AROUND, at)
-            found += aligner.whole(words, begin, min(line.end + _AROUND, aligner.seconds))
+            begin = max(spoken.inside(line.start) - _AROUND, at)
+            end = min(spoken.inside(line.end) + _AROUND, aligner.seconds)
+            found += aligner.whole(words, begin, end)
         else:
             found += aligner.in_pieces(words, at)
         at = found[-1].end if found else at
+    found = [_moved(word, spoken) for word in found]
     used = tuple((word, spelling) for word, spelling in sounds_like.items() if word in phones)
     return Transcript(tuple(found), used, round(noise_of(voice, found), 1))
 
@@ -130,18 +146,38 @@ def align_part(
 def noise_of(voice: Samples, words: Sequence[Word]) -> float:
     """The signal-to-noise ratio of a sound at 16 kHz, dB: words against what lies between them."""
     power = frame_power(voice)
-    times = _STEP * (np.arange(len(power)) + 0.5)
+    times = STEP * (np.arange(len(power)) + 0.5)
     inside, outside = np.zeros(len(power), np.bool_), np.ones(len(power), np.bool_)
     for word in words:
         inside |= (times >= word.start) & (times < word.end)
         outside &= (times < word.start - 0.05) | (times > word.end + 0.05)
     if not inside.any():
         return 0.0
-    between = power[outside] if outside.sum() * _STEP >= 0.2 else np.sort(power)[: len(power) // 10]
+    between = power[outside] if outside.sum() * STEP >= 0.2 else np.sort(power)[: len(power) // 10]
     # Breath and clicks are not the noise that hides speech.
     quiet = max(float(np.percentile(between, 50)) if len(between) else 1.0, 1.0)
     speech = max(float(power[inside].mean()) - quiet, 1.0)
     return min(10.0 * float(np.log10(speech / quiet)), 60.0)
+
+
+def _moved(word: Word, spoken: Spoken) -> Word:
+    """A word at its time in the whole sound."""
+
+    def begin(time: float) -> float:
+        return round(spoken.begin(time), 3)
+
+    def end(time: float) -> float:
+        return round(spoken.end(time), 3)
+
+    phonemes = tuple(Phoneme(p.symbol, begin(p.start), end(p.end)) for p in word.phonemes)
+    return Word(word.text, begin(word.start), end(word.end), phonemes)
+
+
+def _is_in(line: Line, seconds: float) -> bool:
+    """Whether a line may be said in the sound; subtitles are often those of a whole film."""
+    if line.start is None or line.end is None:
+        return True
+    return line.end > 0.0 and line.start < seconds
 
 
 def _check_amount(words: int, seconds: float) -> None:
@@ -176,17 +212,17 @@ def _mono(samples: Samples, rate: int) -> Samples:
 
 
 class _Aligner:
-    """Aligns words to stretches of one sound.
+    """Aligns words to stretches of what is spoken in a sound; all times are those within it.
 
     Attributes:
         seconds: length of the sound.
     """
 
     def __init__(
-        self, voice: Samples, phones: Mapping[str, str], progress: Callable[[float], bool]
+        self, spoken: Spoken, phones: Mapping[str, str], progress: Callable[[float], bool]
     ) -> None:
-        self._voice, self._progress = voice, progress
-        self.seconds = len(voice) / RATE
+        self._voice, self._progress = spoken.samples, progress
+        self.seconds = len(self._voice) / RATE
         self._decoder = _decoder()
         for word, sounds in phones.items():
             if self._decoder.lookup_word(word) is None:
@@ -220,23 +256,24 @@ class _Aligner:
     def _quiet_end(self, start: float) -> float:
         """The quietest moment in the last third of the piece that begins at `start`."""
         first = start + _PIECE * 2 / 3
-        power = frame_power(self._voice[round(first * RATE) : round((start + _PIECE) * RATE)])
-        smooth = np.convolve(power, np.ones(30) / 30, "same")
-        return first + _STEP * int(np.argmin(smooth))
+        part = self._voice[round(first * RATE) : round((start + _PIECE) * RATE)]
+        return first + STEP * int(np.argmin(loudness(part)))
 
     def _fitting(self, words: Sequence[str], start: float, end: float) -> tuple[int, float]:
         """How many words, from the first on, were said in a stretch, and when the last one ended.
 
-        Those that end close to the end of the stretch are left out: they may be cut off.
+        Those that end close to the end of the stretch are left out: they may be cut off. So are
+        those after what was taken for a long silence: there is none left, so it is speech.
         """
         count = len(words)
         stops = [(i, count, 0.5) for i in range(count)]
         self._decode(words, start, end, stops)
-        ends = [
-            start + _STEP * (part.end_frame + 1)
-            for part in self._decoder.seg()
-            if _is_word(part.word)
-        ]
+        ends: list[float] = []
+        for part in self._decoder.seg():
+            if _is_word(part.word):
+                ends.append(start + STEP * (part.end_frame + 1))
+            elif ends and part.end_frame - part.start_frame > _LONG_SILENCE:
+                break
         while ends and ends[-1] > end - _SPARE:
             ends.pop()
         return len(ends), ends[-1] if ends else start
@@ -282,7 +319,7 @@ def _timed(decoder: Decoder, start: float) -> list[tuple[Phoneme, ...]]:
             times = [(p.name, p.start, p.start + p.duration) for p in word]
             words.append(
                 tuple(
-                    Phoneme(name, round(start + _STEP * first, 3), round(start + _STEP * last, 3))
+                    Phoneme(name, round(start + STEP * first, 3), round(start + STEP * last, 3))
                     for name, first, last in times
                 )
             )
@@ -323,7 +360,7 @@ def _check_fit(words: Sequence[Word]) -> None:
         FaceEditError: they were not.
     """
     lengths = [p.end - p.start for word in words for p in word.phonemes]
-    short = sum(length < (_SHORTEST + 0.5) * _STEP for length in lengths)
+    short = sum(length < (_SHORTEST + 0.5) * STEP for length in lengths)
     if len(lengths) >= _FEW and short > _SQUEEZED * len(lengths):
         raise _no_fit(words[0].start, words[-1].end)
 

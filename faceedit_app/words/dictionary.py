@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.words.numbers import in_words
 
 LANGUAGE = "English"  # what is aligned without help; other languages are imported
-_OUTSIDE = re.compile(r"^[^\w]+|[^\w]+$")
+_OUTSIDE = re.compile(r"^(?:(?![$£€]\d)[\W_])+|(?:(?<!\d)%|[^\w%]|_)+$")
+_DIRECTIONS = re.compile(r"\[[^\]]*\]|\([^)]*\)|</?\w[^>]*>")
+_BETWEEN = re.compile(r"[\s/–—…_-]+|\.{2,}")
 _APOSTROPHES = str.maketrans({"’": "'", "‘": "'", "ʼ": "'"})
+_INVISIBLE = ("Cf", "Cc")  # categories of characters: joiners, marks of direction
+_FOREIGN = 0.5  # share of unknown words, above which a text is in another language
+_FEW = 4  # words, of which the share says nothing
+_MOST_NAMED = 8  # unknown words in one message
 
 
 def tokens(text: str) -> list[str]:
@@ -19,9 +27,10 @@ def tokens(text: str) -> list[str]:
 
     Dashes and slashes part words; brackets with directions, such as `[laughs]`, are left out.
     """
-    text = re.sub(r"[\[<(][^\])>]*[\])>]", " ", text.translate(_APOSTROPHES))
-    parts = re.split(r"[\s/–—-]+", text)
-    return [word for part in parts if (word := _OUTSIDE.sub("", part))]
+    text = _DIRECTIONS.sub(" ", text.translate(_APOSTROPHES))
+    if not text.isascii():
+        text = "".join(c for c in text if c.isspace() or unicodedata.category(c) not in _INVISIBLE)
+    return [word for part in _BETWEEN.split(text) if (word := _OUTSIDE.sub("", part))]
 
 
 @cache
@@ -33,11 +42,42 @@ def pronunciations() -> Mapping[str, str]:
     return dict(line.split(" ", 1) for line in lines if "(" not in line and " " in line)
 
 
+def phonemes_of(word: str) -> str | None:
+    """ARPABET phonemes of a word in lower case, separated by spaces; None if it is unknown.
+
+    Abbreviations are known without their last point, and words without their accents.
+    """
+    known = pronunciations()
+    plain = word
+    if not word.isascii():
+        letters = unicodedata.normalize("NFD", word)
+        plain = "".join(c for c in letters if not unicodedata.combining(c))
+    forms = (word, f"{word}.", f"'{word}", f"{word}'", plain)
+    return next((known[form] for form in forms if form in known), None)
+
+
 def unknown_words(text: str, sounds_like: Mapping[str, str]) -> list[str]:
     """The words of a text that cannot be pronounced, each once, in lower case."""
-    known = pronunciations()
     lower = dict.fromkeys(word.lower() for word in tokens(text))
-    return [word for word in lower if word not in known and word not in sounds_like]
+    return [word for word in lower if word not in sounds_like and phonemes_of(word) is None]
+
+
+def is_foreign(text: str, unknown: Iterable[str]) -> bool:
+    """Whether a text seems to be in another language, by the words of it that are unknown."""
+    lower, unknown = [word.lower() for word in tokens(text)], set(unknown)
+    strange = sum(word in unknown and not in_words(word) for word in lower)
+    letters = any("LATIN" not in unicodedata.name(c, "") for w in unknown for c in w if c.isalpha())
+    return letters or (len(lower) >= _FEW and strange > _FOREIGN * len(lower))
+
+
+def suggestion(word: str) -> str:
+    """What an unknown word may sound like, in English words; "" if there is no telling."""
+    if number := in_words(word):
+        return number
+    letters = re.split(r"[.&]", word)
+    if len(letters) > 1 and all(len(letter) <= 2 for letter in letters):
+        return " ".join("".join(letters))
+    return ""
 
 
 def spoken(spelling: str) -> str:
@@ -46,14 +86,16 @@ def spoken(spelling: str) -> str:
     Raises:
         FaceEditError: a part of it is not in the dictionary either.
     """
-    known = pronunciations()
     parts = [word.lower() for word in tokens(spelling)]
     if not parts:
         raise FaceEditError("“Sounds like” needs English words, such as “two” for 2")
+    found = []
     for part in parts:
-        if part not in known:
+        phonemes = phonemes_of(part)
+        if phonemes is None:
             raise FaceEditError(f"“{part}” is not in the dictionary; spell it with English words")
-    return " ".join(known[part] for part in parts)
+        found.append(phonemes)
+    return " ".join(found)
 
 
 def pronounce(words: Iterable[str], sounds_like: Mapping[str, str]) -> dict[str, str]:
@@ -62,18 +104,22 @@ def pronounce(words: Iterable[str], sounds_like: Mapping[str, str]) -> dict[str,
     Raises:
         FaceEditError: some are unknown; the text lists them.
     """
-    known = pronunciations()
     found: dict[str, str] = {}
     unknown: dict[str, None] = {}
     for word in words:
-        if word in sounds_like:
-            found[word] = spoken(sounds_like[word])
-        elif word in known:
-            found[word] = known[word]
-        else:
+        phonemes = spoken(sounds_like[word]) if word in sounds_like else phonemes_of(word)
+        if phonemes is None:
             unknown[word] = None
+        else:
+            found[word] = phonemes
     if unknown:
-        names = ", ".join(f"“{word}”" for word in unknown)
-        remedy = f'give English words, such as --sounds-like {next(iter(unknown))}="key ow"'
+        names = ", ".join(f"“{word[:40]}”" for word in list(unknown)[:_MOST_NAMED])
+        if len(unknown) > _MOST_NAMED:
+            names += f" and {len(unknown) - _MOST_NAMED} more"
+        first = next(iter(unknown))
+        spelling = suggestion(first) or "key ow"
+        remedy = f'give English words, such as --sounds-like {first[:40]}="{spelling}"'
+        if is_foreign(" ".join(found) + " " + " ".join(unknown), unknown):
+            remedy = "for other languages, open a file with the times of the words"
         raise FaceEditError(f"Not in the dictionary: {names}; {remedy}")
     return found

@@ -131,7 +131,7 @@ def test_it_is_a_character_that_opens(made: Made, tmp_path: Path) -> None:
     fitted = open_character(tmp_path / "made.glb")
     assert len(fitted.checklist.matched) == 52
     assert fitted.checklist.doubts == ()
-    assert len(fitted.points) == 12
+    assert fitted.rig.missing_controls == ()
 
 
 def test_landmarks_that_fell_into_a_hole_are_left_out(template: Template) -> None:

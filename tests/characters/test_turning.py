@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation, Slerp
-from support.blender import run_in_blender
+from support.blender import head_in_blender
 from support.character_files import parts_of, small_glb, write_glb
 from support.faces import shipped_rig, talking_clip
 from support.gltf import has_validator, validator_errors
@@ -157,19 +157,7 @@ def test_the_joint_of_a_skinned_head_turns(as_matrix: bool, tmp_path: Path) -> N
 
 
 BLENDER = """
-import json, sys, bpy
-path, frame, rate = sys.argv[-3], int(sys.argv[-2]), int(sys.argv[-1])
-bpy.ops.wm.read_factory_settings(use_empty=True)
-scene = bpy.context.scene
-scene.render.fps = rate
-if path.endswith(".glb"):
-    bpy.ops.import_scene.gltf(filepath=path)
-elif path.endswith(".fbx"):
-    bpy.ops.import_scene.fbx(filepath=path)
-else:
-    bpy.ops.wm.usd_import(filepath=path)
-head = next(o for o in bpy.data.objects if o.type == "MESH" and o.data.shape_keys)
-scene.frame_set(frame)
+scene.frame_set(int(arguments[0]))
 bpy.context.view_layer.update()
 mesh = head.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
 rows = [list(head.matrix_world @ v.co) for v in mesh.vertices]
@@ -182,7 +170,7 @@ def test_blender_turns_the_head_as_the_viewport_does(ending: str, tmp_path: Path
     rig, clip = shipped_rig(), turning_clip()
     path = write(tmp_path / f"talk{ending}", rig, clip)
     first = 1 if ending == ".fbx" else 0  # Blender's number of the first frame
-    facts = run_in_blender(BLENDER, tmp_path, path, FRAME + first, round(clip.rate))
+    facts = head_in_blender(BLENDER, path, clip.rate, FRAME + first)
     found = np.array(facts["rows"])[:, [0, 2, 1]] * [1, 1, -1]  # Blender has Z up
     away, _ = cKDTree(found).query(shown(rig, clip, FRAME))  # it splits some vertices of a GLB
     assert away.max() < 2e-5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from faceedit_app.lab.attacks.kill import kill
 from faceedit_app.lab.attacks.mutation import mutated
 from faceedit_app.lab.attacks.readers import Reader, all_readers, readers_of
 from faceedit_app.lab.attacks.soak import Soaked, soak
+from faceedit_app.lab.attacks.watchdog import Watchdog
 
 
 def test_the_same_seed_damages_a_file_in_the_same_way() -> None:
@@ -88,6 +90,36 @@ def test_growth_is_measured_once_everything_was_used() -> None:
     assert Soaked(memory=[100, 200, 300, 400]).growth == 0
     assert Soaked(memory=[100.0] * 10 + [400.0] * 30).growth == 0
     assert Soaked(memory=[100.0] * 10 + [400.0] * 10 + [500.0] * 10).growth == pytest.approx(0.25)
+
+
+def test_a_step_that_hangs_is_named_with_the_stacks_of_all_threads(tmp_path: Path) -> None:
+    ended: list[int] = []
+    over = threading.Event()
+
+    def end(code: int) -> None:
+        ended.append(code)
+        over.set()
+
+    with (
+        (tmp_path / "said").open("w+", encoding="utf-8") as stream,
+        Watchdog(lambda: "seed 7, after “zoom”", patience=0.2, end=end, stream=stream),
+    ):
+        assert over.wait(60)  # where it hangs
+    said = (tmp_path / "said").read_text(encoding="utf-8")
+    assert ended == [1]
+    assert "seed 7, after “zoom”" in said
+    assert "test_a_step_that_hangs" in said
+
+
+def test_steps_that_end_in_time_let_an_attack_go_on(tmp_path: Path) -> None:
+    ended: list[int] = []
+    with (
+        (tmp_path / "said").open("w+", encoding="utf-8") as stream,
+        Watchdog(lambda: "", patience=60.0, end=ended.append, stream=stream) as dog,
+    ):
+        dog.step()
+    assert not ended
+    assert (tmp_path / "said").read_text(encoding="utf-8") == ""
 
 
 @pytest.mark.timeout(400)

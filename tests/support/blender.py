@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 
-# Prints, for each file: its shape keys and their values on each frame of the scene.
-_SCRIPT = """
+# Opens a file in a scene of its frame rate; its head is `head`, the arguments are `arguments`.
+_OPEN = """
 import json, sys
 import bpy
 
-path, rate, frames = sys.argv[-3], float(sys.argv[-2]), int(sys.argv[-1])
+path, rate, *arguments = sys.argv[sys.argv.index("--") + 1 :]
 bpy.ops.wm.read_factory_settings(use_empty=True)
 scene = bpy.context.scene
-scene.render.fps = round(rate)
+scene.render.fps = round(float(rate))
 if path.endswith(".glb"):
     bpy.ops.import_scene.gltf(filepath=path)
 elif path.endswith(".fbx"):
@@ -27,6 +27,10 @@ elif path.endswith(".fbx"):
 else:
     bpy.ops.wm.usd_import(filepath=path)
 head = next(o for o in bpy.data.objects if o.type == "MESH" and o.data.shape_keys)
+"""
+# Prints its shape keys and their values on each frame of the scene.
+_SCRIPT = """
+frames = int(arguments[0])
 keys = head.data.shape_keys.key_blocks[1:]
 first = round(min(c.range()[0] for c in curves(head.data.shape_keys)))
 rows = []
@@ -53,7 +57,15 @@ def curves(keys):
 
 def opened_in_blender(path: Path, rate: float, frames: int) -> dict[str, Any]:
     """What Blender finds in a GLB, FBX or USD; skips the test if Blender is not there."""
-    return run_in_blender(_CURVES + _SCRIPT, path.parent, path, rate, frames)
+    return head_in_blender(_CURVES + _SCRIPT, path, rate, frames)
+
+
+def head_in_blender(script: str, path: Path, rate: float, *arguments: object) -> dict[str, Any]:
+    """The facts that a script prints of a GLB, FBX or USD, which it finds opened.
+
+    The script has `head`, the object with shape keys; `scene`; and `arguments` as texts.
+    """
+    return run_in_blender(_OPEN + script, path.parent, path, rate, *arguments)
 
 
 def run_in_blender(script: str, folder: Path, *arguments: object) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from faceedit_app.core.arrays import Doubles
 
 MOUTH, HALF_MOUTH = -66.0, 22.0  # mm: height of the lips, and how far the corners are out
 EYE, EYE_WIDTH, EYE_HEIGHT = 31.5, 15.0, 4.5
+BROW = 18.0  # mm above the eyes
 STEP = 3.0
 JAW = 24.0  # mm that jawOpen lowers the lower lip
 
@@ -26,7 +27,7 @@ class Head:
         faces: (F, 3), counter-clockwise from outside.
         targets: (V, 3) each, by ARKit channel.
         uv: (V, 2), (0, 0) at the upper left.
-        points: where the twelve points are, (3,) each; some exactly, some within a step.
+        points: where control points are, (3,) each; some exactly, some within a step.
     """
 
     vertices: Doubles
@@ -118,12 +119,14 @@ def _targets(v: Doubles, lower: np.ndarray) -> dict[str, Doubles]:
         "mouthFunnel": move(dy=np.where(lower, -3.0, 3.0) * near * across, dz=5 * near),
         "mouthRollUpper": move(dy=-1.5 * near * up * across, dz=-3 * near * up),
         "mouthRollLower": move(dy=1.5 * near * (1 - up) * across, dz=-3 * near * (1 - up)),
+        "browInnerUp": move(dy=4 * (_bump(v, 24, BROW, 8) + _bump(v, -24, BROW, 8))),
     }
     for side, s in (("Left", 1.0), ("Right", -1.0)):
         corner = _bump(v, s * HALF_MOUTH, MOUTH, 9)
         half = np.clip(0.5 + s * x / 12, 0, 1)
         eye = _bump(v, s * EYE, 0, 13)
-        top = np.clip((y + 1) / 3, 0, 1) * np.clip((20 - y) / 12, 0, 1)
+        top = np.clip((y + 1) / 3, 0, 1) * np.clip((16 - y) / 8, 0, 1)
+        brow = _bump(v, s * 30, BROW, 9)
         inside = np.clip(1 - ((x - s * EYE) / (EYE_WIDTH + 1)) ** 2, 0, 1)
         lid = top * np.sqrt(inside)
         targets |= {
@@ -136,9 +139,11 @@ def _targets(v: Doubles, lower: np.ndarray) -> dict[str, Doubles]:
             f"eyeBlink{side}": move(dy=-2 * EYE_HEIGHT * lid, dz=0.5 * lid),
             f"eyeWide{side}": move(dy=2 * lid),
             f"eyeSquint{side}": move(dy=2 * eye * (1 - top)),
+            f"browDown{side}": move(dx=-s * 2 * brow, dy=-5 * brow),
+            f"browOuterUp{side}": move(dy=4 * _bump(v, s * 36, BROW, 8)),
+            f"jaw{side}": move(dx=s * 5 * jaw),
         }
     places = {
-        "brow": (30, 18),
         "cheek": (42, -34),
         "nose": (8, -34),
         "eye": (EYE, -8),
@@ -170,4 +175,8 @@ def _points(v: Doubles, lower: np.ndarray) -> dict[str, Doubles]:
         "right_upper_lid": nearest(-EYE, EYE_HEIGHT),
         "right_lower_lid": nearest(-EYE, -EYE_HEIGHT),
         "chin": nearest(0, MOUTH - 27),
+        "left_eye_corner": nearest(EYE - EYE_WIDTH, 0),
+        "right_eye_corner": nearest(-EYE + EYE_WIDTH, 0),
+        "left_brow": nearest(30, BROW),
+        "right_brow": nearest(-30, BROW),
     }

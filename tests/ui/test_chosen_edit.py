@@ -47,6 +47,30 @@ def test_a_fix_of_the_whole_take_is_limited_afterwards(window: MainWindow) -> No
     assert not editor_of(window).edits.strength.isEnabled()
 
 
+def test_an_edit_of_the_whole_take_fades_where_it_is_limited(window: MainWindow) -> None:
+    """Without a falloff, the face would jump into the smile and out of it."""
+    session, line = session_of(window), window.timeline
+    line.set_falloffs(0.15, 0.25)
+    trigger(window, "fix_smile")
+    assert (session.edits[0].falloff, session.edits[0].fade_out) == (0, 0)
+    curves_of(window).fields.start.setValue(1.0)
+    assert (session.edits[0].falloff, session.edits[0].fade_out) == (0.15, 0)
+    drag_on_bar(window, line.duration - 0.01, 2.0)
+    assert (session.edits[0].falloff, session.edits[0].fade_out) == (0.15, 0.25)
+    curves_of(window).fields.fade_out.setValue(0.0)
+    drag_on_bar(window, 2.0, 1.8)
+    assert session.edits[0].fade_out == 0, "as the user wants it"
+
+
+def test_the_next_edit_keeps_its_falloff_when_a_fresh_one_is_limited(window: MainWindow) -> None:
+    line = window.timeline
+    line.set_falloffs(0.3, 0.3)
+    trigger(window, "fix_smile")
+    curves_of(window).fields.end.setValue(1.5)
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    assert (line.falloff, line.falloff_out) == (0.3, 0.3)
+
+
 def test_all_edits_of_a_fix_are_limited_together(window: MainWindow) -> None:
     trigger(window, "fix_sad_mouth")
     curves_of(window).fields.end.setValue(1.5)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
@@ -34,6 +34,8 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.opening import open_session
 from faceedit_app.ui.curves import CurvesPanel, style
 from faceedit_app.ui.curves.header import UNIT, WIDEST, Layout
+from faceedit_app.ui.curves.legend import Legend
+from faceedit_app.ui.curves.words import CHOSEN_HINT
 from faceedit_app.ui.state.timeline import Timeline
 
 
@@ -199,9 +201,8 @@ def test_names_stand_alike_in_rows_that_differ_by_a_pixel(panel: CurvesPanel) ->
         assert layout.note.top() + QFontMetricsF(layout.name_font).height() < height + 1
 
 
-@pytest.mark.parametrize("height", range(style.ROW_HEIGHT, 90, 3))
-def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel, height: int) -> None:
-    for header in panel.headers:
+def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel) -> None:
+    for height, header in product(range(style.ROW_HEIGHT, 90, 3), panel.headers):
         header.setFixedHeight(height)
         layout = Layout.of(header, header.control.label)
         metrics, bold = QFontMetricsF(layout.name_font), QFontMetricsF(layout.value_font)
@@ -312,3 +313,24 @@ def test_a_curve_that_the_character_lacks_is_disabled_and_says_why(qtbot: QtBot)
     assert "lacks the control points" in panel.headers[CONTROL_INDEX[MOUTH_WIDTH]].toolTip()
     panel.set_session(open_session(tiny_take(), rig))
     assert panel.plots[CONTROL_INDEX[MOUTH_WIDTH]].isEnabled()
+
+
+@pytest.mark.parametrize(
+    ("width", "words"),
+    [
+        (900, ["as tracked", "asked for", "the face", "your character"]),
+        (700, ["tracked", "asked", "face", "yours"]),
+        (400, []),
+    ],
+)
+def test_the_hint_is_read_in_full_and_the_legend_gives_way(
+    qtbot: QtBot, width: int, words: list[str]
+) -> None:
+    legend = Legend()
+    qtbot.addWidget(legend)
+    legend.resize(width, 24)
+    legend.show_character(True)
+    legend.show_hint(CHOSEN_HINT)
+    metrics = QFontMetricsF(style.scaled_font(legend, 0.9))
+    assert [text for _, text in legend._samples(metrics)] == words
+    legend.grab()

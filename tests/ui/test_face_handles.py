@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
+from support.character_files import write_glb
 from support.waiting import run_events
 from support.windows import Bench, session_of, trigger
 
@@ -158,3 +161,38 @@ def test_handles_show_while_the_pointer_is_on_the_edited_face(window: MainWindow
     trigger(window, "show_tracked")
     move(viewport, place, NONE, held=False)
     assert not handles.isVisible(), "the tracked face is not edited"
+
+
+@pytest.fixture
+def with_character(window: MainWindow, bench: Bench, tmp_path: Path) -> MainWindow:
+    """The window with a head of another maker, seen from the front."""
+    window.commands.file.character.open(write_glb(tmp_path / "head.glb"))
+    bench.qtbot.waitUntil(lambda: window.document.character is not None)
+    bench.qtbot.waitUntil(lambda: viewport_of(window).can_draw)
+    trigger(window, "reset_camera")
+    run_events()
+    return window
+
+
+@pytest.mark.parametrize(
+    ("control", "by", "controls"),
+    [
+        ("left_brow", QPoint(0, -6), ("left_brow", "right_brow")),
+        ("right_brow", QPoint(0, 8), ("left_brow", "right_brow")),
+        ("jaw_side", QPoint(6, 0), ("jaw_side",)),
+        ("mouth_opening", QPoint(0, 12), ("mouth_opening",)),
+    ],
+)
+def test_handles_of_another_character_follow_the_pointer(
+    with_character: MainWindow, control: str, by: QPoint, controls: tuple[str, ...]
+) -> None:
+    window = with_character
+    assert set(handles_of(window).places) == set(POINTS)
+    start = handles_of(window).places[control]
+    drag(window, control, by)
+    run_events()
+    (edit,) = session_of(window).edits
+    assert set(edit.controls) == set(controls)
+    moved = handles_of(window).places[control] - start
+    along = QPointF.dotProduct(moved, QPointF(by)) / QPointF.dotProduct(QPointF(by), QPointF(by))
+    assert 0.4 < along < 1.6

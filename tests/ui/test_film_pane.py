@@ -141,3 +141,14 @@ def test_film_and_face_are_whole_in_a_small_window(
         bottom = pane.mapTo(page.side, pane.rect().bottomLeft())
         assert bottom.y() < page.lists.y(), "the lists hide a part of it"
     assert page.face.height() >= 100
+
+
+def test_a_film_with_its_own_sound_has_one_offset_field(
+    bench: Bench, devices: list[FakeOutput]
+) -> None:
+    window = with_media(bench, make_film(bench.folder / "a.mp4", sound=1.0))
+    editor = editor_of(window)
+    assert not editor.sound.offset.isHidden()
+    assert editor.film.offset.isHidden(), "the sound's moves both"
+    window.media.remove_sound()
+    assert not editor.film.offset.isHidden()

@@ -5,7 +5,15 @@ from __future__ import annotations
 import pytest
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.words.dictionary import pronounce, spoken, tokens, unknown_words
+from faceedit_app.words.dictionary import (
+    is_foreign,
+    pronounce,
+    spoken,
+    suggestion,
+    tokens,
+    unknown_words,
+)
+from faceedit_app.words.numbers import in_words
 
 
 @pytest.mark.parametrize(
@@ -16,6 +24,10 @@ from faceedit_app.words.dictionary import pronounce, spoken, tokens, unknown_wor
         ("well-known either/or", ["well", "known", "either", "or"]),
         ("[laughs] yes (aside) no <i>now</i>", ["yes", "no", "now"]),
         ("… — !", []),
+        ("a < b, c > d", ["a", "b", "c", "d"]),
+        ("well…fine under_score", ["well", "fine", "under", "score"]),
+        ("$5, 50% (and 'tis 12:30)", ["$5", "50%"]),
+        ("zero\u200bwidth\u00a0space\t#tag 😀", ["zerowidth", "space", "tag"]),
     ],
 )
 def test_text_becomes_words(text: str, words: list[str]) -> None:
@@ -35,3 +47,50 @@ def test_a_spelling_lends_its_pronunciation() -> None:
     for bad in ("", "zyxq", "!"):
         with pytest.raises(FaceEditError):
             spoken(bad)
+
+
+def test_abbreviations_and_accents_are_known() -> None:
+    assert unknown_words("Mr. Smith’s café, Zoë: U.S.A., 3 p.m. ‘tis", {}) == ["3"]
+    assert pronounce(["café"], {}) == {"café": "K AH F EY"}
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        ("8", "eight"),
+        ("1984", "nineteen eighty four"),
+        ("1905", "nineteen oh five"),
+        ("2000", "two thousand"),
+        ("2024", "twenty twenty four"),
+        ("1,984", "one thousand nine hundred eighty four"),
+        ("3.14", "three point one four"),
+        ("$5", "five dollars"),
+        ("50%", "fifty percent"),
+        ("22nd", "twenty second"),
+        ("30th", "thirtieth"),
+        ("12:05", "twelve oh five"),
+        ("12a", ""),
+        ("1" * 40, ""),
+        ("zyx", ""),
+    ],
+)
+def test_numbers_are_suggested_in_words(number: str, words: str) -> None:
+    assert in_words(number) == words
+    assert suggestion(number) == words
+    assert not words or unknown_words(words, {}) == []
+
+
+def test_a_message_names_a_few_words_and_the_remedy() -> None:
+    with pytest.raises(FaceEditError, match='1984="nineteen eighty four"'):
+        pronounce(["in", "1984"], {})
+    many = [f"zyx{'q' * k}" for k in range(1, 30)]
+    with pytest.raises(FaceEditError, match="and 21 more; for other languages") as caught:
+        pronounce(many, {})
+    assert len(str(caught.value)) < 300
+
+
+def test_other_languages_are_noticed() -> None:
+    for text in ("Привет", "你好世界", "Straße überqueren verboten, Fußgänger gegenüber"):
+        assert is_foreign(text, unknown_words(text, {}))
+    for text in ("zyx", "Read 8 books in 1984 and 1985", "a zyxgloop on the table"):
+        assert not is_foreign(text, unknown_words(text, {}))

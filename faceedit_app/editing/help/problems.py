@@ -67,7 +67,7 @@ class Problem:
         time: seconds of the frame where it is worst.
         controls: the curves that show it; none for a gap without a jump.
         message: one line for the user.
-        amount: how bad it is, with its unit, such as "4.6 mm".
+        amount: how bad it is, with its unit, such as "4.6 mm", or how far from right: "30 % shut".
         severity: how bad it is, 0..1, comparable between kinds.
         fix: the proposed edits; none if edits cannot help.
     """
@@ -184,7 +184,7 @@ def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
             dip.time,
             lids,
             f"The blink stops half-way: the eyes close by {100 * (1 - dip.level / usual):.0f} %",
-            f"{100 * (1 - dip.level / usual):.0f} %",
+            f"{100 * (1 - dip.level / usual):.0f} % shut",
             _share(dip.level, usual),
             (complete_blink(dip, lids),),
         )
@@ -307,7 +307,7 @@ def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> li
                 float(clip.times[least]),
                 MAIN_CONTROLS,
                 f"The face is hidden or turned away: the tracker is {100 * sure:.0f} % sure",
-                f"{100 * sure:.0f} %",
+                f"{100 * sure:.0f} % sure",
                 _share(UNSURE - sure, UNSURE - HARDLY),
                 (fill,) if fits else (),
             )

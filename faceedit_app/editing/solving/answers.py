@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.editing.solving.recent import Recent
 
 if TYPE_CHECKING:  # the grid_range is there before the networks
     from faceedit_app.networks.engine import Engine
 
 GridRange = tuple[int, int]  # the first grid frame, and the one after the last
 
-# Chunks of each region whose last answer is kept: a drag changes one or two chunks, and only in the
-# regions whose curves it moves.
+# Answers that are kept for each region: a drag changes one or two chunks, and only in the regions
+# whose curves it moves.
 RECENT = 4
 
 
@@ -34,36 +36,44 @@ class Answers:
         # The columns of the curves that each region listens to.
         self._columns = {name: model.columns for name, model in engine.models.items()}
         self._tracked: dict[tuple[str, int, float], Floats] = {}
-        self._recent: dict[tuple[str, int, float], tuple[Doubles, Doubles]] = {}
+        self._recent = Recent[Doubles](RECENT * len(self._columns))
 
     def to(
         self, regions: Sequence[str], grid_range: GridRange, curves: Doubles, naturalness: float
     ) -> dict[str, Doubles]:
-        """(N, K) weights of each region for edited curves.
+        """(N, K) weights of each region for edited curves; see `begin`."""
+        begun = self.begin(regions, grid_range, curves, naturalness)
+        return {region: answer() for region, answer in begun.items()}
+
+    def begin(
+        self, regions: Sequence[str], grid_range: GridRange, curves: Doubles, naturalness: float
+    ) -> dict[str, Callable[[], Doubles]]:
+        """Begin to answer edited curves.
 
         Args:
-            regions: `Region.id`s.
+            regions: `Region.id`s, in the order in which the answers will be needed.
             grid_range: the first grid frame, and the one after the last.
             curves: (N, C) mm in that range.
             naturalness: see `Engine.answer`.
+
+        Returns:
+            By region, what waits for (N, K) weights. Each is called once.
         """
-        heard = {region: curves[:, self._columns[region]] for region in regions}
-        known = {
-            region: self._recent.pop((region, grid_range[0], naturalness), None) for region in heard
+        first = grid_range[0]
+        keys = {
+            region: (region, first, naturalness, curves[:, self._columns[region]].tobytes())
+            for region in regions
         }
-        new = [
-            region
-            for region, entry in known.items()
-            if entry is None or not np.array_equal(entry[0], heard[region])
-        ]
-        answers = self._engine.answers(new, curves, naturalness)
-        for region, entry in known.items():
-            kept = (heard[region], answers[region]) if region in answers else entry
-            assert kept is not None
-            self._recent[region, grid_range[0], naturalness] = kept
-        while len(self._recent) > RECENT * len(self._columns):
-            del self._recent[next(iter(self._recent))]  # the least recently used
-        return {region: self._recent[region, grid_range[0], naturalness][1] for region in regions}
+        new = [region for region in regions if keys[region] not in self._recent]
+        begun = self._engine.begin(new, curves, naturalness)
+
+        def answer(region: str) -> Doubles:
+            return self._engine.answer(region, curves, naturalness)
+
+        return {
+            region: partial(self._recent.to, key, begun.get(region, partial(answer, region)))
+            for region, key in keys.items()
+        }
 
     def to_tracked(
         self, regions: Sequence[str], grid_range: GridRange, naturalness: float

@@ -16,6 +16,8 @@ from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
 from faceedit_app.editing.solving.take_statistics import WAKES
 
+Rows = slice | Indices
+
 # How much a calmed curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 1.0
 # mm that all curves of a region may miss where all of them are asked to be calm.
@@ -104,9 +106,12 @@ class Combining:
             self._most(weights[:, columns], asked),
         )
         room = self._combine(result, asked, least, most)
-        where = np.flatnonzero(asked.hold.any(axis=1))
-        if part.reach is not None and asked.settings.reach > 0 and len(where):
-            self._go_on(part.reach, result, asked, (least, most, room), where)
+        if part.reach is not None and asked.settings.reach > 0:
+            held = asked.hold.any(axis=1)
+            # All rows as a slice, the usual case, are not copied.
+            where = slice(None) if held.all() else np.flatnonzero(held)
+            if held.any():
+                self._go_on(part.reach, result, asked, (least, most, room), where)
         return result[:, columns]
 
     def _least(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
@@ -208,7 +213,7 @@ class Combining:
         weights: Doubles,
         asked: RegionRequest,
         limits: tuple[Doubles, Doubles, Doubles],
-        where: Indices,
+        where: Rows,
     ) -> None:
         """Bring the region's own controls the rest of the way to what was asked for, in place.
 
@@ -220,16 +225,20 @@ class Combining:
         least, most, room = limits
         part, naturalness = self._part, asked.settings.naturalness
         columns = part.columns[part.have]
-        lengths = part.lengths(weights)
-        passing = self._passing(asked, lengths)[where]
-        calm = asked.calm[where].min(axis=1, keepdims=True)
-        tolerance = np.maximum(TWITCH * np.abs(passing), CALM_MM * calm)
-        hold, wanted = asked.hold[where], asked.wanted[where] - passing
+        vectors = part.vectors(weights)
+        lengths = part.lengths(vectors)
+        hold, wanted, calm = asked.hold[where], asked.wanted[where], asked.calm[where]
+        tolerance: Doubles | float = 0.0
+        if calms := bool(asked.calm.any()):
+            passing = self._passing(asked, lengths)[where]
+            wanted = wanted - passing
+            tolerance = np.maximum(TWITCH * np.abs(passing), CALM_MM * calm.min(axis=1)[:, None])
         mask = hold > 0
-        strength = asked.settings.reach * np.where(mask, hold, hold.max(axis=1, keepdims=True))
+        strength = hold if mask.all() else np.where(mask, hold, hold.max(axis=1, keepdims=True))
         aim = _Aim(
             here=weights[where],
-            goal=Goal(wanted, strength, mask, tolerance),
+            vectors=vectors[where],
+            goal=Goal(wanted, asked.settings.reach * strength, mask, tolerance),
             still=asked.influence[where][:, part.have] == 0,
             least=least[where],
             most=most[where],
@@ -238,14 +247,16 @@ class Combining:
         )
         beyond = np.maximum(part.beyond(wanted, hold), aim.share)
         found = aim.here.copy()
-        quiet = np.minimum(most[where], aim.here[:, columns] + room[where])
+        quiet = np.minimum(aim.most, aim.here[:, columns] + room[where])
         found[:, columns] = replace(aim, most=quiet).solve(
             reach, columns, part.bounds(beyond), naturalness
         )
-        missing = np.abs(aim.goal.targets_from(lengths[where]) - part.lengths(found))
-        missing = np.where(mask, missing - MISSING_MM - tolerance, 0.0).max(axis=1).clip(0.0, 1.0)
-        missing *= 1.0 - asked.calm[where].max(axis=1, initial=0.0)
-        asleep = (quiet < most[where]).any(axis=1)
+        reached = part.lengths(part.vectors(found))
+        missing = np.abs(aim.goal.targets_from(lengths[where]) - reached) - MISSING_MM - tolerance
+        missing = np.where(mask, missing, 0.0).max(axis=1).clip(0.0, 1.0)
+        if calms:
+            missing *= 1.0 - calm.max(axis=1, initial=0.0)
+        asleep = (quiet < aim.most).any(axis=1)
         rest = np.flatnonzero(missing > np.where(asleep, 0.0, np.minimum(aim.share, beyond)))
         if len(rest):
             # What the take does not show, others do; and what is at rest leaves it.
@@ -260,8 +271,6 @@ class Combining:
         Curves that are smoothed one by one are not always those of a face. Where they cannot be
         met together but by a twitch, they need not be.
         """
-        if not asked.calm.any():
-            return np.zeros_like(asked.hold)
         missing = asked.hold * (asked.wanted - lengths)
         passing: Doubles = asked.calm * (missing - smoothed(missing, self._quick))
         return passing
@@ -280,6 +289,7 @@ class _Aim:
 
     Attributes:
         here: (N, 52) weights.
+        vectors: (N, C, 3) mm, of the region's own controls.
         goal: see `Goal`.
         still: (N, K) channels that no edit influences.
         least, most: (N, K) the smallest and largest weights that any answer may give.
@@ -288,6 +298,7 @@ class _Aim:
     """
 
     here: Doubles
+    vectors: Doubles
     goal: Goal
     still: Bools
     least: Doubles
@@ -297,10 +308,9 @@ class _Aim:
 
     def at(self, rows: Indices) -> _Aim:
         """The aim on some of the frames."""
+        start = self.here[rows], self.vectors[rows], self.goal.at(rows)
         limits = self.still[rows], self.least[rows], self.most[rows]
-        return _Aim(
-            self.here[rows], self.goal.at(rows), *limits, self.closed[rows], self.share[rows]
-        )
+        return _Aim(*start, *limits, self.closed[rows], self.share[rows])
 
     def solve(
         self,
@@ -313,7 +323,8 @@ class _Aim:
         start = self.here[:, columns]
         lower = np.where(self.still, start, np.maximum(bounds[0], self.least))
         upper = np.where(self.still, start, np.minimum(bounds[1], self.most))
-        return reach(self.here, self.goal, upper, naturalness, lower, self.closed, self.share)
+        share, vectors = self.share, self.vectors
+        return reach(self.here, self.goal, upper, naturalness, lower, self.closed, share, vectors)
 
 
 def _couple(weights: Doubles, old: Doubles, columns: Indices, where: Bools) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.resample import from_grid, to_grid
+from faceedit_app.core.resample import OffGrid, to_grid
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
@@ -81,76 +82,76 @@ class NetworkAnswers:
             self._layers[key] = self._parts[region].last_layer(answers, self._sample)
         return self._layers[key]
 
-    def answer(
+    def begin(
         self,
         task: ChunkTask,
         regions: tuple[str, ...],
         begin: Start,
         change: Doubles,
-    ) -> tuple[dict[str, Doubles], dict[str, Doubles]]:
-        """(N, K) by region: what the networks add to (preserve) or replace (resynthesize).
+    ) -> Callable[[str], tuple[Doubles, Doubles]]:
+        """Begin to answer a chunk: other cores go on while the first regions are used.
 
         Args:
+            regions: in the order in which their answers will be needed.
             begin: what the edits start from, on the N' frames near the task.
             change: (N', C) mm by which the controls that are asked for differ from it.
 
         Returns:
-            The answers, and by how much the poses' residuals change, see `residual.py`.
+            What gives for a region, once, (N, M) what the networks add to (preserve) or replace
+            (resynthesize), and (N, K) how the pose's residual changes, see `residual.py`.
         """
         rows, settings = self._chunks.slice(task.chunk), task.settings
-        resynthesize = settings.mode is Mode.RESYNTHESIZE
-        first, last = task.near
-        before = begin.weights[rows.start - first : rows.stop - first].astype(np.float64)
-        answers = {name: self._unanswered(name, before, resynthesize) for name in regions}
-        still = {n: np.zeros((len(answers[n]), len(self._parts[n].columns))) for n in regions}
-        regions = tuple(name for name in regions if not self._parts[name].is_optional)
-        if self._answers is None or not regions:
-            return answers, still
+        near = task.near[0]
+        before = begin.weights[rows.start - near : rows.stop - near].astype(np.float64)
+        heard = tuple(name for name in regions if not self._parts[name].is_optional)
+        if self._answers is None or not heard:
+            return partial(self._unanswered, before=before, mode=settings.mode)
         first, last = (int(i) for i in self._chunks.grid_ranges[task.chunk])
-        times = self._times[slice(*task.near)]
-        same = begin.as_tracked
-        start = self._grid[first:last] if same else to_grid(times, begin.curves, first, last)
-        edited = start + to_grid(times, change, first, last)
-        grid_range = first, last
-        found = self._answers.to(regions, grid_range, edited, settings.naturalness)
-        exchanges: dict[str, Doubles] = {}
-        if not resynthesize:
+        times, grid_range = self._times[slice(*task.near)], (first, last)
+        start = begin.curves
+        on_grid = self._grid[first:last] if begin.as_tracked else to_grid(times, start, first, last)
+        edited = on_grid + to_grid(times, change, first, last)
+        naturalness = settings.naturalness
+        begun = self._answers.begin(heard, grid_range, edited, naturalness)
+        off_grid = OffGrid(last - first, first, self._times[rows])
+        unedited: dict[str, Doubles] = {}
+        if settings.mode is Mode.PRESERVE:
             unedited = (
-                self._answers.to_tracked(regions, grid_range, settings.naturalness)
-                if same
-                else self._answers.to(regions, grid_range, start, settings.naturalness)
+                self._answers.to_tracked(heard, grid_range, naturalness)
+                if begin.as_tracked
+                else self._answers.to(heard, grid_range, on_grid, naturalness)
             )
-            found = {name: answer - unedited[name] for name, answer in found.items()}
-            for name in regions:
-                part, layer = self._parts[name], self.last_layer(name, settings)
-                if layer is None or not len(part.own):
-                    continue
-                heard, key = part.layer_columns, (task.chunk, name, settings.naturalness)
 
-                def lacking(part: Part = part, answer: Doubles = unedited[name]) -> Doubles:
-                    weights = to_grid(times, begin.weights[:, part.columns], first, last)
-                    return weights - part.whole(answer)
+        def answer(name: str) -> tuple[Doubles, Doubles]:
+            lone, still = self._unanswered(name, before, settings.mode)
+            if name not in begun:
+                return lone, still
+            if name not in unedited:
+                found = off_grid(begun[name]())
+                lone[:, : found.shape[1]] = found
+                return lone, still
+            part, layer = self._parts[name], self.last_layer(name, settings)
+            if layer is None or not len(part.own):
+                return off_grid(begun[name]() - unedited[name]), still
 
-                now, change_by = start[:, heard], (edited - start)[:, heard]
-                exchanges[name] = self._residuals.exchange(
-                    key if same else None, layer, lacking, now, change_by
-                )
-        # All in one go: the positions between grid frames are the same.
-        columns = [*found.values(), *exchanges.values()]
-        ends = np.cumsum([each.shape[1] for each in columns])[:-1]
-        stacked = from_grid(np.concatenate(columns, axis=1), first, self._times[rows])
-        parts = np.split(stacked, ends, axis=1)
-        for name, answer in zip(found, parts, strict=False):
-            if resynthesize:
-                answers[name][:, : answer.shape[1]] = answer
-            else:
-                answers[name] = answer
-        still |= zip(exchanges, parts[len(found) :], strict=True)
-        return answers, still
+            def lacking() -> Doubles:
+                weights = to_grid(times, begin.weights[:, part.columns], first, last)
+                return weights - part.whole(unedited[name])
 
-    def _unanswered(self, name: str, before: Doubles, resynthesize: bool) -> Doubles:
-        """(N, K) what stands in for the networks' answer if there is none."""
+            key = (task.chunk, name, naturalness) if begin.as_tracked else None
+            now = on_grid[:, part.layer_columns]
+            by = (edited - on_grid)[:, part.layer_columns]
+            exchange = self._residuals.exchange(key, layer, lacking, now, by)
+            added = begun[name]() - unedited[name]
+            both = off_grid(np.concatenate([added, exchange], axis=1))
+            return both[:, : added.shape[1]], both[:, added.shape[1] :]
+
+        return answer
+
+    def _unanswered(self, name: str, before: Doubles, mode: Mode) -> tuple[Doubles, Doubles]:
+        """What stands in for the networks' answer if there is none; see `begin`."""
         part = self._parts[name]
-        if resynthesize and not part.is_optional:
-            return before[:, part.columns]
-        return np.zeros((len(before), len(part.region.channels)))
+        still = np.zeros((len(before), len(part.columns)))
+        if mode is Mode.RESYNTHESIZE and not part.is_optional:
+            return before[:, part.columns], still
+        return np.zeros((len(before), len(part.region.channels))), still

@@ -246,7 +246,7 @@ class Part:
         for sign in (-1.0, 1.0):
             weights = np.zeros((len(slopes), len(ARKIT_INDEX)))
             weights[:, self.columns] = sign * slopes > 0
-            ends.append(np.diag(self.lengths(weights)))
+            ends.append(np.diag(self.lengths(self.vectors(weights))))
         return ends[0], ends[1]
 
     def answered_by(self, settings: Settings) -> Settings:
@@ -280,11 +280,13 @@ class Part:
         lower, upper = self._statistics.bounds(beyond)
         return lower[:, self.have], upper[:, self.have]
 
-    def lengths(self, weights: Doubles) -> Doubles:
-        """(N, C) mm: its own controls with weights (N, 52)."""
-        lengths: Doubles = np.maximum(
-            self._distances.lengths(self._distances.vectors(weights)), 0.0
-        )
+    def vectors(self, weights: Doubles) -> Doubles:
+        """(N, C, 3) mm: its own controls with weights (N, 52), see `Distances.vectors`."""
+        return self._distances.vectors(weights)
+
+    def lengths(self, vectors: Doubles) -> Doubles:
+        """(N, C) mm: its own controls, of vectors (N, C, 3)."""
+        lengths: Doubles = np.maximum(self._distances.lengths(vectors), 0.0)
         return lengths
 
     def calmed(self, mute: Collection[str]) -> Calmed:

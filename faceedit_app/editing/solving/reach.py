@@ -112,6 +112,7 @@ class Reach:
         lower: Doubles | None = None,
         exempt: Bools | None = None,
         share: Doubles | None = None,
+        vectors: Doubles | None = None,
     ) -> Doubles:
         """The new weights (N, K) of the channels.
 
@@ -123,8 +124,10 @@ class Reach:
             naturalness: 1 limits the length of the change to `NATURAL_LENGTH`, 0 does not.
             exempt: (N,) frames whose change may have any length; None = none of them.
             share: (N,) in 0..1, how far the wide covariance takes the place of the other.
+            vectors: (N, C, 3) mm, of the distances of `weights`; None = not known.
         """
-        start, vectors = weights[:, self._channels], self._distances.vectors(weights)
+        start = weights[:, self._channels]
+        vectors = self._distances.vectors(weights) if vectors is None else vectors
         lengths = self._distances.lengths(vectors)
         targets = goal.targets_from(np.maximum(lengths, 0.0))
         # Vertices that have passed each other come apart little by little.

@@ -18,6 +18,10 @@ class Recent(Generic[Kept]):
     def __init__(self, most: int) -> None:
         self._most, self._kept = most, dict[Hashable, Kept]()
 
+    def __contains__(self, key: Hashable) -> bool:
+        """Whether the result for a key is kept."""
+        return key in self._kept
+
     def to(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
         """The result for a key; it is made if it is not kept."""
         found = self._kept.pop(key, None)

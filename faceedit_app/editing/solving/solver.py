@@ -279,17 +279,18 @@ class Solver:
             change = self._wanted_change(asked, tracked)
             change = start.without_twitches(change, asked.calm, rate)
             slow = smoothed(change, QUICK * rate)
-            answers, exchanges = self._networks.answer(task, tuple(influences), start, slow)
+            answer_of = self._networks.begin(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
             self._sideways.move(weights, change, mine.hold)
             for name, influence in influences.items():
                 part = self._parts[name]
                 heard, own = part.layer_columns, part.own_columns
+                answer, exchange = answer_of(name)
                 wanted = RegionRequest(
                     settings=part.answered_by(settings),
                     layer=self._networks.last_layer(name, settings),
-                    answer=answers[name],
-                    exchange=exchanges[name],
+                    answer=answer,
+                    exchange=exchange,
                     unlike=part.unlike(change[:, own]),
                     influence=influence,
                     slow=slow[:, heard],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import resource
@@ -21,6 +22,7 @@ from faceedit_app.lab.attacks.checks import wrong_after, wrong_when_undone
 from faceedit_app.lab.attacks.hands import dialogs_cancelled, exceptions_noted
 from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
+from faceedit_app.lab.attacks.watchdog import Watchdog
 from faceedit_app.ui.start.application import Collector, application
 from faceedit_app.ui.start.window import MainWindow
 
@@ -91,6 +93,7 @@ def soak(
         tempfile.TemporaryDirectory() as name,
         exceptions_noted() as unexpected,
         dialogs_cancelled() as refused,
+        contextlib.ExitStack() as watch,
     ):
         folder = Path(name)
         journal.journal_folder = lambda: folder / "journals"
@@ -99,17 +102,20 @@ def soak(
         try:
             chance, began = random.Random(seed), time.monotonic()
             monkey = Monkey(window, chance)
+            dog = watch.enter_context(Watchdog(lambda: f"seed {seed}, after {monkey.said}"))
             while not soaked.problems and time.monotonic() - began < seconds:
                 for _ in range(BURST):
                     monkey.act()
                     QCoreApplication.processEvents()
                     soaked.gestures += 1
+                    dog.step()
                     if unexpected or refused:
                         said = [*unexpected, *refused][0]
                         soaked.problems.append(f"{said}, after {monkey.said}")
                         break
                 else:
                     _check(window, monkey, folder, soaked)
+                    dog.step()
                 advance(time.monotonic() - began)
                 if gestures is not None and soaked.gestures >= gestures:
                     break

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -228,33 +228,10 @@ def measure_systems(
                 for system in systems.names(region.id)
             }
     for what, (control, thresholds) in CLOSING.items():
-        if control.region not in regions:
-            continue
-        region = next(r for r in REGIONS if r.id == control.region)
-        column = CONTROL_INDEX[control.id]
-        seen = [take.captured[_columns(region)].any() for take in takes]
-        figures.closures[what] = {
-            system: closures(
-                _joined(
-                    [
-                        _controls(take, region, answer, rig)[:, column]
-                        for take, answer, ok in zip(
-                            takes, answers[region.id, system], seen, strict=True
-                        )
-                        if ok
-                    ]
-                ),
-                _joined(
-                    [
-                        _truth(take, rig)[:, column]
-                        for take, ok in zip(takes, seen, strict=True)
-                        if ok
-                    ]
-                ),
-                thresholds,
-            )
-            for system in systems.names(region.id)
-        }
+        if control.region in regions:
+            region = next(r for r in REGIONS if r.id == control.region)
+            shown = {system: answers[region.id, system] for system in systems.names(region.id)}
+            figures.closures[what] = _closures(takes, region, shown, control, thresholds, rig)
     if LOWER.id in regions:
         opening = CONTROL_INDEX[LIP_OPENING]
         for i, take in enumerate(takes[:3]):
@@ -263,6 +240,28 @@ def measure_systems(
                 for system in systems.names(LOWER.id)
             }
     return figures
+
+
+def _closures(
+    takes: Sequence[Performance],
+    region: Region,
+    answers: Mapping[str, Sequence[Doubles]],
+    control: Control,
+    thresholds: Sequence[float],
+    rig: Rig,
+) -> dict[str, Closures]:
+    """How well each system closes what the takes close, on those that captured the region."""
+    column = CONTROL_INDEX[control.id]
+    seen = [k for k, take in enumerate(takes) if take.captured[_columns(region)].any()]
+    truth = _joined([_truth(takes[k], rig)[:, column] for k in seen])
+    return {
+        system: closures(
+            _joined([_controls(takes[k], region, answer[k], rig)[:, column] for k in seen]),
+            truth,
+            thresholds,
+        )
+        for system, answer in answers.items()
+    }
 
 
 def _joined(parts: Sequence[Doubles]) -> Doubles:

@@ -58,8 +58,8 @@ class CharacterChecklist(QDialog):
         self._hint = _text()
         self._hint.setObjectName("caption")
         self._hint.setText(
-            "The twelve points are shown on the face: drag one to correct it. Double-click a shape "
-            "to choose another, or a number to change how strongly the character shows a "
+            "The control points are shown on the face: drag one to correct it. Double-click a "
+            "shape to choose another, or a number to change how strongly the character shows a "
             "channel; the take keeps its weights."
         )
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)

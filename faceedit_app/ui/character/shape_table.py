@@ -28,6 +28,7 @@ NO_SHAPE = "– no shape –"
 _HEADS = ("Channel", "Shape in the file", *LEVEL_HEADS, "Note")
 CHANNEL, SHAPE, MULTIPLIER, OFFSET, LIMIT, NOTE = range(6)
 _LEVELS = (MULTIPLIER, OFFSET, LIMIT)
+_WIDEST = 260  # pixels of a column: names of shapes can be of any length
 
 
 class ShapeModel(QAbstractTableModel):
@@ -87,6 +88,8 @@ class ShapeModel(QAbstractTableModel):
                 return _HEADS[section]
             if role == Qt.ItemDataRole.ToolTipRole and section in _LEVELS:
                 return LEVEL_TIPS[section - MULTIPLIER]
+            if role == Qt.ItemDataRole.TextAlignmentRole and section in _LEVELS:
+                return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         return None
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
@@ -98,6 +101,8 @@ class ShapeModel(QAbstractTableModel):
             texts = {CHANNEL: channel, SHAPE: self._shapes.get(channel, NO_SHAPE)}
             return texts.get(column, self._notes.get(channel, ""))
         if role == Qt.ItemDataRole.ToolTipRole:
+            if column == NOTE:
+                return self._notes.get(channel)
             return None if column != SHAPE else "Double-click to choose another shape"
         if role == Qt.ItemDataRole.ForegroundRole:
             if column == NOTE:
@@ -165,9 +170,10 @@ class ShapeTable(QTableView):
         head = self.horizontalHeader()
         head.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         head.setSectionResizeMode(CHANNEL, QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(SHAPE, QHeaderView.ResizeMode.Stretch)
-        for column in (*_LEVELS, NOTE):
+        head.setSectionResizeMode(NOTE, QHeaderView.ResizeMode.Stretch)
+        for column in (SHAPE, *_LEVELS):
             head.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
+        head.setMaximumSectionSize(_WIDEST)
         self.setAccessibleName("Channels and shapes")
 
 

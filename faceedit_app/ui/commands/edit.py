@@ -12,6 +12,7 @@ from faceedit_app.core.controls import CONTROL_IDS, MAIN_CONTROLS, SIDED_CONTROL
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.retime import RetimeCommands
+from faceedit_app.ui.commands.splicing import SpliceCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import plain_entry
 from faceedit_app.ui.state.actions import Command, Menu
@@ -27,11 +28,13 @@ AROUND = 0.5  # seconds before and after the playhead that are selected
 class EditCommands:
     """Acts on the edits of the open take."""
 
-    def __init__(self, workspace: Workspace) -> None:
+    def __init__(self, workspace: Workspace, may_close: Callable[[], bool]) -> None:
+        """Args: `may_close` asks about edits that would be lost."""
         self._workspace = workspace
         self._document, self._timeline = workspace.document, workspace.timeline
         self._clipboard: Clipboard | None = None
         self.retime = RetimeCommands(workspace)
+        self.splices = SpliceCommands(workspace, may_close)
 
     # --- undo and reset ----------------------------------------------------------------------
 
@@ -294,6 +297,12 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
             submenu=TIMING),
     Command("insert_pause", "Insert a pa&use…", lambda do: do.retime.pause(),
             tip="Hold the face at the playhead; what follows plays faster until it has caught up",
+            submenu=TIMING),
+    Command("cut_shorter", "Cut out and s&horten…", lambda do: do.splices.shorten(),
+            tip="Write a new take without the selection, with its sound and film",
+            starts_group=True, submenu=TIMING),
+    Command("insert_longer", "Insert time and &lengthen…", lambda do: do.splices.lengthen(),
+            tip="Write a new take with more time at the playhead, with its sound and film",
             submenu=TIMING),
     Command("toggle_edit", "Switch edit &on / off",
             lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),

@@ -28,7 +28,7 @@ class Commands:
 
     def __init__(self, workspace: Workspace) -> None:
         self.file = file.FileCommands(workspace)
-        self.edit = edit.EditCommands(workspace)
+        self.edit = edit.EditCommands(workspace, self.file.may_close)
         self.take = take.TakeCommands(workspace)
         self.tools = tools.ToolCommands(workspace)
         self.fix = fix.FixCommands(workspace)

@@ -11,7 +11,7 @@ from faceedit_app.editing.edits.media import MediaFile
 from faceedit_app.media import is_media
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.edits.retime_dialog import Asked, RetimeDialog
+from faceedit_app.ui.edits.retime_dialog import Asked, Number, RetimeDialog
 
 if TYPE_CHECKING:  # the window is there before the solver, and before sounds can be read
     from faceedit_app.core.clip import Clip
@@ -40,18 +40,10 @@ class RetimeCommands:
         if found is None:
             return
         clip, span = found
-        asked = Asked(
-            "Stretch",
-            f"How long {self._workspace.shown_range(*span)} becomes; what follows makes up for it.",
-            "Length",
-            "%",
-            100.0,
-            100.0 / FASTEST,
-            100.0 / SLOWEST,
-            5.0,
-            1,
-        )
-        self._ask(asked, lambda value, _: stretched(clip, span, value / 100), neutral=100.0)
+        length = Number("Length", "%", 100.0, 100.0 / FASTEST, 100.0 / SLOWEST, 5.0, 1)
+        shown = self._workspace.shown_range(*span)
+        asked = Asked("Stretch", f"How long {shown} becomes; what follows makes up for it.", length)
+        self._ask(asked, lambda percent: stretched(clip, span, percent / 100))
 
     def move(self) -> None:
         """Show the selection earlier or later."""
@@ -61,18 +53,10 @@ class RetimeCommands:
         if found is None:
             return
         clip, span = found
-        asked = Asked(
-            "Move in time",
-            f"How much later {self._workspace.shown_range(*span)} is shown; below 0: earlier.",
-            "Later by",
-            "s",
-            0.0,
-            -clip.duration,
-            clip.duration,
-            1.0 / clip.rate,
-            3,
-        )
-        self._ask(asked, lambda value, _: moved(clip, span, value), neutral=0.0)
+        later = Number("Later by", "s", 0.0, -clip.duration, clip.duration, 1.0 / clip.rate, 3)
+        shown = self._workspace.shown_range(*span)
+        asked = Asked("Move in time", f"How much later {shown} is shown; below 0: earlier.", later)
+        self._ask(asked, lambda seconds: moved(clip, span, seconds))
 
     def cut(self) -> None:
         """Leave out the selection; what follows plays slower until it has caught up."""
@@ -112,12 +96,7 @@ class RetimeCommands:
         asked = Asked(
             "Insert a pause",
             f"How long the face pauses at {at:.2f} s; what follows makes room.",
-            "Pause",
-            "s",
-            _FIRST_PAUSE,
-            0.02,
-            _LONGEST_PAUSE,
-            0.05,
+            Number("Pause", "s", _FIRST_PAUSE, 0.02, _LONGEST_PAUSE, 0.05),
             option="&Fill it with other motion of the take",
         )
         self._show(asked, edits)
@@ -134,9 +113,11 @@ class RetimeCommands:
             return None
         return clip, selection
 
-    def _ask(self, asked: Asked, edit_for: Callable[[float, bool], Edit], neutral: float) -> None:
-        def edits(value: float, ticked: bool) -> tuple[Edit, ...]:
-            return () if value == neutral else (edit_for(value, ticked),)
+    def _ask(self, asked: Asked, edit_for: Callable[[float], Edit]) -> None:
+        """Ask for a number that leaves the take as it is at first."""
+
+        def edits(value: float, _ticked: bool) -> tuple[Edit, ...]:
+            return () if value == asked.number.value else (edit_for(value),)
 
         self._show(asked, edits)
 
@@ -172,7 +153,8 @@ class RetimeCommands:
         if is_media(path):
             self._read_sound(path)
             return
-        from faceedit_app.words.files import read_words, spread
+        from faceedit_app.words.files import read_words
+        from faceedit_app.words.imported import spread
 
         try:
             said = read_words(path)

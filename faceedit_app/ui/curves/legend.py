@@ -11,7 +11,11 @@ from faceedit_app.ui.curves import style
 from faceedit_app.ui.look.guard import guarded
 
 _SAMPLE = 22.0  # pixels of line
+_BESIDE = 6.0  # from a line to its words
 _SPACE = 16.0
+_LEFT = 12.0
+_WORDS = "as tracked", "asked for", "the face", "your character"
+_SHORT_WORDS = "tracked", "asked", "face", "yours"
 _EXPLANATION = (
     "Thin grey: the curve as tracked. Dashed white: what you asked for. "
     "Solid: what the face does; blue is the lower face, orange the eyelids, purple brows and jaw."
@@ -49,21 +53,33 @@ class Legend(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
         font = style.scaled_font(self, 0.9)
         painter.setFont(font)
-        colors = dict.fromkeys(control.color for control in CONTROLS if not control.optional)
-        faces = tuple(style.face_pen(color) for color in colors)
-        x = 12.0
-        x = self._sample(painter, x, (style.tracked_pen(),), "as tracked")
-        x = self._sample(painter, x, (style.asked_pen(),), "asked for")
-        x = self._sample(painter, x, faces, "the face")
-        if self._has_character:
-            x = self._sample(painter, x, (style.character_pen(),), "your character")
+        metrics = QFontMetricsF(font)
+        samples = self._samples(metrics)
+        x = _LEFT
+        for pens, words in samples:
+            x = self._sample(painter, x, pens, words)
         room = QRectF(x, 0, self.width() - x - style.RIGHT_MARGIN, self.height())
-        hint = QFontMetricsF(font).elidedText(
-            self.hint, Qt.TextElideMode.ElideRight, max(room.width(), 0)
-        )
+        hint = metrics.elidedText(self.hint, Qt.TextElideMode.ElideRight, max(room.width(), 0))
         painter.setPen(style.color(style.MUTED))
         flags = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         painter.drawText(room, flags, hint)
+
+    def _samples(self, metrics: QFontMetricsF) -> list[tuple[tuple[QPen, ...], str]]:
+        """Pens and words of the lines: short words, or none, if the hint needs the room."""
+        colors = dict.fromkeys(control.color for control in CONTROLS if not control.optional)
+        pens = [
+            (style.tracked_pen(),),
+            (style.asked_pen(),),
+            tuple(style.face_pen(color) for color in colors),
+            (style.character_pen(),),
+        ]
+        shown = len(pens) if self._has_character else len(pens) - 1
+        free = self.width() - _LEFT - style.RIGHT_MARGIN - metrics.horizontalAdvance(self.hint)
+        for words in (_WORDS, _SHORT_WORDS):
+            used = sum(_advance(metrics, text) for text in words[:shown])
+            if used <= free:
+                return list(zip(pens, words[:shown], strict=False))
+        return []
 
     def _sample(self, painter: QPainter, x: float, pens: tuple[QPen, ...], words: str) -> float:
         """Paint one line and its label; returns where the next one starts."""
@@ -72,8 +88,13 @@ class Legend(QWidget):
             painter.setPen(pen)
             start, stop = (x + _SAMPLE * (i + k) / len(pens) for k in (0, 1))
             painter.drawLine(QPointF(start, middle), QPointF(stop, middle))
-        width = QFontMetricsF(painter.font()).horizontalAdvance(words) + 2
+        stop = x + _advance(QFontMetricsF(painter.font()), words)
         painter.setPen(style.color(style.TEXT))
-        box = QRectF(x + _SAMPLE + 6, 0, width, self.height())
+        box = QRectF(x + _SAMPLE + _BESIDE, 0, stop - x, self.height())
         painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, words)
-        return box.right() + _SPACE
+        return stop
+
+
+def _advance(metrics: QFontMetricsF, words: str) -> float:
+    """Pixels from the start of a line's sample to that of the next one."""
+    return _SAMPLE + _BESIDE + metrics.horizontalAdvance(words) + 2 + _SPACE

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, Signal
 
-from faceedit_app.ui.curves.edges import GRASP, Edge, EdgeDrag, edge_at, press_edge
+from faceedit_app.ui.curves.edges import GRASP, Edge, EdgeDrag, edge_at, press_edge, softened
 from faceedit_app.ui.curves.gestures import Pointer, Span, clamped, span_at
-from faceedit_app.ui.curves.scale import Scale
+from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.state.timeline import Timeline
 
 _LEAST_WIDTH = 8 * GRASP  # pixels of an edit whose edges are grabbed on the plots
@@ -52,7 +52,7 @@ class SelectionMouse(QObject):
     def place(self, span: Span) -> None:
         """Set all edges by numbers."""
         self._placing = True
-        self._show(span)
+        self._show(self._softened(self.span, span))
         self.ended.emit()
         self._placing = False
 
@@ -107,8 +107,7 @@ class SelectionMouse(QObject):
         """Grab an edge, or the whole selection, at a time."""
         span = self.span
         if span is not None:
-            limits = 0.0, self._timeline.snap(self._timeline.duration)
-            self._drag = press_edge(edge, span, seconds, limits)
+            self._drag = press_edge(edge, span, seconds, self._limits)
             self.taken.emit()
 
     def move(self, scale: Scale, pointer: Pointer) -> None:
@@ -118,7 +117,7 @@ class SelectionMouse(QObject):
         seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
         frame = self._timeline.snap(seconds) if pointer.snap else None
         self._drag = self._drag.moved(seconds, pointer.fine, frame)
-        self._show(self._drag.span)
+        self._show(self._softened(self._drag.before, self._drag.span))
 
     def release(self) -> None:
         """Release the edge where it is."""
@@ -132,6 +131,18 @@ class SelectionMouse(QObject):
             self._show(self._drag.before)
             self._drag = None
             self.ended.emit()
+
+    @property
+    def _limits(self) -> Interval:
+        """First and last second of the take."""
+        return 0.0, self._timeline.snap(self._timeline.duration)
+
+    def _softened(self, before: Span | None, span: Span) -> Span:
+        """A changed span; an end of the chosen edit that leaves the take's end fades."""
+        line = self._timeline
+        if before is None or not line.shows_edit or not line.can_fade:
+            return span
+        return softened(before, span, self._limits, line.own_falloffs)
 
     def _show(self, span: Span) -> None:
         self._timeline.set_falloffs(span.falloff, span.fade_out)

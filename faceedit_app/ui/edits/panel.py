@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.retime import reshaped
 from faceedit_app.ui.edits.delegate import STRONGEST, EditsDelegate, Part
 from faceedit_app.ui.edits.model import EditsModel
@@ -30,7 +30,7 @@ from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 _EMPTY = (
-    "No edits yet. Drag a curve, or click one of the fixes above.\n"
+    "No edits yet. Drag a curve, or click one of the fixes above. "
     "Each is listed here, to change its strength, switch it off or delete it."
 )
 MENU = ("toggle_edit", "rename_edit", "edit_up", "edit_down", "delete_edit")
@@ -251,7 +251,7 @@ class EditsPanel(QWidget):
         start = min(max(edit.start, 0.0), line.duration)
         end = min(max(edit.end, start), line.duration)
         self._showing = True
-        line.show_edit((start, end), edit.falloff, edit.fade_out)
+        line.show_edit((start, end), edit.falloff, edit.fade_out, edit.op is not Op.RETIME)
         self._showing = False
 
     def _bring_into_view(self, edit: Edit) -> None:

@@ -27,23 +27,18 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is asked for.
+class Number:
+    """The field of a dialog.
 
     Attributes:
-        title: of the window, such as “Stretch”.
-        question: above the field.
-        label: of the field.
+        label: beside it.
         unit: behind the number.
         value: at first.
         low, high: the least and the greatest number.
         step: of the arrows beside the field.
         decimals: of the number.
-        option: a box to tick below it; empty = none.
     """
 
-    title: str
-    question: str
     label: str
     unit: str
     value: float
@@ -51,6 +46,22 @@ class Asked:
     high: float
     step: float
     decimals: int = 2
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a dialog asks for.
+
+    Attributes:
+        title: of the window, such as “Stretch”.
+        question: above the field.
+        number: what is typed into the field.
+        option: a box to tick below it; empty = none.
+    """
+
+    title: str
+    question: str
+    number: Number
     option: str = ""
 
 
@@ -76,14 +87,7 @@ class RetimeDialog(PreviewDialog):
         self._edits_for, self._make = edits_for, make
         self._edits: tuple[Edit, ...] = ()
         self.setWindowTitle(asked.title)
-        self.number = QDoubleSpinBox()
-        self.number.setDecimals(asked.decimals)
-        self.number.setRange(asked.low, asked.high)
-        self.number.setSingleStep(asked.step)
-        self.number.setSuffix(f" {asked.unit}")
-        self.number.setValue(asked.value)
-        self.number.setAccessibleName(asked.label)
-        self.number.selectAll()
+        self.number = _spin_box(asked.number)
         self.option = QCheckBox(asked.option)
         self.option.setVisible(bool(asked.option))
         self.message = plain_label()
@@ -96,7 +100,7 @@ class RetimeDialog(PreviewDialog):
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         form = QFormLayout()
-        form.addRow(asked.label, self.number)
+        form.addRow(asked.number.label, self.number)
         column = QVBoxLayout(self)
         column.addWidget(QLabel(asked.question))
         column.addLayout(form)
@@ -128,3 +132,15 @@ class RetimeDialog(PreviewDialog):
         else:
             self._document.cancel()
         super().done(result)
+
+
+def _spin_box(number: Number) -> QDoubleSpinBox:
+    box = QDoubleSpinBox()
+    box.setDecimals(number.decimals)
+    box.setRange(number.low, number.high)
+    box.setSingleStep(number.step)
+    box.setSuffix(f" {number.unit}")
+    box.setValue(number.value)
+    box.setAccessibleName(number.label)
+    box.selectAll()
+    return box

@@ -172,6 +172,8 @@ class FaceHandles(QWidget):
             way: Doubles = (after - before)[0, :2] / _PROBE
             if np.hypot(*way) >= _LEAST:
                 return way
+        if control_named(self._held).sideways:
+            return np.array([1.0, 0.0])
         return np.array([0.0, 1.0 if self._held == LIP_OPENING else -1.0])
 
     def _drop(self) -> None:

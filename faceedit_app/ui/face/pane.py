@@ -138,7 +138,7 @@ class FacePane(QWidget):
             tracked = (
                 session.rig_weights(frame, tracked=True) if compares or self.shows_both else None
             )
-            self.handles.use_rig(session.rig)
+            self.handles.use_rig(session.shown_rig)
             self.handles.is_wanted = not (self.shows_tracked or self.shows_both)
             self._turn_heads(session, frame)
             self.viewport.show_weights(

@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, Qt
-from PySide6.QtGui import QGuiApplication, QIcon, QPainter, QPixmap
+from PySide6.QtGui import QGuiApplication, QIcon, QPainter, QPixmap, QPixmapCache
 from PySide6.QtSvg import QSvgRenderer
 
 from faceedit_app.ui.look.palette import FAINT, TEXT
@@ -39,6 +39,9 @@ def picture(name: str, color: str, size: int, ratio: float) -> QPixmap:
         size: width and height in units of the window.
         ratio: screen pixels per unit.
     """
+    pixmap, key = QPixmap(), f"FaceEdit {name} {color} {size} {ratio}"
+    if QPixmapCache.find(key, pixmap):
+        return pixmap
     pixmap = QPixmap(round(size * ratio), round(size * ratio))
     pixmap.fill(Qt.GlobalColor.transparent)
     with QPainter(pixmap) as painter:
@@ -46,6 +49,7 @@ def picture(name: str, color: str, size: int, ratio: float) -> QPixmap:
             painter
         )
     pixmap.setDevicePixelRatio(ratio)
+    QPixmapCache.insert(key, pixmap)
     return pixmap
 
 

@@ -193,8 +193,8 @@ class FilmPane(QWidget):
         column.setSpacing(0)
         column.addWidget(self.screen_, 1)
         column.addWidget(foot)
-        media.film_changed.connect(self._sync)
-        media.placed.connect(self._sync)
+        for changed in (media.film_changed, media.sound_changed, media.placed):
+            changed.connect(self._sync)
         self._sync()
 
     def _sync(self) -> None:
@@ -204,3 +204,5 @@ class FilmPane(QWidget):
             self.name.show_name(placed.path.name, str(placed.path))
             self.screen_.setToolTip(plain_tip(str(placed.path)))
             self.offset.show_offset(placed.offset)
+            sound = self._media.sound  # of the same file: it has this field, and moves the film
+            self.offset.setVisible(sound is None or sound.path != placed.path)

@@ -26,9 +26,9 @@ from PySide6.QtWidgets import (
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.look.texts import plain_label
 from faceedit_app.ui.state.background import Background
-from faceedit_app.words import aligning, files
+from faceedit_app.words import aligning, files, imported
 from faceedit_app.words.denoising import Stopped
-from faceedit_app.words.dictionary import LANGUAGE, spoken, unknown_words
+from faceedit_app.words.dictionary import LANGUAGE, is_foreign, spoken, suggestion, unknown_words
 from faceedit_app.words.transcript import Transcript
 
 if TYPE_CHECKING:  # it imports PyAV
@@ -79,7 +79,7 @@ class WordsDialog(QDialog):
         super().__init__(parent)
         self._background, self._place, self._present = background, place, present
         self._choose, self._make = choose, make
-        self._imported: files.Imported | None = None  # the file whose text is in the field
+        self._imported: imported.Imported | None = None  # the file whose text is in the field
         self._spellings = dict(present.sounds_like) if present is not None else {}
         self._asked: dict[str, QLineEdit] = {}
         self._job: _Job | None = None
@@ -187,7 +187,7 @@ class WordsDialog(QDialog):
             if place.sound is None:
                 if any(line.end is None for line in said):
                     raise FaceEditError("The take has no sound; add it, or open a file with times")
-                return files.spread(said, place.take[1])
+                return imported.spread(said, place.take[1])
             sound = place.sound
             first, last = (t - place.offset for t in (wanted or place.take))
             part = max(first, sound.start), min(last, sound.end)
@@ -206,14 +206,19 @@ class WordsDialog(QDialog):
         for word in unknown[:_MOST_ASKED]:
             field = QLineEdit()
             field.setPlaceholderText("sounds like, in English words")
-            field.setAccessibleName(f"{word} sounds like")
+            field.setAccessibleName(f"{word[:40]} sounds like")
+            field.setText(suggestion(word))
             self._asked[word] = field
             self.spellings.addRow(plain_label(f"“{word[:40]}”"), field)
+        left = len(unknown) - len(self._asked)
+        more = f" {left} more follow." if left else ""
+        if is_foreign(self.text.toPlainText(), unknown):
+            more = f" For a language other than {LANGUAGE}, open a file with times."
         self.message.setText(
             "Not in the dictionary. Correct the spelling above, or type what it sounds like:"
-            " “two” for 2."
+            f" “two” for 2.{more}"
         )
-        next(iter(self._asked.values())).setFocus()
+        next((f for f in self._asked.values() if not f.text()), self.search).setFocus()
 
     def _found(self, words: Transcript) -> None:
         self._job = None
@@ -246,12 +251,12 @@ class WordsDialog(QDialog):
         if path is None:
             return
         try:
-            imported = files.read_words(path)
+            found = files.read_words(path)
         except FaceEditError as error:
             self.message.setText(f"{error}.")
             return
-        self.text.setPlainText("\n".join(line.text for line in imported.lines))
-        self._imported = imported
+        self.text.setPlainText("\n".join(line.text for line in found.lines))
+        self._imported = found
         self.message.setText("")
         self._show_state()
 

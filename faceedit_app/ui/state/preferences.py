@@ -55,9 +55,12 @@ class Preferences:
         self._settings.setValue("recent_characters", [str(p) for p in [path, *others][:RECENT]])
 
     def folder(self, kind: str) -> Path:
-        """Where a kind of file dialog was last used, else the home folder."""
-        folder = Path(str(self._settings.value(f"folder/{kind}", Path.home())))
-        return folder if folder.is_dir() else Path.home()
+        """Where a kind of file dialog was last used, else where takes are, else the home folder."""
+        for known in (kind, "take"):
+            text = str(self._settings.value(f"folder/{known}", ""))
+            if text and (folder := Path(text)).is_dir():
+                return folder
+        return Path.home()
 
     def set_folder(self, kind: str, folder: Path) -> None:
         """Remember where a kind of file dialog was used."""

@@ -36,7 +36,9 @@ class Timeline(QObject):
         self.selection: tuple[float, float] | None = None
         self.falloff = self.falloff_out = DEFAULT_FALLOFF
         self.shows_edit = False  # selection and falloffs are those of the chosen edit
+        self.can_fade = True  # the chosen edit
         self._own: tuple[float, float] | None = None  # the user's falloffs meanwhile
+        self._edits_falloffs = (0.0, 0.0)  # of the chosen edit, before they are changed
         self._is_own = False  # the user had selected the edit's hold
         self.clock = Clock(self)
 
@@ -136,8 +138,11 @@ class Timeline(QObject):
         """The falloffs of the next edit."""
         return self._own or (self.falloff, self.falloff_out)
 
-    def show_edit(self, hold: tuple[float, float], fade_in: float, fade_out: float) -> None:
+    def show_edit(
+        self, hold: tuple[float, float], fade_in: float, fade_out: float, can_fade: bool = True
+    ) -> None:
         """Show the hold and falloffs of the chosen edit in place of the user's."""
+        self.can_fade = can_fade
         if not self.shows_edit:
             self._own = self.falloff, self.falloff_out
             self._is_own = self.selection == hold
@@ -145,6 +150,7 @@ class Timeline(QObject):
             self._is_own = False
         self.shows_edit = True
         self.set_falloffs(fade_in, fade_out)
+        self._edits_falloffs = self.falloff, self.falloff_out
         self.select(hold)
 
     def leave_edit(self) -> None:
@@ -160,9 +166,13 @@ class Timeline(QObject):
         self.set_falloffs(DEFAULT_FALLOFF, DEFAULT_FALLOFF)
 
     def keep_falloffs(self) -> None:
-        """Make the falloffs that are shown those of the next edit."""
+        """Make a falloff of the chosen edit that the user has changed that of the next edit."""
         if self._own is not None:
-            self._own = self.falloff, self.falloff_out
+            (fade_in, fade_out), (was_in, was_out) = self._own, self._edits_falloffs
+            self._own = (
+                self.falloff if self.falloff != was_in else fade_in,
+                self.falloff_out if self.falloff_out != was_out else fade_out,
+            )
 
     def set_falloffs(self, fade_in: float, fade_out: float) -> None:
         """Set each falloff."""

@@ -1,0 +1,122 @@
+"""A head as the rules that find its control points see it: places, moves, edges and skin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import trimesh
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from faceedit_app.characters.assembly import Assembly
+from faceedit_app.characters.welding import Weld
+from faceedit_app.core.arrays import Bools, Doubles, Indices
+
+Points = dict[str, int]  # by name, a vertex of a `Face`
+
+_LIPS = (
+    *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
+    *("mouthRollLower", "mouthUpperUpLeft", "mouthLowerDownLeft"),
+)
+
+
+class NotFound(Exception):
+    """A control point cannot be found; the text says which one and why."""
+
+
+@dataclass(frozen=True)
+class Face:
+    """A welded head in millimetres.
+
+    Attributes:
+        places: (N, 3), X the character's left, Y up, Z forward; the eyes are at 0.
+        moves: by channel, (N, 3) at weight 1.
+        faces: (F, 3).
+    """
+
+    places: Doubles
+    moves: Mapping[str, Doubles]
+    faces: Indices
+
+    @classmethod
+    def of(cls, assembly: Assembly, weld: Weld) -> Face:
+        """The face of an assembly, with one vertex for each welded one."""
+        deltas = 1000.0 * assembly.deltas[:, weld.first].astype(np.float64)
+        places = 1000.0 * assembly.neutral[weld.first].astype(np.float64)
+        return cls(places, dict(zip(assembly.channels, deltas, strict=True)), weld.faces)
+
+    def move(self, channel: str) -> Doubles:
+        """(N, 3) mm of a channel; zero where it has no shape."""
+        found = self.moves.get(channel)
+        return np.zeros_like(self.places) if found is None else found
+
+    def amount(self, channel: str) -> Doubles:
+        """(N,) mm that a channel moves each vertex."""
+        amount: Doubles = np.linalg.norm(self.move(channel), axis=1)
+        return amount
+
+    @cached_property
+    def edges(self) -> Indices:
+        """(E, 2) each edge once."""
+        edges = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        once: Indices = edges[trimesh.grouping.unique_rows(edges)[0]]
+        return once
+
+    @cached_property
+    def lips(self) -> Doubles:
+        """(N,) how much the shapes of the lips, which do not move teeth, move each vertex."""
+        total = np.zeros(len(self.places))
+        for channel in _LIPS:
+            amount = self.amount(channel)
+            if amount.max(initial=0.0) > 1e-6:
+                total += amount / amount.max()
+        return total
+
+    @cached_property
+    def middle(self) -> float:
+        """The x of the mouth's midline, mm; shapes are never quite symmetric."""
+        amount = sum(
+            (self.amount(channel) for channel in ("mouthPucker", "mouthFunnel", "jawOpen")),
+            np.zeros(len(self.places)),
+        )
+        weight = np.where(self.skin, amount, 0.0)
+        return float(weight @ self.places[:, 0] / max(weight.sum(), 1e-9))
+
+    @cached_property
+    def skin(self) -> Bools:
+        """(N,) which vertices are on the connected surface with the lips.
+
+        Lashes and eyeballs that touch it only in an edge or a vertex do not belong to it.
+        """
+        adjacency = trimesh.graph.face_adjacency(self.faces)
+        labels = trimesh.graph.connected_component_labels(adjacency, len(self.faces))
+        weight = np.bincount(labels, self.lips[self.faces].sum(axis=1))
+        skin = np.zeros(len(self.places), np.bool_)
+        skin[self.faces[labels == weight.argmax()].ravel()] = True
+        return skin
+
+    def way(self, near: Bools, start: int, end: int, moves: Doubles) -> list[int] | None:
+        """The shortest way along edges from `end` back to `start`; None if there is none.
+
+        The rim of an opening is short at rest, and not much longer when the opening is shut or wide
+        open.
+
+        Args:
+            near: (N,) the vertices that it may use.
+            moves: (N, 3) mm, of the shape that opens or shuts.
+        """
+        moved = self.places + moves
+        a, b = self.edges[near[self.edges].all(axis=1)].T
+        cost = np.linalg.norm(self.places[a] - self.places[b], axis=1)
+        cost = cost + 0.25 * np.linalg.norm(moved[a] - moved[b], axis=1)
+        graph = coo_matrix((cost + 1e-9, (a, b)), (len(moved), len(moved))).tocsr()
+        distances, before = dijkstra(graph, False, indices=start, return_predecessors=True)
+        if not np.isfinite(distances[end]):
+            return None
+        way = [end]
+        while way[-1] != start:
+            way.append(int(before[way[-1]]))
+        return way

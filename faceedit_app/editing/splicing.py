@@ -1,0 +1,218 @@
+"""Write a take with time cut out or inserted as a new take, with its sound and film in step.
+
+Sound and film have to be cut as well, and their files are never changed. So this is no edit, but a
+copy of the take as it is shown, beside which the cut sound and film lie under its name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FileError, Unavailable
+from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.editing.edits.splice import Splice, Spliced, splice
+from faceedit_app.editing.exporting import OutFormat, choose, export_take, own_format
+from faceedit_app.formats.registry import Format
+from faceedit_app.formats.take import Take
+from faceedit_app.media import beside
+from faceedit_app.media.container import Abandoned
+from faceedit_app.media.sound import Samples, Sound, read_sound, wav
+
+if TYPE_CHECKING:
+    from faceedit_app.words.transcript import Transcript
+
+_FADE = 0.005  # seconds in which the sound fades at a joint, so that it does not click
+
+
+@dataclass(frozen=True)
+class Written:
+    """A new take.
+
+    Attributes:
+        path: its file.
+        clip: what is in it.
+        sound, film: the files beside it, if the take had them.
+        spliced: how its time relates to the old take's.
+        remarks: sentences about what it does not hold.
+    """
+
+    path: Path
+    clip: Clip
+    sound: Path | None
+    film: Path | None
+    spliced: Spliced
+    remarks: tuple[str, ...]
+
+    @property
+    def names(self) -> str:
+        """The names of all its files."""
+        return ", ".join(p.name for p in (self.path, self.sound, self.film) if p is not None)
+
+    def words(self, words: Transcript | None) -> Transcript | None:
+        """The old take's words at their times in the new one.
+
+        Those of which less than half is left are gone.
+        """
+        if words is None:
+            return None
+        ends = np.array([(word.start, word.end) for word in words.words]).reshape(-1, 2)
+        left = np.diff(self.spliced.at(ends.ravel()).reshape(-1, 2), axis=1)[:, 0]
+        there = left >= 0.5 * (ends[:, 1] - ends[:, 0])
+        kept = tuple(word for word, is_there in zip(words.words, there, strict=True) if is_there)
+        return replace(words, words=kept).at_times(self.spliced.at)
+
+
+def write_spliced(
+    take: Take,
+    shown: Clip,
+    splices: Sequence[Splice],
+    path: Path,
+    media: Placement,
+    has_film: bool = True,
+    progress: Callable[[float], bool] = lambda share: True,
+) -> Written:
+    """Write a new take, its sound as a WAV, and its film as an MP4 or WebM.
+
+    Args:
+        take: the take.
+        shown: its clip with the edits.
+        splices: what is cut out and inserted.
+        path: the new take; its ending says in which format it is written.
+        media: the take's sound and film.
+        has_film: whether the film is written.
+        progress: is given 0..1 while the film is written; False gives up, and nothing is written.
+
+    Raises:
+        FaceEditError: a splice is impossible.
+        FileError: a file cannot be read or written, or exists.
+        Abandoned: `progress` said so.
+    """
+    made = splice(shown, splices)
+    form = own_format(take)
+    if form is None or path.suffix.lower() not in _endings(form):
+        form = choose(path)
+    film = media.film if has_film else None
+    sound = None if media.sound is None else read_sound(media.sound.path)
+    paths = path.with_suffix(".wav"), path.with_suffix(".mp4")
+    _check_room(path, paths, sound is not None, film is not None)
+    begun: list[Path] = []
+    remarks: list[str] = []
+    try:
+        if sound is not None and media.sound is not None:
+            samples = spliced_sound(sound, media.sound.offset, made)
+            write_atomically(paths[0], wav(samples, sound.rate))
+            begun.append(paths[0])
+        if film is not None:
+            try:
+                begun.append(_write_film(film, made, paths, sound is not None, progress))
+            except Unavailable as error:
+                remarks.append(f"the film is left out: {error}")
+                film = None
+        # Of no kind: its own format would be written into the old file's rows.
+        new = replace(take, clip=made.clip, kind="")
+        exported = export_take(new, made.clip, path, form)
+    except BaseException:
+        for file in begun:
+            file.unlink(missing_ok=True)
+        raise
+    return Written(
+        path,
+        made.clip,
+        paths[0] if sound is not None else None,
+        begun[-1] if film is not None else None,
+        made,
+        (*exported.remarks, *remarks),
+    )
+
+
+def ending_for(take: Take) -> str:
+    """The ending of a new take: its own format's, if any clip can be written in it."""
+    form = own_format(take)
+    endings = () if form is None else _endings(form)
+    own = take.path.suffix.lower()
+    return own if own in endings else next(iter(endings), ".csv")
+
+
+def _endings(form: OutFormat) -> tuple[str, ...]:
+    kind = form.kind
+    return kind.endings if isinstance(kind, Format) and kind.write is not None else ()
+
+
+def _check_room(path: Path, paths: tuple[Path, Path], has_sound: bool, has_film: bool) -> None:
+    """Check that nothing is replaced, and that no other sound or film would be taken for its own.
+
+    Raises:
+        FileError: something would.
+    """
+    written = [p for p, there in zip(paths, (has_sound, has_film), strict=True) if there]
+    for file in (path, *written):
+        if file.exists():
+            raise FileError(file, "exists", "choose another name for the new take")
+    for found in beside(path.absolute()):
+        if found is not None and found not in [p.absolute() for p in written]:
+            problem = "is named like the new take, but has its old length"
+            raise FileError(found, problem, "choose another name for the new take")
+
+
+def spliced_sound(sound: Sound, offset: float, made: Spliced) -> Samples:
+    """(N, C) the samples of a sound from the beginning to the end of the spliced take.
+
+    Args:
+        offset: when its file begins, in seconds of the take.
+    """
+    out = np.zeros((round(made.clip.duration * sound.rate), sound.channels), np.int16)
+    fade = round(_FADE * sound.rate)
+    for number, piece in enumerate(made.pieces):
+        start = round(piece.shown * sound.rate)
+        stop = min(start + round(piece.length * sound.rate), len(out))
+        there = round((piece.start - offset - sound.start) * sound.rate)
+        first, last = max(there, 0), min(there + stop - start, len(sound.samples))
+        if first >= last:
+            continue
+        part = sound.samples[first:last].astype(np.float32)
+        ramp = np.linspace(0.0, 1.0, min(fade, len(part)), dtype=np.float32)[:, None]
+        if number and first == there:
+            part[: len(ramp)] *= ramp
+        if number < len(made.pieces) - 1 and last == there + stop - start:
+            part[len(part) - len(ramp) :] *= ramp[::-1]
+        out[start + first - there : start + last - there] = np.rint(part)
+    return out
+
+
+def _write_film(
+    film: MediaFile,
+    made: Spliced,
+    paths: tuple[Path, Path],
+    has_sound: bool,
+    progress: Callable[[float], bool],
+) -> Path:
+    """Write the film with the same splices; returns its file."""
+    from faceedit_app.media.film import Film
+    from faceedit_app.media.film_writer import Soundtrack, film_format, writing
+
+    heard = read_sound(paths[0]) if has_sound else None
+    track = None if heard is None else Soundtrack(heard)
+    source = Film(film.path)
+    try:
+        height, width = source.picture(0).shape[:2]
+        size = width - width % 2, height - height % 2
+        black = np.zeros((size[1], size[0], 3), np.uint8)
+        count = max(round(made.clip.duration * source.rate), 1)
+        moments = made.moments(np.arange(count) / source.rate) - film.offset
+        with writing(paths[1], film_format(paths[1]), size, source.rate, track) as out:
+            for number, moment in enumerate(moments.tolist()):
+                if not progress(number / count):
+                    raise Abandoned
+                inside = -0.5 / source.rate <= moment < source.duration
+                picture = source.frame_at(moment)[: size[1], : size[0], 2::-1] if inside else black
+                out.add(np.ascontiguousarray(picture))
+    finally:
+        source.close()
+    return paths[1]

@@ -1,0 +1,108 @@
+"""`faceedit retime`: a new take that is shorter or longer, with its sound and film in step."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+from faceedit_app import export_commands
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.texts import say
+from faceedit_app.options import EditsOption, FpsOption, ModelsOption, TakeArgument
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.edits.splice import Splice
+
+_NUMBER = r"(\d+(?:\.\d*)?|\.\d+)"
+_CUT = re.compile(rf"{_NUMBER}-{_NUMBER}")
+_INSERT = re.compile(rf"{_NUMBER}\+{_NUMBER}")
+
+
+def retime(
+    take: TakeArgument,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="The new take; sound and film go beside it.")
+    ],
+    cut: Annotated[
+        Optional[list[str]],  # noqa: UP045  (typer reads the annotation at run time)
+        typer.Option(metavar="START-END", help="Seconds to cut out, such as 1.2-1.8; repeatable."),
+    ] = None,
+    insert: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(
+            metavar="AT+SECONDS",
+            help="Seconds to insert, in which the face rests, such as 2.0+0.5; repeatable.",
+        ),
+    ] = None,
+    words: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Its words (TextGrid or JSON); those of the new take go beside it."),
+    ] = None,
+    sound: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Its sound; default: what is found beside the take."),
+    ] = None,
+    film: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Its film; default: what is found beside the take."),
+    ] = None,
+    no_film: Annotated[bool, typer.Option("--no-film", help="Do not write the film.")] = False,
+    edits: EditsOption = None,
+    fps: FpsOption = None,
+    models: ModelsOption = None,
+) -> None:
+    """Cut time out of a take, or insert time; times are those of the take.
+
+    The take, its sound and its film stay as they are. All other frames keep their weights.
+    """
+    from faceedit_app.editing.filming import media_of
+    from faceedit_app.editing.splicing import write_spliced
+    from faceedit_app.formats.timing import counted
+    from faceedit_app.words.files import read_words, write_words
+
+    splices = [*_cuts(cut or []), *_inserts(insert or [])]
+    if not splices:
+        raise FaceEditError("retime needs --cut START-END or --insert AT+SECONDS")
+    grid = output.with_suffix(".TextGrid")
+    if words is not None and grid.exists():
+        raise FileError(grid, "exists", "choose another name for the new take")
+    said = read_words(words).transcript if words is not None else None
+    if words is not None and said is None:
+        raise FaceEditError(f"{words}: does not say when each word is said; align them first")
+    session = export_commands.edited_session(take, fps, edits, models, None)
+    media = media_of(session.take, sound, film)
+    written = write_spliced(
+        session.take, session.edited_clip(), splices, output, media, has_film=not no_film
+    )
+    if said is not None:
+        offset = 0.0 if media.sound is None else media.sound.offset
+        new = written.words(said.shifted(offset))
+        assert new is not None
+        write_words(grid, new, written.clip.duration)
+    clip = written.clip
+    say(f"{output}: {counted(len(clip), 'frame')}, {clip.duration:.2f} s; wrote {written.names}")
+    for line in written.remarks:
+        say(f"  {line}")
+
+
+def _cuts(given: list[str]) -> list[Splice]:
+    from faceedit_app.editing.edits.splice import Splice
+
+    return [Splice(*_numbers(_CUT, "--cut", one, "START-END, such as 1.2-1.8")) for one in given]
+
+
+def _inserts(given: list[str]) -> list[Splice]:
+    from faceedit_app.editing.edits.splice import Splice
+
+    pairs = [_numbers(_INSERT, "--insert", one, "AT+SECONDS, such as 2.0+0.5") for one in given]
+    return [Splice(at, at, seconds) for at, seconds in pairs]
+
+
+def _numbers(form: re.Pattern[str], name: str, text: str, wanted: str) -> tuple[float, float]:
+    found = form.fullmatch(text.strip())
+    if found is None:
+        raise FaceEditError(f"{name} {text}: must be {wanted}")
+    return float(found[1]), float(found[2])

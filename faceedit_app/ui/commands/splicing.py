@@ -1,0 +1,190 @@
+"""What the Edit menu does to a take's length: a new take without some time, or with more."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtWidgets import QProgressDialog
+
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.edits.splice_dialog import SpliceDialog
+
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.edits.splice import Splice
+    from faceedit_app.editing.session import EditSession
+    from faceedit_app.editing.splicing import Written
+    from faceedit_app.words.transcript import Transcript
+
+_FIRST = 0.5  # seconds that are inserted at first
+_AFTER_MS = 300  # what takes no longer shows no progress
+_PARTS = 1000  # of the progress bar
+
+
+class SpliceCommands(QObject):
+    """Writes shorter and longer copies of the open take, one at a time.
+
+    Args:
+        may_close: asks about edits that would be lost if another take were opened.
+    """
+
+    _advanced = Signal(float)  # share that is done; from the thread that writes
+
+    def __init__(self, workspace: Workspace, may_close: Callable[[], bool]) -> None:
+        super().__init__(workspace)
+        self._workspace, self._may_close = workspace, may_close
+        self._timeline = workspace.timeline
+        self._stop: threading.Event | None = None
+        self._progress: QProgressDialog | None = None
+        self._advanced.connect(self._show_progress, Qt.ConnectionType.QueuedConnection)
+
+    def shorten(self) -> None:
+        """Cut the selection out of take, sound and film."""
+        self._workspace.end_gestures()
+        selection, clip = self._timeline.selection, self._timeline.clip
+        if clip is None:
+            return
+        if selection is None or selection[1] <= selection[0]:
+            self._workspace.message.emit("Select the range to cut out first")
+            return
+        from faceedit_app.editing.edits.splice import Splice
+
+        start, end = selection
+        shown = self._workspace.shown_range(start, end)
+        left = max(clip.duration - (end - start), 0.0)
+        self._ask(
+            "Cut out and shorten",
+            f"{shown} is cut out; the take becomes {left:.2f} s long.",
+            None,
+            lambda _: Splice(start, end),
+        )
+
+    def lengthen(self) -> None:
+        """Insert time at the playhead into take, sound and film."""
+        self._workspace.end_gestures()
+        if self._timeline.clip is None:
+            return
+        from faceedit_app.editing.edits.splice import LONGEST_INSERT, Splice
+
+        at = self._timeline.time
+        self._ask(
+            "Insert time and lengthen",
+            f"At {at:.2f} s the face rests, without sound; all that follows becomes later.",
+            (_FIRST, LONGEST_INSERT),
+            lambda seconds: Splice(at, at, seconds),
+        )
+
+    def _ask(
+        self,
+        title: str,
+        text: str,
+        seconds: tuple[float, float] | None,
+        wanted: Callable[[float], Splice],
+    ) -> None:
+        session, media = self._workspace.session, self._workspace.media
+        if session is None or self._stop is not None:
+            return
+        pairs = (("sound", media.sound), ("film", media.film))
+        has = tuple(name for name, there in pairs if there is not None)
+
+        def make(length: float, has_film: bool) -> None:
+            if self._workspace.session is session:
+                self._write(session, wanted(length), has_film)
+
+        SpliceDialog(self._workspace.window, title, text, seconds, has, make).open()
+
+    def _write(self, session: EditSession, wanted: Splice, has_film: bool) -> None:
+        from faceedit_app.editing.splicing import ending_for, write_spliced
+        from faceedit_app.media.container import Abandoned
+
+        tail = "_longer" if wanted.seconds else "_shorter"
+        suggestion = self._workspace.suggest("export", tail, ending_for(session.take))
+        path = dialogs.ask_export(self._workspace.window, suggestion)
+        if path is None:
+            return
+        self._workspace.document.work_off()
+        stop = self._stop = threading.Event()
+        take, shown, words = session.take, session.edited_clip(), session.words
+        placement = self._workspace.media.placement
+
+        def advanced(share: float) -> bool:
+            self._advanced.emit(share)
+            return not stop.is_set()
+
+        def done(written: Written) -> None:
+            self._finish()
+            self._workspace.preferences.set_folder("export", path.resolve().parent)
+            text = ". ".join((f"Wrote {written.names}", *written.remarks))
+            self._workspace.message.emit(text)
+
+            def open_it() -> None:
+                if self._may_close():
+                    self._open(written, wanted, words)
+
+            self._workspace.offer.emit(text, "Open it", open_it)
+
+        def failed(error: Exception) -> None:
+            self._finish()
+            if isinstance(error, Abandoned):
+                self._workspace.message.emit("Cancelled; nothing was written")
+            elif isinstance(error, FaceEditError):
+                dialogs.show_error(self._workspace.window, error)
+            else:
+                raise error
+
+        self._open_progress(path.name, stop)
+        self._workspace.background.run(
+            lambda: write_spliced(take, shown, [wanted], path, placement, has_film, advanced),
+            done,
+            failed,
+        )
+
+    def _open(self, written: Written, wanted: Splice, words: Transcript | None) -> None:
+        """Open the new take with its words; inserted time is selected, ready to be filled."""
+        new = written.words(words)
+
+        def prepare(again: EditSession) -> None:
+            if new is not None and new.words:
+                again.begin_with(replace(again.state, words=new))
+
+        def select() -> None:
+            self._timeline.go_to_time(wanted.start)
+            if wanted.seconds:
+                self._timeline.select((wanted.start, wanted.start + wanted.seconds))
+
+        self._workspace.opener.open(written.path, prepare, select)
+
+    # --- progress ----------------------------------------------------------------------------
+
+    def _open_progress(self, name: str, stop: threading.Event) -> None:
+        window = self._workspace.window
+        progress = QProgressDialog(f"Writing {name}…", "Cancel", 0, _PARTS, window)
+        progress.setWindowTitle("New take")
+        progress.setMinimumDuration(_AFTER_MS)
+        progress.setWindowModality(Qt.WindowModality.NonModal)
+        progress.setAutoClose(False)
+        progress.setAutoReset(False)
+        progress.canceled.connect(stop.set)
+        self._progress = progress
+
+    def _show_progress(self, share: float) -> None:
+        if self._progress is not None and not self._progress.wasCanceled():
+            self._progress.setValue(round(_PARTS * share))
+
+    def _finish(self) -> None:
+        if self._progress is not None:
+            self._progress.canceled.disconnect()  # closing cancels
+            self._progress.close()
+            self._progress.deleteLater()
+        self._progress = self._stop = None
+
+    def stop(self) -> None:
+        """Give up, as the window closes."""
+        if self._stop is not None:
+            self._stop.set()
+            self._finish()

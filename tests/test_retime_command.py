@@ -1,0 +1,66 @@
+"""`faceedit retime`: a shorter or longer take, and one line for everything that is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from support.films import make_wav
+from support.speech import said
+from support.takes import make_plain_csv
+
+from faceedit_app.cli import main
+from faceedit_app.formats.opening import open_take
+from faceedit_app.words.files import read_words, write_words
+
+
+@pytest.fixture
+def complaint(capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Runs it where it must fail, and gives its one line."""
+
+    def run(*arguments: object) -> str:
+        capfd.readouterr()
+        assert main(["retime", *map(str, arguments)]) == 2
+        out, err = capfd.readouterr()
+        assert (out, len(err.splitlines())) == ("", 1), err
+        return err
+
+    return run
+
+
+def test_a_take_is_cut_and_lengthened_with_sound_and_words(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    take = make_plain_csv(tmp_path / "take.csv", 3.0)
+    make_wav(tmp_path / "take.wav", 3.0)
+    write_words(tmp_path / "take.TextGrid", said(("map", "M AE P"), start=1.6), 3.0)
+    new = tmp_path / "new.csv"
+    splices = ("--cut", "0.5-1.0", "--insert", "1.2+0.4", "--insert", "2.5+1")
+    words = ("--words", tmp_path / "take.TextGrid")
+    assert main(["retime", *map(str, (take, *splices, *words, "-o", new))]) == 0
+    assert f"{new}: 117 frames, 3.90 s; wrote new.csv, new.wav" in capfd.readouterr().out
+    assert open_take(new).clip.duration == pytest.approx(3.9)
+    found = read_words(tmp_path / "new.TextGrid").transcript
+    assert found is not None
+    assert found.words[0].start == pytest.approx(1.5, abs=1e-3)
+
+
+def test_wrong_usage_is_reported_and_nothing_is_written(
+    tmp_path: Path, complaint: Callable[..., str]
+) -> None:
+    take, new = make_plain_csv(tmp_path / "take.csv"), tmp_path / "new.csv"
+    lines = tmp_path / "lines.txt"
+    lines.write_text("map")
+    there = sorted(tmp_path.iterdir())
+    assert "--cut START-END or --insert" in complaint(take, "-o", new)
+    for wrong in ("1", "a-b", "1.0-", "-1-2", "1e3-2", "1-2-3", ""):
+        assert "must be START-END" in complaint(take, f"--cut={wrong}", "-o", new)
+    assert "must be AT+SECONDS" in complaint(take, "--insert", "1-2", "-o", new)
+    assert "outside the take" in complaint(take, "--cut", "1-9", "-o", new)
+    assert "over 0 s long" in complaint(take, "--cut", "1.5-1", "-o", new)
+    assert f"{take}: exists" in complaint(take, "--cut", "1-1.5", "-o", take)
+    assert "does not say when" in complaint(take, "--cut", "0-1", "--words", lines, "-o", new)
+    assert "none.csv" in complaint(tmp_path / "none.csv", "--cut", "1-1.5", "-o", new)
+    assert ".fbx" in complaint(take, "--cut", "1-1.5", "-o", tmp_path / "new.xyz")
+    assert sorted(tmp_path.iterdir()) == there
