@@ -109,7 +109,8 @@ def _ajar(model: FaceModel, gap: float) -> Doubles:
     upper, lower = (model.row(number) for number in CONTROL_PAIRS[CONTROL_INDEX[LIP_OPENING]])
     moves = model.moves[ARKIT_INDEX["jawOpen"]]
     opens = float(moves[upper, 1] - moves[lower, 1])
-    return max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    moved: Doubles = max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    return moved
 
 
 def _placed(seen: Doubles, poses: Poses) -> Doubles:

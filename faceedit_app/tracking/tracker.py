@@ -32,7 +32,7 @@ _GOOD = 0.9  # probability of a face in pictures that show the person's neutral 
 _TURNED = np.radians((35.0, 60.0))  # from here the far side is hidden, and there nothing is left
 _STRANGE = (2.0, 4.0)  # times the usual residual: what does not look like a face, or is hidden
 _MOMENT = 3  # pictures from one that is lost to the next, between which there is hardly a face
-_SMALLEST = 1.5  # mm, the least of these residuals
+_SMALLEST = 2.2  # mm, the least of these residuals; a wide open mouth of another shape has 2
 # Radians of Live Link Face's eye rotations at weight 1, measured on its recordings.
 _EYE_YAW, _EYE_PITCH = 0.6, 0.5
 _SMALL_FACE = 90.0  # pixels between chin and forehead
