@@ -36,6 +36,7 @@ from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
+from faceedit_app.editing.solving.neutral import divided
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import Request, active, request
@@ -200,9 +201,9 @@ class Solver:
         """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
         listening[JAW.id] = JAW.own
-        curves = [edit for edit in edits if not edit.channels]
+        curves, channels = divided(edits)
         tasks = self.chunks.tasks(self._possible(curves), settings, listening)
-        return self._channels.tasks(tasks, self._channels.possible(edits), self.chunks)
+        return self._channels.tasks(tasks, self._channels.possible(channels), self.chunks)
 
     def _possible(self, edits: Sequence[Edit]) -> Sequence[Edit]:
         """The edits without controls that the character lacks or the take cannot answer."""
@@ -219,7 +220,7 @@ class Solver:
             weights: (T, 52) the result of the edits.
         """
         columns = [ARKIT_INDEX[c] for c in self.clip.channels]
-        return self._fills.found(active(edits), lost.positions, weights)[:, columns]
+        return self._fills.found(active(divided(edits)[0]), lost.positions, weights)[:, columns]
 
     def solve(self, task: Task) -> Patch:
         """Compute one chunk."""
