@@ -179,7 +179,7 @@ class Completing:
             hold: (N, C) in 0..1, how firmly each curve is asked for.
         """
         added = np.zeros_like(change)
-        edited: Bools = given.any(axis=1)
+        edited: Bools = np.any(given, axis=1)
         patterns = _patterns(given[edited])
         if not len(patterns):
             return added
