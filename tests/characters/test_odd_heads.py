@@ -14,7 +14,6 @@ from support.heads import JAW, small_head
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
-
 _OBJECTS = ("SubDeformer", "Geometry")  # of a shape in an FBX
 
 
