@@ -56,9 +56,12 @@ def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface) -> Part:
     tip_points = surface.position(tips, BROWS.tip_lift)
     aside = np.cross(tip_points - root_points, trimesh.unitize(roots.read(surface.normals)))
     aside = trimesh.unitize(aside) * BROWS.width / 2
-    vertices = np.stack([root_points - aside, root_points + aside, tip_points], axis=1)
+    # Widest some way along, so that a strand is pointed at both ends, not cut off at its root.
+    widest = root_points + (tip_points - root_points) * BROWS.widest_at
+    vertices = np.stack([root_points - aside, widest + aside, tip_points], axis=1)
     root_delta, tip_delta = roots.read(skin.deltas), tips.read(skin.deltas)
-    deltas = np.stack([root_delta, root_delta, tip_delta], axis=2)
+    widest_delta = root_delta + (tip_delta - root_delta) * BROWS.widest_at
+    deltas = np.stack([root_delta, widest_delta, tip_delta], axis=2)
     shade = np.repeat(random.uniform(*BROWS.brightness, count), 3)[:, None]
     return make_part(
         f"brow{side}",

@@ -65,9 +65,11 @@ def _strands(name: str, edge: _Edge, eye: Eye, row: LashRow, skin: Part, surface
     root_delta = anchors.read(skin.deltas)
     tip = _between(edge.tips, _clumped(along, row.clump) + LASHES.sweep)
     tip = root + (tip - root) * length
-    tip_delta = root_delta
+    tip_delta, slimming = root_delta, np.zeros((CHANNEL_COUNT, row.strands, 1))
     if row is LASHES.upper:
-        tip_delta = tip_delta + _turn_with_lid(eye, root, root_delta, tip)
+        closing = _closing(eye, root_delta)
+        tip_delta = tip_delta + closing * _turn_when_closed(eye, root, root_delta, tip)
+        slimming = closing * LASHES.closed_slimming
     bend = [0.0, -row.bend, LASHES.bend_forward]
     middle = root + (tip - root) * LASHES.bend_at + bend
     middle_delta = root_delta + (tip_delta - root_delta) * LASHES.bend_at
@@ -75,7 +77,13 @@ def _strands(name: str, edge: _Edge, eye: Eye, row: LashRow, skin: Part, surface
     aside = trimesh.unitize(np.gradient(root, axis=0)) * row.width / 2
     slim = aside * LASHES.middle_width
     vertices = [root - aside, root + aside, middle - slim, middle + slim, tip]
-    deltas = [root_delta, root_delta, middle_delta, middle_delta, tip_delta]
+    deltas = [
+        root_delta + slimming * aside,
+        root_delta - slimming * aside,
+        middle_delta + slimming * slim,
+        middle_delta - slimming * slim,
+        tip_delta,
+    ]
     first = np.arange(row.strands)[:, None] * len(vertices)
     faces = np.concatenate([first + np.array(corners) for corners in _STRAND])
     return make_part(
@@ -95,15 +103,20 @@ def _clumped(along: Floats, clump: int) -> Floats:
     return np.asarray(along + (middle[group] - along) * LASHES.clumping)
 
 
-def _turn_with_lid(eye: Eye, root: Floats, root_delta: Floats, tip: Floats) -> Floats:
-    """Displacements (52, S, 3) that turn the upper lashes down as far as the lid is closed."""
+def _closing(eye: Eye, root_delta: Floats) -> Floats:
+    """How far each channel closes the upper lid at each strand, (52, S, 1); 1 is shut."""
+    blink = root_delta[ARKIT_INDEX[f"eyeBlink{eye.side}"]]
+    closing = root_delta[:, :, 1] / np.minimum(blink[:, 1], -LASHES.blink_from)
+    return np.asarray(np.clip(closing, *LASHES.turn_limits)[..., None])
+
+
+def _turn_when_closed(eye: Eye, root: Floats, root_delta: Floats, tip: Floats) -> Floats:
+    """Displacements (S, 3) that turn the tips of the upper lashes down when the lid is closed."""
     blink = root_delta[ARKIT_INDEX[f"eyeBlink{eye.side}"]]
     strand = tip - root
     out = trimesh.unitize(root + blink - eye.centre)
     closed = trimesh.unitize(LASHES.closed_out * out - [0, LASHES.closed_down, 0])
-    turn = closed * np.linalg.norm(strand, axis=1, keepdims=True) - strand
-    closing = root_delta[:, :, 1] / np.minimum(blink[:, 1], -LASHES.blink_from)
-    return np.asarray(np.clip(closing, *LASHES.turn_limits)[..., None] * turn)
+    return np.asarray(closed * np.linalg.norm(strand, axis=1, keepdims=True) - strand)
 
 
 def _line(name: str, edge: _Edge, row: LashRow) -> Part:

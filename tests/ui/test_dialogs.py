@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QDialog,
+    QFileDialog,
+    QMainWindow,
+    QMessageBox,
+    QWidget,
+)
 from pytestqt.qtbot import QtBot
 
 from faceedit_app.editing.files.pending import Pending
@@ -108,3 +115,21 @@ def test_recovery_counts_in_whole_sentences(
     assert dialogs.ask_recover(parent, pending) is dialogs.Recover.LATER
     assert said[0].startswith(words)
     assert ("single Undo" in said[0]) == (gestures > 1)
+
+
+@pytest.mark.parametrize(
+    ("said", "left"), [("Exporting a.csv…", ""), ("Saved a.csv", "Saved a.csv")]
+)
+def test_what_ended_in_an_error_is_no_longer_announced(qtbot: QtBot, said: str, left: str) -> None:
+    window = QMainWindow()
+    qtbot.addWidget(window)
+    window.statusBar().showMessage(said)
+    seen: list[str] = []
+
+    def look(box: QDialog) -> None:
+        seen.append(window.statusBar().currentMessage())
+        box.reject()
+
+    when_asked(look)
+    dialogs.show_error(window, "a.csv: the disk is full; choose another")
+    assert seen == [left]

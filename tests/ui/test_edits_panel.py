@@ -270,6 +270,14 @@ def test_a_name_that_says_its_curve_has_room_to_say_how_much(window: MainWindow)
     assert named.right() < min(place.left() for _, place in more)
 
 
+@pytest.mark.parametrize("width", [320, 403, 469, 470, 900])
+def test_the_name_of_an_edit_is_more_than_its_first_letters(window: MainWindow, width: int) -> None:
+    panel = panel_of(window)
+    index = panel.model.index(0)
+    (_, room), *_ = cells(QRectF(0, 0, width, 25), "Exaggerate", *index.data(COLUMNS))
+    assert panel.list.fontMetrics().horizontalAdvance("Exaggerate") < room.width()
+
+
 def test_a_row_between_two_pixels_leaves_no_line_behind(window: MainWindow) -> None:
     """At 150 % every other row begins in the middle of a pixel."""
     panel = panel_of(window)

@@ -75,6 +75,24 @@ def test_a_take_without_times_is_asked_about_and_opens(
     assert bench.errors == []
 
 
+def test_the_face_model_is_loaded_while_a_question_waits(
+    bench: Bench, untimed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A start with a take that has no frame rate, and an answer that takes long."""
+    window = bench.window(start=False)
+    settled: list[bool] = []
+    window.settled.connect(lambda: settled.append(True))
+
+    def think(*_: object) -> float:
+        bench.qtbot.waitUntil(lambda: bool(settled), timeout=15_000)
+        return 30.0
+
+    monkeypatch.setattr(dialogs, "ask_rate", think)
+    window.start(untimed)
+    wait_for(bench, window, untimed)
+    assert bench.errors == []
+
+
 def test_who_gives_no_rate_keeps_the_open_take(
     bench: Bench, untimed: Path, answered: Callable[[float | None], Asked]
 ) -> None:

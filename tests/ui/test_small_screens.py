@@ -11,6 +11,7 @@ from support.windows import Bench
 
 from faceedit_app.ui.character.checklist import CharacterChecklist
 from faceedit_app.ui.commands.help import about_dialog
+from faceedit_app.ui.look.widgets import Elided
 
 
 @pytest.mark.parametrize("kind", ["checklist", "about"])
@@ -45,3 +46,16 @@ def test_the_window_fits_1080_lines_at_twice_the_size(
     assert window.editor is not None
     bottom = window.editor.transport.mapTo(window, window.editor.transport.rect().bottomLeft())
     assert bottom.y() < window.height()
+
+
+def test_a_line_without_room_is_shown_in_short(qtbot: QtBot) -> None:
+    line = Elided()
+    qtbot.addWidget(line)
+    line.setText("3 edits · 3356 frames changed")
+    line.short = "3 edits"
+    line.resize(400, 20)
+    assert line.shown == "3 edits · 3356 frames changed"
+    line.resize(100, 20)
+    assert line.shown == "3 edits"
+    line.resize(20, 20)
+    assert line.shown.endswith("…")

@@ -23,6 +23,7 @@ from support.windows import Bench, FakeRenderer, drag_curve, drop, open_path, tr
 
 from faceedit_app import render
 from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped
 from faceedit_app.ui.start.application import Collector, keep_for_good, rarely_collect
 from faceedit_app.ui.state import loading
@@ -117,6 +118,24 @@ def test_missing_networks_are_told_without_being_in_the_way(bench: Bench) -> Non
     drag_curve(window, OPENING, 1.0, 20)
     assert window.document.session is not None
     assert len(window.document.session.edits) == 1
+
+
+def test_a_missing_character_is_reported_once(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both its own loading and that of the take end in it."""
+
+    def missing() -> None:
+        raise FileError("character.glb", "is missing", "install FaceEdit again")
+
+    monkeypatch.setattr(loading, "load_character", missing)
+    window = bench.window(start=False)
+    window.start(bench.take)
+    bench.qtbot.waitUntil(lambda: not window.workspace.opener.is_reading)
+    bench.qtbot.waitUntil(lambda: bool(bench.errors))
+    wait_for_background(window.workspace.background)
+    assert len(bench.errors) == 1
+    assert bench.errors[0].startswith("character.glb")
 
 
 def test_networks_answer_once_they_are_loaded(

@@ -107,7 +107,8 @@ class Brows:
     inner_drop: float = 1.2  # how far the inner end lies below its neighbour
     outer_extra: float = 1.0
     strands: int = 132
-    width: float = 0.42
+    width: float = 0.5
+    widest_at: float = 0.4  # share of a strand
     thickness: float = 4.6
     # Along the brow it swells from this share of the thickness as a sine of this pace, and
     # tapers by this share between two points.
@@ -159,7 +160,10 @@ class Lashes:
     bend_forward: float = 0.4
     # Direction of the upper lashes when the lid is closed: outwards, and downwards.
     closed_out: float = 0.92
-    closed_down: float = 0.42
+    closed_down: float = 0.36
+    # Share of their width that the upper lashes lose when the lid is closed. Half-way they point
+    # at the viewer, and what is wide then looks like teeth over the iris.
+    closed_slimming: float = 0.65
     blink_from: float = 0.1  # roots that a blink lowers less turn as if by this much
     turn_limits: tuple[float, float] = (-0.3, 1.2)  # of the turn of a closed lid
     seed: int = 5

@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import QDateTime, Qt
-from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QInputDialog,
+    QMainWindow,
+    QMessageBox,
+    QPushButton,
+    QWidget,
+)
 
 from faceedit_app.ui.commands import file_kinds
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
@@ -337,7 +344,9 @@ def ask_changed(parent: QWidget, name: str) -> Changed:
 
 
 def show_error(parent: QWidget | None, error: Exception | str) -> None:
-    """Show an error, in one line."""
+    """Show an error, in one line; what the window says it is doing has ended in it."""
+    if isinstance(parent, QMainWindow) and parent.statusBar().currentMessage().endswith("…"):
+        parent.statusBar().clearMessage()
     box = QMessageBox(QMessageBox.Icon.Warning, "FaceEdit", "", parent=parent)
     box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
     box.setText(str(error))

@@ -44,8 +44,6 @@ class TakeCommands:
             open_at(fps=chosen)
             return
         self._dropped = []
-        if self._workspace.rig is None:
-            self._workspace.opener.load_character()
 
     def change_rate(self) -> None:
         """Change the take's frame rate; its edits stay on their frames."""

@@ -56,13 +56,18 @@ class WebcamRecording:
         self._workspace.background.run(work, self._found, self._not_found)
 
     def _not_found(self, error: Exception) -> None:
-        self._is_looking = False
+        self._looked()
         if not isinstance(error, FaceEditError):
             raise error
         self._failed(error)
 
-    def _found(self, webcams: list[Webcam]) -> None:
+    def _looked(self) -> None:
+        """Take back the message: an error or a question follows, and may wait for long."""
         self._is_looking = False
+        self._workspace.message.emit("")
+
+    def _found(self, webcams: list[Webcam]) -> None:
+        self._looked()
         if not webcams:
             from faceedit_app.media.webcam import NO_WEBCAM
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from itertools import pairwise
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
@@ -40,6 +41,10 @@ class Rows(QScrollArea):
             self._grid.addWidget(plot, row, 1)
             self._grid.setRowStretch(row, 1)
         self._grid.setColumnStretch(1, 1)
+        stops: list[QWidget] = [plot for _, plot in pairs]
+        stops.insert(main, head)
+        for one, following in pairwise(stops):
+            QWidget.setTabOrder(one, following)
         self.setWidget(content)
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)

@@ -47,7 +47,7 @@ _ARROW = 14.0  # of a group
 _RIGHT = 8.0
 _STRENGTH = 50.0
 _RANGE = 116.0
-_NARROW = 400  # pixels below which the curves' names are left out
+_NARROW = 470  # pixels below which the curves' names would leave the edit's no room
 
 Index = QModelIndex | QPersistentModelIndex
 

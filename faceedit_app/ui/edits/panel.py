@@ -30,7 +30,7 @@ from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 _EMPTY = (
-    "No edits yet. Drag a curve, or click one of the fixes above.\n"
+    "No edits yet. Drag a curve, or click one of the fixes above. "
     "Each is listed here, to change its strength, switch it off or delete it."
 )
 MENU = ("toggle_edit", "rename_edit", "edit_up", "edit_down", "delete_edit")

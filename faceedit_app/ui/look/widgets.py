@@ -102,18 +102,24 @@ class Elided(QLabel):
     """A line of text that ends in an ellipsis if there is not enough room.
 
     It never widens the window; the tooltip has the whole line.
+
+    Attributes:
+        short: what is shown in place of a line that does not fit; "" for its beginning.
     """
 
     def __init__(self) -> None:
         super().__init__()
+        self.short = ""
         self.setTextFormat(Qt.TextFormat.PlainText)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
 
     @property
     def shown(self) -> str:
         """The visible text."""
-        room = self.contentsRect().width()
-        return self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room)
+        room, metrics, text = self.contentsRect().width(), self.fontMetrics(), self.text()
+        if self.short and metrics.horizontalAdvance(text) > room:
+            text = self.short
+        return metrics.elidedText(text, Qt.TextElideMode.ElideRight, room)
 
     @guarded
     def paintEvent(self, event: QPaintEvent) -> None:

@@ -92,6 +92,7 @@ class Editor(QWidget):
         self.lists.setDocumentMode(True)
         self.lists.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.lists.tabBar().setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.lists.tabBar().setAccessibleName("Lists")
         self.lists.addTab(self.edits, "Edits")
         self.lists.addTab(self.problem_list, "Problems")
         self.lists.addTab(self.expressions, "Expressions")

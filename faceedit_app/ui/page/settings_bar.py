@@ -84,11 +84,13 @@ class SettingsBar(QWidget):
         self._count()
 
     def _count(self) -> None:
-        session, text = self._document.session, ""
+        session, text, edits = self._document.session, "", ""
         if session is not None and not session.edits:
             text = "No edits"
         elif session is not None:
             frames = counted(session.changed_frames(), "frame")
-            text = f"{counted(len(session.edits), 'edit')} · {frames} changed"
+            edits = counted(len(session.edits), "edit")
+            text = f"{edits} · {frames} changed"
+        self.edits.short = edits
         self.edits.setText(text)
         self.edits.setToolTip(text)

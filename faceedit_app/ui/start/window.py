@@ -148,13 +148,12 @@ class MainWindow(WindowBase):
         """Start loading; call it once the window is on the screen."""
         self._background.run(loading.prepare_renderer, self._use_renderer, self._show_error)
         self.document.keeps_journal = self.document.awaits_engine = True
+        self.workspace.opener.load_character()  # before a question, which may wait for long
         if not offer_recovery(self.workspace):
             if take is not None:
                 self.commands.file.open(take)
             elif demo:
                 self.commands.file.open_demo()
-        if not self.workspace.opener.is_reading:
-            self.workspace.opener.load_character()
         if character is not None:
             self.commands.file.character.open(character)
         self.build_editor()

@@ -46,6 +46,7 @@ class TakeOpener(QObject):
         self._document, self._background = document, background
         self.rig: Rig | None = None
         self._wanted: Path | None = None
+        self._shown = ""  # an error that the take being read will end in as well
 
     @property
     def is_reading(self) -> bool:
@@ -102,20 +103,16 @@ class TakeOpener(QObject):
     def _failed(self, error: Exception) -> None:
         if not isinstance(error, FaceEditError):
             raise error
-        self.failed.emit(error)
-        if self.rig is None:
-            self.load_character(error)
+        if str(error) != self._shown:  # that of the character was shown as it was loaded
+            self.failed.emit(error)
+        self._shown = ""
 
-    def load_character(self, known: Exception | None = None) -> None:
-        """Load the character without a take.
-
-        Args:
-            known: an error already shown; the same one is not shown again.
-        """
+    def load_character(self) -> None:
+        """Load the character, whether or not a take is opened."""
 
         def failed(error: Exception) -> None:
-            if known is None or str(known) != str(error):
-                self.failed.emit(error)
+            self._shown = str(error) if self.is_reading else ""
+            self.failed.emit(error)
 
         self._background.run(loading.load_character, self.use_character, failed)
 
