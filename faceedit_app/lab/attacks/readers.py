@@ -35,6 +35,7 @@ from faceedit_app.formats.opening import encoded_take, open_take
 from faceedit_app.formats.registry import endings, writable
 from faceedit_app.media.film import Film
 from faceedit_app.media.sound import read_sound
+from faceedit_app.networks.completion import FOLDER, read_completion
 from faceedit_app.networks.region import read_region
 
 _ROWS = 40  # of the takes: enough to tell their times, small enough to read thousands
@@ -94,6 +95,8 @@ def all_readers(folder: Path) -> list[Reader]:
     readers.append(_reader("films", _film(folder / "film.mkv"), _read_film))
     model = next(shipped("models").glob("*.onnx"))
     readers.append(_reader("models", model, read_region))
+    model = next((shipped("models") / FOLDER).glob("*.onnx"))
+    readers.append(_reader("models", model, read_completion))
     rig = _small_rig()
     write_rig(folder / "head.glb", rig)
     readers.append(_reader("characters", folder / "head.glb", read_character))
