@@ -91,4 +91,8 @@ def test_what_is_filled_is_not_called_certain(tmp_path: Path) -> None:
     assert len(again) == COUNT
     assert again.confidence is not None
     assert again.confidence[20] == 0.0
+    assert main(["convert", str(path), str(tmp_path / "out.csv"), "--format", "csv"]) == 0
+    plain = open_take(tmp_path / "out.csv").clip
+    assert len(plain) == COUNT
+    assert plain.confidence == pytest.approx(again.confidence, abs=1e-6)
     assert again.confidence[19] == pytest.approx(SURE[19], abs=6e-4)
