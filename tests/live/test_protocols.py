@@ -16,7 +16,7 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.live import ifacialmocap, livelink, vmc
-from faceedit_app.live.pose import BadPacket, Pose
+from faceedit_app.live.pose import BadPacket, Pose, second_of_day
 from faceedit_app.live.protocols import (
     LOOPBACK,
     PROTOCOLS,
@@ -28,6 +28,13 @@ from faceedit_app.live.protocols import (
 
 WEIGHTS = np.linspace(0, 1, 52).astype(np.float32)
 POSE = Pose(WEIGHTS, 3723.5125, 60.0, "FaceEdit")
+
+
+def test_the_clock_of_what_is_sent_goes_on_as_a_second_ends() -> None:
+    at = [second_of_day(1_700_000_000.0 + part) for part in (0.0, 0.5, 0.9995, 1.0, 1.25)]
+    assert np.diff(at) == pytest.approx([0.5, 0.4995, 0.0005, 0.25], abs=1e-6)
+    assert at[0] % 60 == 1_700_000_000 % 60  # time zones differ by whole minutes
+    assert 0 <= second_of_day() < 24 * 3600 + 1  # a leap second
 
 
 # --- Live Link Face ------------------------------------------------------------------------------
