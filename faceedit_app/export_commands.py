@@ -105,6 +105,7 @@ def batch(
     ] = None,
     take_fps: TakeFpsOption = None,
     character: CharacterOption = None,
+    follow_head: FollowHeadOption = False,
     models: ModelsOption = None,
     scheduler: Annotated[
         Optional[str],  # noqa: UP045
@@ -115,7 +116,7 @@ def batch(
     """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
 
     Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
-    With --character, lips and lids also close on that character.
+    With --character, lips and lids also close on that character; --format glb writes the character.
     """
     from faceedit_app import batch as batches
     from faceedit_app import batch_report
@@ -129,6 +130,7 @@ def batch(
         character=None if character is None else str(character.absolute()),
         fps=take_fps,
         models=None if models is None else str(models.absolute()),
+        follows_head=follow_head,
     )
     tasks = batches.plan(source, output, recipe)
     log = batches.Log(output)

@@ -78,11 +78,11 @@ def _plain(path: Path) -> Character:
     visual = mesh.visual
     if isinstance(visual, trimesh.visual.TextureVisuals) and visual.uv is not None:
         uv = np.asarray(visual.uv, np.float64) * (1, -1) + (0, 1)
-        places = finite(uv, "texture coordinates").astype(np.float32)
-        part = replace(part, uv=places, surface=Surface("scan", texture=beside.texture))
+        placed = finite(uv, "texture coordinates").astype(np.float32)
+        part = replace(part, uv=placed, surface=Surface("scan", texture=beside.texture))
         return Character(path, kind.upper(), (part,))
     if isinstance(visual, trimesh.visual.ColorVisuals) and visual.kind == "vertex":
-        colors: Floats = np.asarray(visual.vertex_colors, np.float32) / np.float32(255.0)
+        colors = np.asarray(visual.vertex_colors, np.float32) / 255.0
         colors[:, :3] = linear(colors[:, :3])
         part = replace(part, colors=colors)
     return Character(path, kind.upper(), (part,))
