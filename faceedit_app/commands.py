@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
@@ -69,9 +71,8 @@ app.command("webcam")(tracking_commands.webcam)
 
 def run_command(given: list[str]) -> int:
     """Run one command; returns its exit code: 2 after one line about wrong usage."""
-    _add_laboratory()
     try:
-        return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
+        return int(_command()(given, prog_name="faceedit", standalone_mode=False) or 0)
     except typer.TyperException as error:
         say(f"faceedit: {error.format_message()}", to=sys.stderr)
         return USAGE_ERROR
@@ -256,6 +257,13 @@ def _size(text: str) -> tuple[int, int]:
     if not (16 <= width <= 4096 and 16 <= height <= 4096):
         raise FaceEditError(f"--size {text}: each side must be 16 to 4096 pixels")
     return width, height
+
+
+@cache
+def _command() -> Callable[..., Any]:
+    """All commands as one, which is built at the first call and kept."""
+    _add_laboratory()
+    return typer.main.get_command(app)
 
 
 def _add_laboratory() -> None:

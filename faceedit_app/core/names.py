@@ -17,7 +17,11 @@ import re
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
 # A point may also stand before a side (`eyeBlink.L`) or a word for the number (`jawOpen.weight`).
-_NAMESPACE = re.compile(r"^.*[.:|/](?!(?:l|r|left|right|values?|weights?|scores?)$)", re.IGNORECASE)
+# ARKit's own constants begin as one word.
+_NAMESPACE = re.compile(
+    r"^(?:.*[.:|/](?!(?:l|r|left|right|values?|weights?|scores?|val)$)|k?ARBlendShapeLocation)",
+    re.IGNORECASE,
+)
 _BRACKETS = re.compile(
     r"(?P<before>[^\[\](){}]*)[\[({]['\"]?(?P<inside>[^\[\](){}'\"]*)['\"]?[\])}]"
     r"(?:\.(?:value|weight))?"
@@ -30,7 +34,7 @@ _PREFIX = re.compile(
 _BETWEEN_WORDS = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _BETWEEN_PARTS = re.compile(r"[\W_]+")
 _LONGEST = 200  # characters; a longer text is not a name
-_NUMBER_WORDS = {"value", "values", "weight", "weights", "score", "scores"}
+_NUMBER_WORDS = {"value", "values", "weight", "weights", "score", "scores", "val"}
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 

@@ -300,7 +300,8 @@ def _decimal(lines: Sequence[bytes], header: int, delimiter: bytes) -> bytes:
     """What stands before the decimals of the numbers in the first rows."""
     rows = [line.rstrip(b"\r\n") for line in lines[header + 1 : header + 1 + _PREAMBLE]]
     cells = [cell for row in rows for cell in split_line(row, delimiter) or ()]
-    return b"," if any(map(_DECIMAL_COMMA.fullmatch, cells)) else b"."
+    commas = sum(1 for cell in cells if _DECIMAL_COMMA.fullmatch(cell))
+    return b"," if commas > sum(1 for cell in cells if b"." in cell) else b"."
 
 
 def _is_comment(line: bytes) -> bool:

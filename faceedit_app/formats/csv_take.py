@@ -62,7 +62,9 @@ def write(clip: Clip) -> bytes:
     for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True):
         lines.append(",".join([f"{time:.6f}", *(f"{value:.6f}" for value in row)]))
     if clip.confidence is not None:
-        sure = [CONFIDENCE, *(f"{value:.3f}" for value in clip.confidence.tolist())]
+        # A confidence of 0 would mean that the face was lost.
+        cells = (f"{max(v, 1e-3):.3f}" if v > 0 else "" for v in clip.confidence.tolist())
+        sure = [CONFIDENCE, *cells]
         lines = [f"{line},{cell}" for line, cell in zip(lines, sure, strict=True)]
     return ("\n".join(lines) + "\n").encode()
 
@@ -171,10 +173,10 @@ def _confidence(rows: Rows, place: int) -> Floats | None:
     """(T,) of a text column; None if it holds something else than numbers from 0 to 1."""
     frames = np.flatnonzero(~rows.lost).tolist()
     try:
-        found = np.array([rows.texts[row][place] for row in frames], np.float32)
+        found = np.array([float(rows.texts[row][place] or 0) for row in frames], np.float64)
     except ValueError:
         return None
-    return found if ((found >= 0.0) & (found <= 1.0)).all() else None
+    return found.astype(np.float32) if ((found >= 0.0) & (found <= 1.0)).all() else None
 
 
 def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:

@@ -114,7 +114,7 @@ _FOREIGN: tuple[Foreign, ...] = (
             "write its blendShape curves as CSV with a line of ARKit names at the top",
             _has(b"tag:unity3d.com")),
     Foreign("holds action units, which are not ARKit's blendshapes",
-            "open the film that they were measured in", _matches(_ACTION_UNIT)),
+            "open the film itself, which FaceEdit tracks", _matches(_ACTION_UNIT)),
     Foreign("is a web page", "download the file itself, signed in if need be",
             _matches(_WEB_PAGE)),
     Foreign("is a pointer of Git LFS, not the file itself", "fetch it with git lfs pull",

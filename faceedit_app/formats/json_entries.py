@@ -48,7 +48,7 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
     lost = [_is_lost(text, entry) for entry in entries]
     if not all(lost):  # else the flag is never set
         weights = [{} if gone else row for gone, row in zip(lost, weights, strict=True)]
-    clock = clock_of(next(entry for entry, row in zip(entries, sets, strict=True) if row))
+    clock = _running_clock(text, [entry for entry, row in zip(entries, sets, strict=True) if row])
     named = dict.fromkeys(name for row in weights for name in row)
     names = [name for name in named if not clock or name != clock[-1]]
     times = [value_at(entry, clock) for entry in entries] if clock else list(keys)
@@ -187,14 +187,28 @@ def _clock_keys(entry: Mapping[str, Any]) -> list[str]:
 
 def clock_of(frame: Any) -> tuple[str, ...]:
     """Where a frame's time is: its key, below another one if need be; empty if there is none."""
+    return next(_clocks(frame), ())
+
+
+def _clocks(frame: Any) -> Iterator[tuple[str, ...]]:
+    """Where a frame's times may be, the most reliable first."""
     entry = as_object(frame)
-    for key in _clock_keys(entry):
-        return (key,)
+    yield from ((key,) for key in _clock_keys(entry))
     for key, value in entry.items():
-        below = clock_of(value) if isinstance(value, dict) else ()
-        if below:
-            return (key, *below)
-    return ()
+        if isinstance(value, dict):
+            yield from ((key, *below) for below in _clocks(value))
+
+
+def _running_clock(text: JsonText, frames: Sequence[Any]) -> tuple[str, ...]:
+    """Where the times of frames are: the first place that is not the same in all of them."""
+    found = list(_clocks(frames[0]))
+    tried = (frames[0], frames[len(frames) // 2], frames[-1])
+    running = (
+        keys
+        for keys in found
+        if len({_text_of(text, value_at(frame, keys)) for frame in tried}) > 1
+    )
+    return next(running, next(iter(found), ()))
 
 
 def value_at(entry: Any, keys: Sequence[str]) -> Any:
@@ -219,7 +233,7 @@ def single_weights(text: JsonText, naming: Naming, rate: float | None) -> JsonFr
     clocks = _clock_keys(as_object(entries[0]))
     named = [pair for entry in entries if (pair := _named_number(entry)) is not None]
     kept = [as_object(entry) for entry in entries if _named_number(entry) is not None]
-    keys: list[Key] = [tuple(str(_text_of(text, entry.get(k))) for k in clocks) for entry in kept]
+    keys: list[Key] = [tuple(_text_of(text, entry.get(k)) for k in clocks) for entry in kept]
     try:
         _, names, places = group([name for name, _ in named], keys)
     except Repeated as repeated:
@@ -227,10 +241,10 @@ def single_weights(text: JsonText, naming: Naming, rate: float | None) -> JsonFr
         problem = f'gives "{shown(name)}" twice at the same time'
         raise text.error(problem, "keep the weights of one face", int(place)) from None
     weights = [[named[n][1] if n >= 0 else None for n in row] for row in places.tolist()]
-    times = [kept[int(row.max())][clocks[0]] for row in places] if clocks else ()
+    times = [kept[int(row.max())].get(clocks[0]) for row in places] if clocks else ()
     return JsonFrames(names, weights, times, clocks[0] if clocks else "time", rate, naming)
 
 
-def _text_of(text: JsonText, value: Any) -> Any:
+def _text_of(text: JsonText, value: Any) -> str:
     number = text.number(value)
-    return value if number is None else number
+    return str(value if number is None else number)

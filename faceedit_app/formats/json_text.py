@@ -220,5 +220,11 @@ def as_object(entry: Any) -> Mapping[str, Any]:
 
 
 def as_list(entry: Any) -> list[Any]:
-    """The entry if it is a JSON list, else an empty one."""
+    """The entry if it is a JSON list, else an empty one.
+
+    An object with the keys 0, 1, 2 and so on is a list, as JavaScript writes typed arrays.
+    """
+    if isinstance(entry, dict) and "0" in entry:
+        values = [entry.get(str(k)) for k in range(len(entry))]
+        return values if None not in values else []
     return entry if isinstance(entry, list) else []

@@ -55,7 +55,7 @@ def group(
 def _turns(names: Sequence[str]) -> list[Key]:
     """Per entry, the how manieth of its name it is."""
     seen: dict[str, int] = {}
-    keys = []
+    keys: list[Key] = []
     for name in names:
         seen[name] = seen.get(name, -1) + 1
         keys.append((str(seen[name]),))

@@ -157,6 +157,7 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
         rows.append(cells)
     layout = _layout(table, rows[:_SAMPLE], naming)
     names = [plain_text(row[layout.name]) for row in rows]
+    layout = _without_counters(table, rows, layout)
     keys: list[Key] = [tuple(table.text(row[k]) for k in layout.clocks) for row in rows]
     try:
         frames, found, entries = group(names, keys)
@@ -195,6 +196,12 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
         lambda scale: source(scale=scale),
         lambda frame, k: lines[int(places[frame, k])] + 1,
     )
+
+
+def _without_counters(table: Table, rows: Sequence[Cells], layout: Layout) -> Layout:
+    """The layout without columns that number the lines, which are no times of frames."""
+    kept = tuple(k for k in layout.clocks if len({table.text(row[k]) for row in rows}) < len(rows))
+    return replace(layout, clocks=kept)
 
 
 def _timecodes(

@@ -150,12 +150,12 @@ def _series(entry: Any) -> dict[str, list[Any]]:
     """The lists of an object, or of `[{"name": "jawOpen", "values": [...]}, ...]`, by name."""
     if isinstance(entry, dict):
         items = islice(entry.items(), MOST_NAMES)
-        return {name: value for name, value in items if isinstance(value, list)}
+        return {name: series for name, value in items if (series := as_list(value))}
     found = {}
     for one in map(as_object, as_list(entry)[:MOST_NAMES]):
         name = next((one[k] for k in one if letters(k) in NAMES and is_text(one[k])), None)
-        series = next((one[key] for key in _SERIES if isinstance(one.get(key), list)), None)
-        if name is not None and series is not None:
+        series = next((values for key in _SERIES if (values := as_list(one.get(key)))), [])
+        if name is not None and series:
             found[name] = series
     return found
 
@@ -174,6 +174,10 @@ def _matrix(text: JsonText, naming: Naming, rate: float | None) -> JsonFrames | 
             weights = [_row(entry, len(names)) for entry in entries]
             clock = next((found for entry in entries if (found := clock_of(entry))), ())
             times = [value_at(entry, clock) for entry in entries] if clock else []
+            column = next(iter(time_columns(names)), None)
+            if column is not None and not times:
+                clock = (names[column],)
+                times = [row[column] if row else None for row in weights]
             if None in times or not times:
                 times = list(_found_times(document, len(entries)))
             return JsonFrames(names, weights, times, clock[-1] if clock else "time", rate, naming)

@@ -14,6 +14,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats import (
     audio2face,
+    azure_speech,
     csv_take,
     facecap,
     glb_animation,
@@ -89,6 +90,9 @@ FORMATS: tuple[Format, ...] = (
                 "(Mocap > Import Audio2Face)"),
                ("Maya, Omniverse", "Audio2Face's own importers of blendshape weights read it"),
            )),
+    Format("azure", azure_speech.FORMAT, (".json", ".jsonl"), "application/json",
+           "programs that save the blend shapes of Azure's text to speech",
+           azure_speech.sniff, azure_speech.read),
     Format("facecap", facecap.FORMAT, (".txt",), "",
            "Face Cap on an iPhone", facecap.sniff, facecap.read),
     Format("ifacialmocap", ifacialmocap.FORMAT, (".txt",), "",

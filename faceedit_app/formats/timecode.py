@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from faceedit_app.core.arrays import Times
+from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.timecode_readings import (
     BASES,
     MILLISECONDS,
@@ -28,7 +29,6 @@ from faceedit_app.formats.timing import (
     counted,
     format_rate,
     join_recordings,
-    nominal_rate,
     set_back,
     single_row,
     time_rows,

@@ -136,9 +136,9 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
             return nearest, _assumed(nearest) if few and nearest - fall > step / 2 else ()
         if few:
             # An unusual base takes more proof; frames lost at the second are likelier.
-            base = next((base for base in possible if base >= fall), None)
-            if base is not None:
-                return base, _assumed(base)
+            likely = [base for base in possible if base >= fall]
+            if likely:
+                return likely[0], _assumed(likely[0])
         if round(fall) > most:
             return round(fall), ()
     base = assumed_base(stamps)

@@ -12,22 +12,17 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Indices, Times
 from faceedit_app.core.clip import Gap
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.rates import nominal_rate
+from faceedit_app.formats.uneven import evened, is_uneven
 
 DEFAULT_RATE = 60.0
-COMMON_RATES = (24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 90.0, 120.0)
 SLOWEST, FASTEST = 1.2, 1000.0  # frames per second; other rates are impossible
-_RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
-_BROADCAST_RATES = tuple(rate * 1000 / 1001 for rate in (24, 30, 48, 60, 120))
-# 29.97 and 30 are 0.1 % apart: the lower rate is chosen only if it is clearly nearer.
-_BROADCAST_TOLERANCE = 0.0003
-_ROUNDED = 0.0045  # the rounding error of a broadcast rate with two decimals
-# Cameras drift from their nominal rate; Live Link Face at "60" was measured at 59.9.
-_DRIFT = 0.005
 _GAP = 1.5  # steps of at least this many frames have a frame missing
 _BREAK = 3  # after a step of this many frames the phase may be another
 _SHORT = 8  # steps; fewer do not show which is the usual one
 _OFF = 0.05  # share of a step by which its multiples may be off
 _MOST_LOST = 60  # steps that lost frames may make, in a take of a few rows
+_FEWEST_TICKS = 2  # changes of a clock that is slower than the rows
 _FEW = 4  # steps of at most this many frames measure the rate
 _LONGEST_GAP = 3600.0  # seconds; rows farther apart are two recordings in one file
 _HOUR, _HOUR_OFF = 3600.0, 2.0  # seconds that a clock is set back at the end of summer, and a row
@@ -126,6 +121,9 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
     steps = np.diff(seconds)
     if not np.any(steps > 0):
         raise NoTimes("has the same time in every row")
+    together = np.any(steps == 0) and not np.any(steps < 0)
+    if together and is_uneven(steps[steps > 0], typical_step(steps)) and (found := evened(steps)):
+        return _uneven(*found, notes)
     repeats = _check_order(steps)
     frames, period, uncertainty = _count_frames(seconds, steps, resolution, repeats)
     if not SLOWEST <= 1 / period <= FASTEST:
@@ -142,6 +140,8 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
         even = _even(seconds, frames, period, slack)
     if even is None and repeats:
         raise NoTimes("has times that do not run forward")
+    if even is None and is_uneven(steps, period) and (found := evened(steps)):
+        return _uneven(*found, notes)
     if rate is None:
         rate = 1 / period
         notes = (*notes, unusual_rate(rate))
@@ -150,6 +150,11 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
         notes = (*notes, f"{note} {format_rate(rate)}")
     times = seconds if even is None else even
     return Timing(times - times[0], rate, notes)
+
+
+def _uneven(times: Times, rate: float, notes: tuple[str, ...]) -> Timing:
+    note = f"times come unevenly: rows are evenly spaced at {format_rate(rate)}"
+    return Timing(times, rate, (*notes, note))
 
 
 def single_row() -> Timing:
@@ -226,6 +231,8 @@ def _count_frames(
         # The clock is slower than the rows: count the rows between its first and last change.
         frames = np.where(steps <= _FEW * period, 1.0, np.round(steps / period))
         ticks = np.flatnonzero(steps > 0)
+        if len(ticks) < _FEWEST_TICKS:
+            raise NoTimes("has times that are too coarse to show its frame rate")
         whole = slice(ticks[0] + 1, ticks[-1] + 1) if len(ticks) > 1 else slice(None)
         few = frames[whole] == 1
         period = float(steps[whole][few].mean())
@@ -311,28 +318,6 @@ def _resolution(seconds: Times, noise: float) -> float:
         if np.allclose(scaled, np.round(scaled), rtol=0, atol=slack):
             return float(10.0**-decimals)
     return 0.0
-
-
-def nominal_rate(measured: float, uncertainty: float) -> float | None:
-    """The standard rate that fits a measured one, or None.
-
-    Args:
-        measured: frames per second.
-        uncertainty: the relative error of the measurement.
-    """
-    if uncertainty <= _BROADCAST_TOLERANCE:
-        for rate in _BROADCAST_RATES:
-            if abs(measured / rate - 1) <= _BROADCAST_TOLERANCE:
-                return rate
-    nearest = min(_RATES, key=lambda rate: abs(measured / rate - 1))
-    if abs(measured / nearest - 1) <= max(_DRIFT, min(uncertainty, 0.05)):
-        return float(nearest)
-    return None
-
-
-def exact_rate(rate: float) -> float:
-    """The broadcast rate that a rounded one stands for (23.976, 29.97, 59.94), else the rate."""
-    return next((exact for exact in _BROADCAST_RATES if abs(rate - exact) < _ROUNDED), rate)
 
 
 def typical_step(steps: Times) -> float:

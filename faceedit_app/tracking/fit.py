@@ -33,7 +33,7 @@ _ROUNDS = 3  # of pose and weights in turn
 _JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
 # Landmarks do not show these; noise would puff the cheeks of a head that is turned.
 _SEEN = ~np.isin(ARKIT_CHANNELS, ("cheekPuff", "tongueOut"))
-_TURNED = np.radians((10.0, 25.0))
+_TURNED = np.radians((5.0, 20.0))
 _OTHERS = 0.3  # how much skin that moves shows of the pose, once it is known how it moves
 
 
@@ -62,7 +62,7 @@ class FitSettings:
     lid: float = 0.15
     gap_share: float = 0.05
     depth: float = 0.2
-    across: tuple[float, float] = (2.0, 0.3)
+    across: tuple[float, float] = (2.0, 0.1)
     sparse: float = 1.0
     weight: float = 0.25
     acceleration: float = 40.0

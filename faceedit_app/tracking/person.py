@@ -39,6 +39,7 @@ class Person:
         lens: how the camera sees them.
         touch: mm between the lips where they touch.
         lids: (2, 2) mm between the lids, left and right: shut, and at rest.
+        is_ajar: whether the lips never touch.
     """
 
     rest: Doubles
@@ -46,6 +47,7 @@ class Person:
     lens: Lens
     touch: float
     lids: Doubles
+    is_ajar: bool = False
 
 
 def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -> Person:
@@ -68,8 +70,8 @@ def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -
     calm = np.isin(used, neutral)
     depth = _DEPTH * (np.median(placed[calm, :, 2], axis=0) - model.rest[:, 2])
     # The iris's depth is not measured, and would turn the eyes with the head.
-    pupils, lids = (np.isin(model.numbers, some) for some in (IRISES, LIDS_AROUND))
-    depth[pupils] = depth[lids].mean()
+    pupils, around = (np.isin(model.numbers, some) for some in (IRISES, LIDS_AROUND))
+    depth[pupils] = depth[around].mean()
     rest = model.rest.copy()
     rest[:, 2] += depth
     poses = fit_poses(some, rest, model.steady)
@@ -77,10 +79,9 @@ def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -
     rest[:, :2] = np.median(flat[calm], axis=0)
     rest[pupils, :2] = np.median(flat[:, pupils], axis=0)
     rest -= _ajar(model, float(np.median(gaps[LIP_OPENING][calm])))
-    touch = _touch(gap_of(model, flat, LIP_OPENING))
-    return Person(
-        rest, neutral, lens, touch, np.array([_lid(gap_of(model, flat, c)) for c in LIDS])
-    )
+    touch, is_ajar = _touch(gap_of(model, flat, LIP_OPENING))
+    lids = np.array([_lid(gap_of(model, flat, control)) for control in LIDS])
+    return Person(rest, neutral, lens, touch, lids, is_ajar)
 
 
 def _lens(model: FaceModel, seen: Doubles, middle: Doubles) -> tuple[Lens, Poses]:
@@ -108,7 +109,8 @@ def _ajar(model: FaceModel, gap: float) -> Doubles:
     upper, lower = (model.row(number) for number in CONTROL_PAIRS[CONTROL_INDEX[LIP_OPENING]])
     moves = model.moves[ARKIT_INDEX["jawOpen"]]
     opens = float(moves[upper, 1] - moves[lower, 1])
-    return max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    moved: Doubles = max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    return moved
 
 
 def _placed(seen: Doubles, poses: Poses) -> Doubles:
@@ -148,13 +150,14 @@ def _quiet(gaps: dict[str, Doubles]) -> Indices:
     return np.argsort(unrest, kind="stable")[:count].astype(np.intp)
 
 
-def _touch(gap: Doubles) -> float:
-    """Mm between the landmarks of lips that touch, from the distance in all pictures (T,).
+def _touch(gap: Doubles) -> tuple[float, bool]:
+    """Mm between the landmarks of lips that touch, and whether they never do, by all pictures (T,).
 
     Lips that touch look alike in many pictures, and a little closer in some.
     """
     least = float(np.percentile(gap, _TOUCH))
-    return min(float(np.median(gap[gap <= least + _ALIKE])), _FARTHEST_TOUCH)
+    touch = float(np.median(gap[gap <= least + _ALIKE]))
+    return min(touch, _FARTHEST_TOUCH), least > _FARTHEST_TOUCH
 
 
 def _lid(gap: Doubles) -> Doubles:

@@ -27,8 +27,8 @@ _CLEAN = 29.0  # dB between loud and quiet frames; with less noise, sounds stay 
 _BLOCK = 60 * RATE  # samples, over which noise counts as steady
 _SHORTEST = RATE  # samples, in which noise can be told from speech
 _FRAME, _HOP, _FFT = 400, 160, 512  # samples: 25 and 10 ms
-_QUIET = 0.3  # quantile of a band's frames that is noise
-_OVER = 2.0  # times the noise that is taken away: its frames vary
+# The quantile of a band's frames that is noise, and how many times it is taken away: frames vary.
+_WAYS = ((0.3, 2.0), (0.3, 1.0), (0.5, 2.0))
 _FLOOR = 0.05  # of the amplitude stays, so that nothing rings
 _SMOOTH = 30  # frames over which loudness is measured
 _MARGIN = 30  # frames of silence that stay beside speech
@@ -40,8 +40,10 @@ class Stopped(FaceEditError):
     """The user cancelled it."""
 
 
-def without_noise(voice: Samples, progress: Callable[[float], bool]) -> Samples:
-    """The sound with less noise if it has any; the same sound if it is clean.
+def views(voice: Samples, progress: Callable[[float], bool]) -> tuple[Samples, ...]:
+    """A noisy sound with less noise, taken out in several ways; the sound alone if it is clean.
+
+    Each way moves other edges of words; their median is right more often than any of them.
 
     Args:
         voice: (N,) int16 at 16 kHz.
@@ -51,13 +53,16 @@ def without_noise(voice: Samples, progress: Callable[[float], bool]) -> Samples:
         Stopped: `progress` said so.
     """
     if len(voice) < _SHORTEST or _contrast(voice) > _CLEAN:
-        return voice
+        return (voice,)
     cleaned = []
-    for block in np.array_split(voice, max(round(len(voice) / _BLOCK), 1)):
-        if not progress(0.0):
-            raise Stopped("Cancelled")
-        cleaned.append(_subtracted(block))
-    return np.concatenate(cleaned)
+    for quiet, over in _WAYS:
+        blocks = []
+        for block in np.array_split(voice, max(round(len(voice) / _BLOCK), 1)):
+            if not progress(0.0):
+                raise Stopped("Cancelled")
+            blocks.append(_subtracted(block, quiet, over))
+        cleaned.append(np.concatenate(blocks))
+    return tuple(cleaned)
 
 
 @dataclass(frozen=True)
@@ -132,13 +137,13 @@ def _contrast(voice: Samples) -> float:
     return 10.0 * float(np.log10(max(high, 1.0) / max(low, 1.0)))
 
 
-def _subtracted(voice: Samples) -> Samples:
+def _subtracted(voice: Samples, quiet: float, over: float) -> Samples:
     window = np.hanning(_FRAME + 1)[:-1].astype(np.float32)
     padded = np.pad(voice.astype(np.float32), (_FRAME, 2 * _FRAME))
     frames = sliding_window_view(padded, _FRAME)[::_HOP] * window
     bands = np.fft.rfft(frames, _FFT).astype(np.complex64)
     power = np.square(np.abs(bands))
-    noise = _OVER * np.quantile(power, _QUIET, axis=0)
+    noise = over * np.quantile(power, quiet, axis=0)
     bands *= np.maximum(1.0 - noise / np.maximum(power, 1e-9), _FLOOR)
     parts = np.fft.irfft(bands, _FFT)[:, :_FRAME] * window
     sound, weight = np.zeros(len(padded)), np.full(len(padded), 1e-6)
@@ -147,5 +152,5 @@ def _subtracted(voice: Samples) -> Samples:
         sound[at] += part
         weight[at] += window**2
     cleaned = (sound / weight)[_FRAME : _FRAME + len(voice)]
-    quiet: Samples = np.clip(np.rint(cleaned), -32768, 32767).astype(np.int16)
-    return quiet
+    less: Samples = np.clip(np.rint(cleaned), -32768, 32767).astype(np.int16)
+    return less

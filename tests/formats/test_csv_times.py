@@ -359,3 +359,27 @@ def test_a_local_clock_that_is_set_back_does_not_stop_the_take(tmp_path: Path, f
     assert take.clip.rate == 30
     assert take.clip.duration == pytest.approx(2, abs=0.04)
     assert any("goes back by an hour" in note for note in take.notes)
+
+
+@pytest.mark.parametrize("spread", [0.004, 0.008, 0.015])
+@pytest.mark.parametrize(("rate", "lost"), [(25, 0), (30, 0), (60, 0), (30, 0.05), (60, 0.05)])
+def test_times_of_arrival_give_the_rate_at_which_frames_were_sent(
+    tmp_path: Path, rate: int, lost: float, spread: float
+) -> None:
+    """As a script notes them that receives a phone's frames over the network."""
+    drawn = np.random.default_rng(rate)
+    kept = np.flatnonzero(np.append(drawn.random(598) >= lost, [True, True]))
+    arrived = EPOCH + kept / rate + drawn.exponential(spread, len(kept))
+    arrived = np.maximum.accumulate(arrived)  # some arrive together
+    take = with_times(tmp_path, "timestamp", [f"{t:.3f}" for t in arrived])
+    clip = take.clip
+    assert clip.rate == pytest.approx(rate, rel=0.005)
+    missing = sum(gap.missing for gap in clip.gaps)
+    assert missing == pytest.approx(600 - len(kept), abs=8)
+    assert clip.times[-1] == pytest.approx((kept[-1] - kept[0]) / rate, abs=0.25)
+
+
+def test_a_clock_that_hardly_moves_asks_for_the_rate(tmp_path: Path) -> None:
+    seconds_alone = [f"{int(t)}" for t in seconds(30, 50)]
+    with pytest.raises(RateNeeded, match="too coarse"):
+        with_times(tmp_path, "time", seconds_alone)

@@ -14,7 +14,7 @@ from support.speech import SENTENCE, needs_espeak, speak
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.media.sound import read_sound
-from faceedit_app.words import aligning
+from faceedit_app.words import recogniser
 from faceedit_app.words.aligning import NOISY, Line, align, align_part
 from faceedit_app.words.denoising import Samples, Stopped
 
@@ -98,8 +98,8 @@ def test_long_sounds_are_aligned_in_pieces(
     samples, rate = sentence
     sound, text = np.tile(padded(samples, rate, 0.2, 0.3), 4), " ".join([SENTENCE] * 4)
     whole = align(sound, rate, [Line(text)])
-    monkeypatch.setattr(aligning, "_LONGEST", 8.0)
-    monkeypatch.setattr(aligning, "_PIECE", 6.0)
+    monkeypatch.setattr(recogniser, "_LONGEST", 8.0)
+    monkeypatch.setattr(recogniser, "_PIECE", 6.0)
     shares: list[float] = []
     pieces = align(sound, rate, [Line(text)], None, lambda share: not shares.append(share))
     assert len(shares) > 2

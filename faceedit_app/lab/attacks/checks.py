@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,11 +74,18 @@ def _not_exported(window: MainWindow, session: EditSession, folder: Path) -> Ite
         yield "exported rotations are not those that are shown"
 
 
-def wrong_when_undone(window: MainWindow, folder: Path) -> Iterator[str]:
-    """Undo all steps; what is wrong then: an export is the source, byte for byte."""
+def wrong_when_undone(
+    window: MainWindow, folder: Path, undone: Callable[[], object] = lambda: None
+) -> Iterator[str]:
+    """Undo all steps; what is wrong then: an export is the source, byte for byte.
+
+    Args:
+        undone: called after each step.
+    """
     session = session_of(window)
     while session.can_undo:
         session.undo()
+        undone()
     exported = folder / f"undone{session.take.path.suffix}"
     window.document.export(exported)
     if exported.read_bytes() != session.take.path.read_bytes():

@@ -113,8 +113,10 @@ def soak(
                         said = [*unexpected, *refused][0]
                         soaked.problems.append(f"{said}, after {monkey.said}")
                         break
+                    if time.monotonic() - began > seconds:
+                        break
                 else:
-                    _check(window, monkey, folder, soaked)
+                    _check(window, monkey, folder, soaked, dog)
                     dog.step()
                 advance(time.monotonic() - began)
                 if gestures is not None and soaked.gestures >= gestures:
@@ -122,7 +124,7 @@ def soak(
             if soaked.problems and keep is not None:
                 session_of(window).save_edits(folder / "edits.json")
                 shutil.copytree(folder, keep, dirs_exist_ok=True)
-            _undo_everything(window, folder, soaked)
+            _undo_everything(window, folder, soaked, dog)
         finally:
             collector.end()
             window.leave()
@@ -132,7 +134,7 @@ def soak(
     return soaked
 
 
-def _check(window: MainWindow, monkey: Monkey, folder: Path, soaked: Soaked) -> None:
+def _check(window: MainWindow, monkey: Monkey, folder: Path, soaked: Soaked, dog: Watchdog) -> None:
     """Compare what is shown with what is exported, and with the same edits on a fresh session."""
     window.workspace.end_gestures()
     for wrong in wrong_after(window, folder):
@@ -140,13 +142,13 @@ def _check(window: MainWindow, monkey: Monkey, folder: Path, soaked: Soaked) -> 
     soaked.checks += 1
     soaked.memory.append(_memory())
     if len(session_of(window).edits) > MOST_EDITS:
-        _undo_everything(window, folder, soaked)
+        _undo_everything(window, folder, soaked, dog)
 
 
-def _undo_everything(window: MainWindow, folder: Path, soaked: Soaked) -> None:
+def _undo_everything(window: MainWindow, folder: Path, soaked: Soaked, dog: Watchdog) -> None:
     """Undo all steps: an export is then the source, byte for byte."""
     window.workspace.end_gestures()
-    soaked.problems += wrong_when_undone(window, folder)
+    soaked.problems += wrong_when_undone(window, folder, dog.step)
     soaked.undone += 1
 
 
