@@ -16,8 +16,11 @@ help:
 run: $(READY)
 	$(BIN)/faceedit --demo
 
+# Neighbours in a file stay in one process, which prepares what they share only once. The programs
+# that tests start find all modules compiled, also where Python is set not to keep them.
 test: $(READY)
-	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n auto
+	QT_QPA_PLATFORM=offscreen PYTHONDONTWRITEBYTECODE= \
+		$(BIN)/python -m pytest -n auto --dist worksteal
 
 check: $(READY)
 	$(BIN)/ruff check .

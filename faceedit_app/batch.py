@@ -51,6 +51,7 @@ class Recipe:
         character: the file of a character, on which lips and lids close as well.
         fps: frames per second of takes that do not give them.
         models: the folder of a model; None = the one that ships.
+        follows_head: turn the head of a character that is written as it was recorded.
     """
 
     fixes: tuple[str, ...] = ()
@@ -61,6 +62,7 @@ class Recipe:
     character: str | None = None
     fps: float | None = None
     models: str | None = None
+    follows_head: bool = False
 
     @property
     def digest(self) -> str:
@@ -190,7 +192,8 @@ def perform(task: Task) -> Outcome:
         if recipe.edits:
             take.load_edits(recipe.edits)
         task.output.parent.mkdir(parents=True, exist_ok=True)
-        take.export(task.output, recipe.form or None, recipe.rate)
+        form = recipe.form or None
+        take.export(task.output, form, recipe.rate, follow_head=recipe.follows_head)
         return replace(
             outcome,
             written=task.output.name,

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
@@ -17,6 +19,7 @@ from faceedit_app import (
     __version__,
     character_commands,
     export_commands,
+    json_output,
     retime_commands,
     tracking_commands,
     word_commands,
@@ -68,9 +71,8 @@ app.command("webcam")(tracking_commands.webcam)
 
 def run_command(given: list[str]) -> int:
     """Run one command; returns its exit code: 2 after one line about wrong usage."""
-    _add_laboratory()
     try:
-        return int(app(given, prog_name="faceedit", standalone_mode=False) or 0)
+        return int(_command()(given, prog_name="faceedit", standalone_mode=False) or 0)
     except typer.TyperException as error:
         say(f"faceedit: {error.format_message()}", to=sys.stderr)
         return USAGE_ERROR
@@ -119,6 +121,7 @@ def apply(
     models: ModelsOption = None,
     follow_head: FollowHeadOption = False,
     overwrite: OverwriteOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Apply edits to a take and export it as it came, or in the format of the output's ending.
 
@@ -141,15 +144,25 @@ def apply(
     if character:
         session.use_character(character_commands.rig_of(character))
     session.load_edits(edits)
-    _warn_of_unanswerable(session, engine)
+    warnings = _warnings(session, engine)
+    for text in warnings:
+        say(f"faceedit: warning: {text}", to=sys.stderr)
     form = exporting.by_ending(output, session.take)
     if form is None:
-        session.export(output, overwrite)
+        clip, name, remarks = session.take.clip, session.take.format, tuple[str, ...]()
+        backup = session.export(output, overwrite)
     else:
         options = exporting.Options(
             character=character, overwrite=overwrite, follows_head=follow_head
         )
-        exporting.export_session(session, output, form, options)
+        done = exporting.export_session(session, output, form, options)
+        clip, name, remarks, backup = done.clip, form.name, done.remarks, done.backup
+    if as_json:
+        notes = (*warnings, *remarks)
+        facts = json_output.written_facts(output, take, name, clip, notes, backup)
+        changed = session.changed_frames()
+        json_output.say_json(facts | {"edits": len(session.edits), "changed_frames": changed})
+        return
     say(
         f"{output}: {counted(len(session.edits), 'edit')}, "
         f"{session.changed_frames()} of {len(session.take.clip)} frames changed"
@@ -222,16 +235,18 @@ def render(
     say(f"{output}: frame {frame} of {take}")
 
 
-def _warn_of_unanswerable(session: EditSession, engine: Engine) -> None:
-    """Warn of edits that the take's channels cannot answer, which change nothing."""
+def _warnings(session: EditSession, engine: Engine) -> list[str]:
+    """Which edits the take's channels cannot answer, so that they change nothing."""
     from faceedit_app.editing.solving.answerable import unanswerable
     from faceedit_app.editing.solving.channel_edits import missing_channels
 
+    found = []
     for number, edit in enumerate(session.edits, start=1):
-        for lack in unanswerable(edit, session.take, session.rig, engine):
-            say(f"faceedit: warning: edit {number}: {lack}", to=sys.stderr)
+        lacks = unanswerable(edit, session.take, session.rig, engine)
+        found += [f"edit {number}: {lack}" for lack in lacks]
         if missing := missing_channels([edit], session.take.clip):
-            say(f"faceedit: warning: edit {number}: {missing}", to=sys.stderr)
+            found.append(f"edit {number}: {missing}")
+    return found
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -242,6 +257,13 @@ def _size(text: str) -> tuple[int, int]:
     if not (16 <= width <= 4096 and 16 <= height <= 4096):
         raise FaceEditError(f"--size {text}: each side must be 16 to 4096 pixels")
     return width, height
+
+
+@cache
+def _command() -> Callable[..., Any]:
+    """All commands as one, which is built at the first call and kept."""
+    _add_laboratory()
+    return typer.main.get_command(app)
 
 
 def _add_laboratory() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import threading
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import character_commands
+from faceedit_app import character_commands, json_output
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 from faceedit_app.options import (
@@ -17,6 +19,7 @@ from faceedit_app.options import (
     EditsOption,
     FollowHeadOption,
     FpsOption,
+    JsonOption,
     ModelsOption,
     OverwriteOption,
     TakeArgument,
@@ -51,6 +54,7 @@ def convert(
     ] = False,
     follow_head: FollowHeadOption = False,
     overwrite: OverwriteOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Write a take in another format, or at another frame rate.
 
@@ -69,6 +73,12 @@ def convert(
     options = exporting.Options(fps, character, compact, overwrite, follow_head)
     written = exporting.export_take(opened, opened.clip, output, chosen, options)
     clip = written.clip
+    if as_json:
+        facts = json_output.written_facts(
+            output, take, chosen.name, clip, written.remarks, written.backup
+        )
+        json_output.say_json(facts | {"hints": chosen.hints(clip.rate)})
+        return
     say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     for line in (*written.remarks, *chosen.hints(clip.rate)):
         say(f"  {line}")
@@ -95,16 +105,18 @@ def batch(
     ] = None,
     take_fps: TakeFpsOption = None,
     character: CharacterOption = None,
+    follow_head: FollowHeadOption = False,
     models: ModelsOption = None,
     scheduler: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(help="A Dask scheduler, such as tcp://host:8786, whose workers do the work."),
     ] = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
 
     Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
-    With --character, lips and lids also close on that character.
+    With --character, lips and lids also close on that character; --format glb writes the character.
     """
     from faceedit_app import batch as batches
     from faceedit_app import batch_report
@@ -118,6 +130,7 @@ def batch(
         character=None if character is None else str(character.absolute()),
         fps=take_fps,
         models=None if models is None else str(models.absolute()),
+        follows_head=follow_head,
     )
     tasks = batches.plan(source, output, recipe)
     log = batches.Log(output)
@@ -127,14 +140,19 @@ def batch(
 
             def report(outcome: batches.Outcome, done: int, of: int) -> None:
                 bar.update(shown, completed=done)
+                if as_json:
+                    return
                 said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
                 say(f"[{done}/{of}] {outcome.name}: {said}")
 
             outcomes = batches.run(tasks, log, jobs, scheduler, report)
     finally:
         log.close()
-    _, page = batch_report.write_reports(output, outcomes)
-    say(f"{batch_report.summary(outcomes)}; see {page}")
+    pages = batch_report.write_reports(output, outcomes)
+    if as_json:
+        json_output.say_json(json_output.batch_facts(output, outcomes, pages))
+    else:
+        say(f"{batch_report.summary(outcomes)}; see {pages[1]}")
     if any(outcome.error for outcome in outcomes):
         raise typer.Exit(1)
 
@@ -261,21 +279,22 @@ def record(
         Optional[float],  # noqa: UP045
         typer.Option(help="Stop after so many seconds; default: at Ctrl+C."),
     ] = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Record a take from a phone, or from another program."""
-    import threading
-
     from faceedit_app.editing.recording import Recorder
+    from faceedit_app.formats.opening import open_take
+    from faceedit_app.formats.summary import summarize
     from faceedit_app.live.protocols import find_protocol, own_address
 
     chosen = find_protocol(protocol)
     recorder = Recorder(output, chosen, host, port, phone)
     try:
         address = own_address() if host == "0.0.0.0" else host
-        say(f"Listening for {chosen.name} on {address}:{recorder.address[1]}; Ctrl+C stops")
-        say(f"  {chosen.hints[1]}.")
-        with suppress(KeyboardInterrupt):
-            threading.Event().wait(seconds)
+        where = f"Listening for {chosen.name} on {address}:{recorder.address[1]}; Ctrl+C stops"
+        for line in (where, f"  {chosen.hints[1]}."):
+            say(line, to=sys.stderr if as_json else sys.stdout)
+        wait_for_end(seconds)
     finally:
         has_frames = recorder.stop()
     if recorder.error is not None:
@@ -284,4 +303,14 @@ def record(
         raise FaceEditError(
             f"Nothing was received ({recorder.ignored} packets were not understood)"
         )
+    if as_json:
+        facts = summarize(open_take(output))
+        json_output.say_json(facts | {"packets_ignored": recorder.ignored})
+        return
     say(f"{output}: {recorder.frames} frames, {recorder.seconds:.2f} s")
+
+
+def wait_for_end(seconds: float | None) -> None:
+    """Wait so long, or until Ctrl+C."""
+    with suppress(KeyboardInterrupt):
+        threading.Event().wait(seconds)

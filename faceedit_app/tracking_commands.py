@@ -65,7 +65,7 @@ def track(
             print(f"faceedit: {error}", file=sys.stderr)
             code = 2
             continue
-        facts.append(_facts(found, take))
+        facts.append(_facts(found, take, fps))
         if not as_json:
             print(_text(facts[-1]))
         if report is not None:
@@ -187,22 +187,26 @@ def _report(
     return write_side_by_side(folder / "side_by_side.mp4", shown, rig)
 
 
-def _facts(tracked: Tracked, take: Path) -> dict[str, Any]:
+def _facts(tracked: Tracked, take: Path, fps: float | None) -> dict[str, Any]:
     sure = tracked.sure
     return {
         "film": str(tracked.landmarks.path),
-        "take": str(take),
+        "path": str(take),
         "frames": int(sure.sum()),
         "lost": int((~sure).sum()),
-        "fps": round(tracked.landmarks.rate, 3),
+        "rate": round(tracked.landmarks.rate if fps is None else fps, 6),
+        "duration_s": round(len(sure) / tracked.landmarks.rate, 6),
         "confidence": round(float(tracked.confidence[sure].mean()), 3),
         "notes": list(tracked.notes),
     }
 
 
 def _text(facts: dict[str, Any]) -> str:
+    from faceedit_app.formats.timing import format_rate
+
     lines = [
-        f"{facts['take']}: {facts['frames']} frames at {facts['fps']:g} fps from {facts['film']}, "
+        f"{facts['path']}: {facts['frames']} frames at {format_rate(facts['rate'])} "
+        f"from {facts['film']}, "
         f"confidence {facts['confidence']:.0%}"
     ]
     return "\n".join([*lines, *(f"  {note}" for note in facts["notes"])])

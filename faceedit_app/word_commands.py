@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from faceedit_app.editing.help.spoken import Closure
     from faceedit_app.editing.session import EditSession
     from faceedit_app.media.sound import Sound
-    from faceedit_app.words.files import Imported
+    from faceedit_app.words.imported import Imported
     from faceedit_app.words.transcript import Transcript
 
 _NOISY = "the sound is noisy ({:.0f} dB above the noise): check the times of the words"
@@ -87,7 +87,8 @@ def words(
     """
     from faceedit_app.media import is_media
     from faceedit_app.words.aligning import NOISY, Line
-    from faceedit_app.words.files import Imported, as_tables, read_words, write_words
+    from faceedit_app.words.files import as_tables, read_words, write_words
+    from faceedit_app.words.imported import Imported
 
     if (text is None) == (file is None):
         raise FaceEditError("words needs what is said: --text TEXT, or --words FILE")
@@ -148,7 +149,7 @@ def _words_of_take(
     path: Path, said: Imported, spellings: dict[str, str], fps: float | None
 ) -> tuple[EditSession, Transcript]:
     from faceedit_app.editing.opening import open_session, open_sound
-    from faceedit_app.words.files import spread
+    from faceedit_app.words.imported import spread
 
     session = open_session(path, fps=fps)
     duration = session.take.clip.duration
@@ -194,7 +195,8 @@ def _match(
     from faceedit_app.editing.help.dubbing import keep, match
     from faceedit_app.media import is_media
     from faceedit_app.words.aligning import Line
-    from faceedit_app.words.files import Imported, read_words, spread
+    from faceedit_app.words.files import read_words
+    from faceedit_app.words.imported import Imported, spread
 
     if is_media(path):
         said = Imported((Line(ours.text if text is None else text),))

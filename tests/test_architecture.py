@@ -1,4 +1,7 @@
-"""What keeps the code as it is meant to be: layers, start-up, style, types, size of files."""
+"""What keeps the code as it is meant to be: layers, start-up, size of files.
+
+Style and types are checked by `make check`, which CI runs before the tests.
+"""
 
 from __future__ import annotations
 
@@ -58,26 +61,6 @@ def test_heavy_libraries_stay_out_of_the_way_to_the_window(
     done = run("-W", "error", "-c", code)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "[]"
-
-
-@needs("ruff")
-def test_code_is_clean() -> None:
-    done = run("-m", "ruff", "check", ".")
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-@needs("ruff")
-def test_code_is_formatted() -> None:
-    done = run("-m", "ruff", "format", "--check", ".")
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-@needs("mypy")
-@pytest.mark.timeout(900)
-def test_types_hold() -> None:
-    """In all files; minutes the first time, seconds with what mypy keeps in .mypy_cache."""
-    done = run("-m", "mypy")
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def _imported() -> dict[str, str]:

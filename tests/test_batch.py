@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.character_files import parts_of, write_glb
 from support.faces import shipped_rig
 from support.networks import write_models
 from support.places import ROOT
@@ -148,6 +149,25 @@ def test_results_have_one_name_each(takes: Path, tmp_path: Path, models: str) ->
     assert command("none", takes, out, models, "--format", "glb", "--fps", "24") == 0
     assert {path.name for path in out.rglob("*.glb")} == {"a.glb", "a_json.glb", "b.glb"}
     assert {open_take(path).clip.rate for path in out.rglob("*.glb")} == {24}
+
+
+def test_heads_of_characters_follow_only_if_asked(tmp_path: Path, models: str) -> None:
+    takes = tmp_path / "takes"
+    takes.mkdir()
+    path = make_livelink_csv(takes / "a.csv")
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    yaw = rows[0].index("HeadYaw")
+    for number, row in enumerate(rows[1:]):
+        row[yaw] = f"{0.01 * number:.3f}"
+    path.write_text("\n".join(map(",".join, rows)) + "\n")
+    head = write_glb(tmp_path / "head.glb")
+    for name, more in (("still", ()), ("turned", ("--follow-head",))):
+        out = tmp_path / name
+        form = "--format", "glb", "--character", head
+        assert command("none", takes, out, models, *form, *more) == 0
+        document, _ = parts_of((out / "a.glb").read_bytes())
+        paths = {c["target"]["path"] for c in document["animations"][-1]["channels"]}
+        assert ("rotation" in paths) is bool(more)
 
 
 def test_several_processes_give_the_same_bytes(takes: Path, tmp_path: Path, models: str) -> None:

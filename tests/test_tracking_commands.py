@@ -71,6 +71,8 @@ def test_a_folder_is_tracked_and_what_fails_is_reported(
     (facts,) = json.loads(said.out)
     assert facts["frames"] == FRAMES
     assert facts["lost"] == 0
+    assert (facts["path"], facts["rate"]) == (str(tmp_path / "takes" / "a_tracked.csv"), 25)
+    assert facts["duration_s"] == pytest.approx(FRAMES / 25)
     assert "b.mp4: shows no face" in said.err
     assert sorted(path.name for path in (tmp_path / "takes").iterdir()) == [
         "a_tracked.csv",

@@ -45,7 +45,7 @@ def vertex_colors(rig: Rig) -> Floats:
     return colors
 
 
-def linear(srgb: Doubles) -> Floats:
+def linear(srgb: Doubles | Floats) -> Floats:
     """sRGB colours, 0..1, as linear ones."""
     high = ((srgb + 0.055) / 1.055) ** 2.4
     return np.where(srgb <= 0.04045, srgb / 12.92, high).astype(np.float32)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import trimesh
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 from trimesh.registration import procrustes
 
+from faceedit_app.characters.closed_lips import LipSeam
 from faceedit_app.characters.paint import Atlas, Paint, painted
 from faceedit_app.characters.points import MAIN_POINTS, PAIRS
 from faceedit_app.characters.registration import Fitted, Landmarks, carry, distances, register
@@ -34,8 +36,6 @@ _ANCHORS = 1200
 _COLOR_FROM = 6.0  # mm; skin nearer than this takes the scan's colours
 _FRONT, _UNDER_CHIN = -20.0, 15.0  # mm; anything farther back or lower is not the face
 _SHUT = 0.5  # share of what the template's own blink leaves open
-_PARTED = 1.0  # mm; lips that rest farther apart than the template's are open
-_MOST_RAISED = 0.6  # of jawOpen
 _MOST_TRIM = 6.0  # mm; the largest trim
 
 
@@ -84,6 +84,13 @@ class Template:
             vertex_of,
             points,
         )
+
+    @cached_property
+    def lip_seam(self) -> LipSeam:
+        """Where its lips meet."""
+        jaw = self.moves[self.rig.channel_index["jawOpen"]]
+        inner = self.points["inner_upper_lip"], self.points["inner_lower_lip"]
+        return LipSeam.of(self.vertices, self.faces, jaw, *inner)
 
     def landmarks(self, points: Mapping[str, Doubles]) -> Landmarks:
         """Landmarks from the places (3,) of some control points on a scan."""
@@ -139,7 +146,10 @@ def make(template: Template, scan: Scan, landmarks: Landmarks, name: str) -> Mad
     still = np.abs(template.moves).max(axis=(0, 2)) < _STILL
     transfer = Transfer(template.vertices, skin, template.faces, still)
     moves = np.stack([transfer(one) for one in template.moves])
-    closed, parted = _with_closed_lips(skin, moves, template)
+    closed, parted = skin, 0.0
+    if "jawOpen" in template.rig.channel_index:
+        jaw = template.rig.channel_index["jawOpen"]
+        closed, parted = template.lip_seam.closed(skin, moves[jaw])
     here = Fitted(closed, np.eye(4))  # the fit, in the template's coordinates
     trim(moves, closed, template)
     rig = _rig(template, here, moves, scan, fitted, name)
@@ -149,28 +159,6 @@ def make(template: Template, scan: Scan, landmarks: Landmarks, name: str) -> Mad
     chin = template.vertices[template.points["chin"], 1]
     face = (template.vertices[:, 2] > _FRONT) & (template.vertices[:, 1] > chin - _UNDER_CHIN)
     return Made(rig, skin, moves, fitted.similarity, face, parted)
-
-
-def _with_closed_lips(skin: Doubles, moves: Doubles, template: Template) -> tuple[Doubles, float]:
-    """The skin (W, 3) with its jaw raised until the lips rest as the template's do.
-
-    Weights are measured from a closed mouth: a rest with open lips could never close them.
-
-    Returns:
-        The skin, and by how many mm the lips were parted; 0 if they were closed.
-    """
-    index = template.rig.channel_index
-    if "jawOpen" not in index:
-        return skin, 0.0
-    jaw = moves[index["jawOpen"]]
-    upper, lower = template.points["inner_upper_lip"], template.points["inner_lower_lip"]
-    rest = float(np.linalg.norm(template.vertices[lower] - template.vertices[upper]))
-    gap, drop = skin[lower] - skin[upper], jaw[lower] - jaw[upper]
-    parted, length = float(np.linalg.norm(gap)) - rest, float(np.linalg.norm(drop))
-    if parted < _PARTED or length < _STILL:
-        return skin, 0.0
-    raised = float(np.clip((gap @ drop / length - rest) / length, 0.0, _MOST_RAISED))
-    return skin - raised * jaw, parted
 
 
 def trim(moves: Doubles, skin: Doubles, template: Template) -> None:

@@ -78,8 +78,8 @@ def _plain(path: Path) -> Character:
     visual = mesh.visual
     if isinstance(visual, trimesh.visual.TextureVisuals) and visual.uv is not None:
         uv = np.asarray(visual.uv, np.float64) * (1, -1) + (0, 1)
-        uv = finite(uv, "texture coordinates").astype(np.float32)
-        part = replace(part, uv=uv, surface=Surface("scan", texture=beside.texture))
+        placed = finite(uv, "texture coordinates").astype(np.float32)
+        part = replace(part, uv=placed, surface=Surface("scan", texture=beside.texture))
         return Character(path, kind.upper(), (part,))
     if isinstance(visual, trimesh.visual.ColorVisuals) and visual.kind == "vertex":
         colors = np.asarray(visual.vertex_colors, np.float32) / 255.0

@@ -2,7 +2,8 @@
 
 Tools spell one shape `eyeBlinkLeft`, `EyeBlinkLeft`, `eyeBlink_L`, `EYE_BLINK_LEFT`,
 `left_eye_blink`, `A14_Eye_Blink_Left`, `blendShape1.eyeBlink_L`, `eyeBlink.L`,
-`head_ARKit_eyeBlinkLeft`, `weights[eyeBlinkLeft]` or `eyeBlinkLeft.value`.
+`head_ARKit_eyeBlinkLeft`, `weights[eyeBlinkLeft]`, `key_blocks["eyeBlinkLeft"].value` or
+`eyeBlinkLeft.value`.
 A name is split into words, namespaces and the usual prefixes are dropped, and a word for a side
 at either end becomes the side. Names are never compared by similarity: if the rules do not lead to
 an ARKit name, there is none. `characters.names` builds on this: a character's shapes may be halves
@@ -16,9 +17,14 @@ import re
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
 # A point may also stand before a side (`eyeBlink.L`) or a word for the number (`jawOpen.weight`).
-_NAMESPACE = re.compile(r"^.*[.:|/](?!(?:l|r|left|right|values?|weights?|scores?)$)", re.IGNORECASE)
+# ARKit's own constants begin as one word.
+_NAMESPACE = re.compile(
+    r"^(?:.*[.:|/](?!(?:l|r|left|right|values?|weights?|scores?|val)$)|k?ARBlendShapeLocation)",
+    re.IGNORECASE,
+)
 _BRACKETS = re.compile(
     r"(?P<before>[^\[\](){}]*)[\[({]['\"]?(?P<inside>[^\[\](){}'\"]*)['\"]?[\])}]"
+    r"(?:\.(?:value|weight))?"
 )
 _PREFIX = re.compile(
     r"^(?:(?:blendshapes?|bs|shapes?|key|face|head|morph|arkit|ctrl|expressions?|[A-Z]?\d{1,3})"
@@ -28,7 +34,7 @@ _PREFIX = re.compile(
 _BETWEEN_WORDS = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _BETWEEN_PARTS = re.compile(r"[\W_]+")
 _LONGEST = 200  # characters; a longer text is not a name
-_NUMBER_WORDS = {"value", "values", "weight", "weights", "score", "scores"}
+_NUMBER_WORDS = {"value", "values", "weight", "weights", "score", "scores", "val"}
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 

@@ -156,13 +156,14 @@ class CsvSource:
         for line in islice(self.lines, 0, None, stride):
             cells = self.table.cells(line)
             for column in columns:
-                yield _bare(cells[column]).replace(self.table.decimal, b".")
+                yield bare(cells[column]).replace(self.table.decimal, b".")
 
 
 def _replaced(cell: bytes, number: bytes) -> bytes:
     """The cell with another number, in its own quotes and spaces."""
-    return cell.replace(_bare(cell), number, 1)
+    return cell.replace(bare(cell), number, 1)
 
 
-def _bare(cell: bytes) -> bytes:
+def bare(cell: bytes) -> bytes:
+    """A cell without the quotes and spaces around its number."""
     return cell.strip().strip(b'"').strip()

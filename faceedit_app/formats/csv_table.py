@@ -26,6 +26,7 @@ _MOST_LINES = 6_000_000  # more than a day at 60 fps
 _MOST_COLUMNS = 10_000
 _LONGEST_LINE = 2 << 20  # bytes
 _DELIMITERS = (b",", b";", b"\t")
+_BAR = b"|"  # also stands in Maya's names
 # What programs write in place of a missing number.
 _MISSING = {
     *(
@@ -158,7 +159,7 @@ class Table:
                 flat.extend(nothing)
                 cells += [b""] * (width - len(cells))
             zero.append(count is not None and _is_zero(cells[count]))
-            texts.append(tuple([self._text(cells[k]) for k in text_columns]))
+            texts.append(tuple([self.text(cells[k]) for k in text_columns]))
             lines.append(line)
         if not texts:
             raise self.error("has a header but no frames", "export the take again", self.header)
@@ -170,7 +171,7 @@ class Table:
         between = [lines[i] for i in np.flatnonzero(lost) if kept and kept[0] < lines[i] < kept[-1]]
         return Rows(texts, lost, numbers[frames], kept, tuple(between))
 
-    def _text(self, cell: bytes) -> str:
+    def text(self, cell: bytes) -> str:
         """A cell's text, with a point in a number."""
         if self.decimal != b"." and _DECIMAL_COMMA.fullmatch(cell):
             cell = cell.replace(self.decimal, b".")
@@ -182,7 +183,7 @@ class Table:
                 return [float(cells[k]) for k in columns]
             except ValueError:
                 pass
-        return [self._number(line, k, cells[k]) for k in columns]
+        return [self.number(line, k, cells[k]) for k in columns]
 
     def _fits(self, line: int, cells: Cells, columns: Sequence[int], count: int | None) -> bool:
         """Whether a row of unusual length has numbers; raises unless its kind is known."""
@@ -206,8 +207,9 @@ class Table:
             line,
         )
 
-    def _number(self, line: int, column: int, cell: bytes) -> float:
-        text = self._text(cell)
+    def number(self, line: int, column: int, cell: bytes) -> float:
+        """The number in a cell; NaN if it is missing. Raises FileError if it is something else."""
+        text = self.text(cell)
         if text.lower() in _MISSING:
             return np.nan
         try:
@@ -285,7 +287,7 @@ def _header(lines: Sequence[bytes]) -> int:
         if _separators(line) > _MOST_COLUMNS:
             continue
         texts = [plain_text(cell) for cell in split_header(line)[1] or ()]
-        if any(map(canonical_channel, texts)) and not any(map(_is_number, texts)):
+        if any(map(canonical_channel, texts)) and not any(map(is_number, texts)):
             return place
     return first
 
@@ -298,7 +300,8 @@ def _decimal(lines: Sequence[bytes], header: int, delimiter: bytes) -> bytes:
     """What stands before the decimals of the numbers in the first rows."""
     rows = [line.rstrip(b"\r\n") for line in lines[header + 1 : header + 1 + _PREAMBLE]]
     cells = [cell for row in rows for cell in split_line(row, delimiter) or ()]
-    return b"," if any(map(_DECIMAL_COMMA.fullmatch, cells)) else b"."
+    commas = sum(1 for cell in cells if _DECIMAL_COMMA.fullmatch(cell))
+    return b"," if commas > sum(1 for cell in cells if b"." in cell) else b"."
 
 
 def _is_comment(line: bytes) -> bool:
@@ -312,13 +315,14 @@ def _is_units(cells: Cells, texts: Sequence[int], numbers: Sequence[int]) -> boo
     if max([*texts, *numbers]) >= len(cells):
         return False
     shown = [plain_text(cells[k]) for k in numbers]
-    if any(_is_number(text) or text.lower() in _MISSING - {""} for text in shown):
+    if any(is_number(text) or text.lower() in _MISSING - {""} for text in shown):
         return False
     digits = any(character.isdigit() for k in texts for character in plain_text(cells[k]))
     return not digits and any(cells[k].strip() for k in [*texts, *numbers])
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Whether a text is a number, with a point or a comma."""
     try:
         float(text.replace(",", "."))
     except ValueError:
@@ -327,9 +331,10 @@ def _is_number(text: str) -> bool:
 
 
 def split_header(text: bytes) -> tuple[bytes, Cells | None]:
-    """The delimiter and the cells of a header."""
-    split = {delimiter: split_line(text, delimiter) for delimiter in _DELIMITERS}
-    delimiter = max(split, key=lambda one: len(split[one] or ()))
+    """The delimiter and the cells of a header; `|` separates them only if nothing else does."""
+    split = {delimiter: split_line(text, delimiter) for delimiter in (*_DELIMITERS, _BAR)}
+    delimiter = max(_DELIMITERS, key=lambda one: len(split[one] or ()))
+    delimiter = _BAR if len(split[delimiter] or ()) == 1 else delimiter
     return delimiter, split[delimiter]
 
 

@@ -19,16 +19,10 @@ from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.foreign import is_transposed
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
-from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
+from faceedit_app.formats.time_columns import TRACKED, RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
 
 _COUNTS = ("blendshapecount", "numproperties")
-# Columns that say whether the face was tracked: 0 or false if not. Letters only, in lower case.
-_TRACKED = (
-    *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
-    *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
-    *("numfaces", "facecount", "faces", "nfaces"),
-)
 CONFIDENCE = "confidence"
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
@@ -47,7 +41,7 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
-    if looks_like_json(content) or is_transposed(content):
+    if looks_like_json(content) or content.startswith(b"#usda") or is_transposed(content):
         return 0.0
     return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
 
@@ -68,7 +62,9 @@ def write(clip: Clip) -> bytes:
     for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True):
         lines.append(",".join([f"{time:.6f}", *(f"{value:.6f}" for value in row)]))
     if clip.confidence is not None:
-        sure = [CONFIDENCE, *(f"{value:.3f}" for value in clip.confidence.tolist())]
+        # A confidence of 0 would mean that the face was lost.
+        cells = (f"{max(v, 1e-3):.3f}" if v > 0 else "" for v in clip.confidence.tolist())
+        sure = [CONFIDENCE, *cells]
         lines = [f"{line},{cell}" for line, cell in zip(lines, sure, strict=True)]
     return ("\n".join(lines) + "\n").encode()
 
@@ -93,7 +89,7 @@ def csv_take(
     found = find_channels(table, naming)
     lower = [column.lower() for column in table.names]
     letters = [re.sub(r"[\W_]", "", name) for name in lower]
-    count = next((letters.index(n) for n in (*_COUNTS, *_TRACKED) if n in letters), None)
+    count = next((letters.index(n) for n in (*_COUNTS, *TRACKED) if n in letters), None)
     said = count if count is not None and letters[count] in _COUNTS else None
     clocks = [k for k in time_columns(table.names) if k not in found.indices]
     turns = [lower.index(name) for name in ROTATIONS if name in lower]
@@ -177,10 +173,10 @@ def _confidence(rows: Rows, place: int) -> Floats | None:
     """(T,) of a text column; None if it holds something else than numbers from 0 to 1."""
     frames = np.flatnonzero(~rows.lost).tolist()
     try:
-        found = np.array([rows.texts[row][place] for row in frames], np.float32)
+        found = np.array([float(rows.texts[row][place] or 0) for row in frames], np.float64)
     except ValueError:
         return None
-    return found if ((found >= 0.0) & (found <= 1.0)).all() else None
+    return found.astype(np.float32) if ((found >= 0.0) & (found <= 1.0)).all() else None
 
 
 def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:

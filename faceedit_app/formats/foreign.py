@@ -10,10 +10,14 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text
 
 _HEAD = 1 << 16
-_FEWEST_COLUMNS = 20  # columns of unnamed numbers that look like a face
-_FEWEST_LINES, _MOST = 5, 0.6  # lines of a table, and the share of them that name a channel
+_FEWEST_COLUMNS = 5  # columns of unnamed numbers that look like a face
+_FEWEST_LINES = 5  # lines of a table that name a channel
 _MATRIX = re.compile(rb"\s*\[\s*\[\s*-?[0-9]")
-_STREAM = re.compile(rb"\w+[-&]\d{1,3}\|\w+[-&]\d{1,3}\|")
+_ACTION_UNIT = re.compile(rb"^[^\n]*\bAU\d\d(?:_[rc])?\b[^\n]*\bAU\d\d", re.MULTILINE)
+_GLTF = re.compile(rb'\s*\{.*"asset"\s*:\s*\{[^}]*"version"', re.DOTALL)
+_PICKLE = re.compile(rb"\x80[\x02-\x05].*\.", re.DOTALL)
+_WEB_PAGE = re.compile(rb"\s*<(?:!doctype html|html|head)\b", re.IGNORECASE)
+_AS_GLB_OR_CSV = "export the animation as GLB or CSV"
 _SAVE_AS_CSV = "save it as CSV with a line of ARKit names at the top"
 
 
@@ -45,8 +49,14 @@ def _starts(*texts: bytes) -> Callable[[bytes], bool]:
     return lambda content: content.startswith(texts)
 
 
-def _is_archive_of(name: bytes) -> Callable[[bytes], bool]:
-    return lambda content: content.startswith(b"PK\x03\x04") and name in content
+def _matches(pattern: re.Pattern[bytes]) -> Callable[[bytes], bool]:
+    return lambda content: pattern.match(content[:_HEAD]) is not None
+
+
+def _is_archive_of(*names: bytes) -> Callable[[bytes], bool]:
+    return lambda content: (
+        content.startswith(b"PK\x03\x04") and any(name in content for name in names)
+    )
 
 
 def _is_number(cell: bytes) -> bool:
@@ -71,11 +81,10 @@ def is_transposed(content: bytes) -> bool:
     return sum(1 for head in heads[1:] if canonical_channel(head)) > _FEWEST_LINES
 
 
-def _is_long(content: bytes) -> bool:
-    """A table with one line per weight, whose channel is named in a cell."""
-    rows = [re.split(rb"[,;\t]", line) for line in content[:_HEAD].splitlines()[1:80]]
-    named = sum(any(canonical_channel(plain_text(cell)) for cell in row) for row in rows)
-    return len(rows) > _FEWEST_LINES and named > _MOST * len(rows)
+def _is_spaced(content: bytes) -> bool:
+    """A table whose columns are separated by spaces."""
+    names = next((line.split() for line in content[:_HEAD].splitlines() if line.strip()), [])
+    return sum(1 for name in names if canonical_channel(plain_text(name))) > 1
 
 
 # fmt: off
@@ -87,20 +96,43 @@ _FOREIGN: tuple[Foreign, ...] = (
             _has(b'"openfacefx.track"')),
     Foreign("is a list of edits or a project, not a take",
             "open the take first, then load the edits", _has(b'"version"', b'"edits"')),
-    Foreign("is a glTF in text form", "save it as one GLB file",
-            lambda content: content.lstrip().startswith(b"{") and b'"bufferViews"' in content),
+    Foreign("is a glTF in text form", "save it as one GLB file", _matches(_GLTF)),
     Foreign("is a GLB without an animation of shapes with ARKit names",
             "export the character with its shape keys and their animation", _starts(b"glTF")),
-    Foreign("is an FBX file", "export the animation as GLB or CSV",
-            lambda content: content.startswith((b"Kaydara FBX Binary", b"; FBX"))),
-    Foreign("is a raw stream of iFacialMocap, which has no times",
-            "record it with a tool that writes Live Link Face CSV",
-            lambda content: _STREAM.search(content[:_HEAD]) is not None),
-    Foreign("is a workbook", "save its sheet as CSV", _is_archive_of(b"xl/")),
+    Foreign("is an FBX file", _AS_GLB_OR_CSV, _starts(b"Kaydara FBX Binary", b"; FBX")),
+    Foreign("is a USD file in binary form", "save it as text (.usda)", _starts(b"PXR-USDC")),
+    Foreign("is USD text without an animation of ARKit's shapes", _AS_GLB_OR_CSV,
+            _starts(b"#usda")),
+    Foreign("is a USD package", "save it as text (.usda)", _is_archive_of(b".usd")),
+    Foreign("is an Alembic cache, which has no blendshapes", _AS_GLB_OR_CSV,
+            _starts(b"Ogawa", b"\x89HDF\r\n\x1a\n\0\0\0\0\0\x08\x08\0\x04\0\x10\0")),
+    Foreign("is a Maya file", "write its curves as CSV with a line of ARKit names at the top",
+            _starts(b"animVersion", b"atomVersion", b"//Maya", b"FOR4", b"FOR8")),
+    Foreign("is a Blender file", "export the head as GLB with its shape keys and animation",
+            _starts(b"BLENDER")),
+    Foreign("is an animation clip of Unity",
+            "write its blendShape curves as CSV with a line of ARKit names at the top",
+            _has(b"tag:unity3d.com")),
+    Foreign("holds action units, which are not ARKit's blendshapes",
+            "open the film itself, which FaceEdit tracks", _matches(_ACTION_UNIT)),
+    Foreign("is a web page", "download the file itself, signed in if need be",
+            _matches(_WEB_PAGE)),
+    Foreign("is a pointer of Git LFS, not the file itself", "fetch it with git lfs pull",
+            _starts(b"version https://git-lfs")),
+    Foreign("is a Python pickle, which can run programs", "save it as CSV or JSON",
+            lambda content: _PICKLE.fullmatch(content) is not None),
+    Foreign("is a table in another program's own form (Parquet, HDF5, MATLAB or SQLite)",
+            _SAVE_AS_CSV, _starts(b"PAR1", b"\x89HDF", b"MATLAB", b"SQLite format 3\0")),
+    Foreign("is a binary property list", "save it as JSON", _starts(b"bplist")),
+    Foreign("is a workbook", "save its sheet as CSV",
+            _is_archive_of(b"xl/", b"content.xml")),
     Foreign("holds numbers without the names of their channels", _SAVE_AS_CSV,
             _is_archive_of(b".npy")),
     Foreign("holds numbers without the names of their channels", _SAVE_AS_CSV,
             _starts(b"\x93NUMPY")),
+    Foreign("is compressed", "unpack it, and open the take in it",
+            _starts(b"PK\x03\x04", b"\x1f\x8b", b"7z\xbc\xaf", b"Rar!", b"\xfd7zXZ", b"BZh",
+                    b"\x28\xb5\x2f\xfd")),
     Foreign("holds numbers without the names of their channels",
             'write it as {"names": [...], "frames": [...]} with ARKit names',
             lambda content: _MATRIX.match(content) is not None),
@@ -108,8 +140,7 @@ _FOREIGN: tuple[Foreign, ...] = (
             "write the ARKit names of the columns in a line at the top", _is_nameless),
     Foreign("has a line for each channel, not for each frame",
             "transpose it in a spreadsheet and save it as CSV", is_transposed),
-    Foreign("has a line for each weight, not for each frame",
-            "make a column of each channel (a pivot table) and save it as CSV", _is_long),
+    Foreign("separates its columns by spaces", "save it as CSV with commas", _is_spaced),
     Foreign("is a BVH file, which has no blendshapes", "export the face as CSV or GLB",
             _starts(b"HIERARCHY")),
 )

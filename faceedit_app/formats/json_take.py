@@ -33,6 +33,9 @@ Naming = Callable[[str], str | None]
 
 # In lower case, without anything but letters.
 _RATES = {"fps", "exportfps", "framerate", "framespersecond"}
+# These may also be the rate of the sound, which is far above.
+_OTHER_RATES = {"samplerate", "samplingrate", "rate", "hz", "frequency"}
+_FASTEST_CAMERA = 245.0  # frames per second
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ class JsonFrames:
         time_name: the document's name for them.
         rate: frames per second, instead of times.
         naming: the channel that a name means.
+        notes: what is unusual about them.
     """
 
     names: Sequence[Any]
@@ -54,27 +58,23 @@ class JsonFrames:
     time_name: str = "time"
     rate: float | None = None
     naming: Naming = canonical_channel
+    notes: tuple[str, ...] = ()
 
 
 def frame_rate(text: JsonText, document: Any) -> float | None:
-    """The frames per second that an object, or one right below it, gives."""
-    outer = as_object(document)
+    """The frames per second that an object, or one right below it, gives.
+
+    In a list, such as JSON Lines, the first entry counts.
+    """
+    outer = as_object(document[0] if isinstance(document, list) and document else document)
     for entry in (outer, *map(as_object, outer.values())):
         for name, value in entry.items():
-            if re.sub(r"[^a-z]", "", name.lower()) in _RATES:
-                rate = text.number(value)
-                if rate is None and isinstance(value, str):
-                    rate = _number(value)
-                if rate is not None:
-                    return rate
+            word, rate = re.sub(r"[^a-z]", "", name.lower()), text.number(value)
+            if rate is None:
+                continue
+            if word in _RATES or (word in _OTHER_RATES and SLOWEST <= rate <= _FASTEST_CAMERA):
+                return rate
     return None
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
 
 
 def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) -> Take:
@@ -98,7 +98,8 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
     incomplete = np.argwhere(missing & ~lost[:, None])
     if len(incomplete):
         row, k = incomplete[0]
-        raise text.error(f"frame {row + 1} has no {channels[k]}, which other frames have")
+        problem = f"frame {row + 1} has no {channels[k]}, which other frames have"
+        raise text.error(problem, "write all weights in every frame, also if they are 0")
     kept = np.flatnonzero(~lost)
     places = np.ascontiguousarray(places[np.ix_(kept, filled)])
     used = {columns[channel] for channel in channels}
@@ -112,6 +113,7 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
         carried=tuple(
             shown(str(n), LONGEST_NAME) for k, n in enumerate(frames.names) if k not in used
         ),
+        notes=frames.notes,
     )
     source = partial(JsonSource, text, places)
     return finish_take(recording, fps, source, lambda frame, k: text.line(int(places[frame, k])))
@@ -157,6 +159,8 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
     except NoTimes as none:
         if frames.rate is None:
             return none
+        if none.numbers is not None and SLOWEST <= frames.rate <= FASTEST:
+            return none.timing_at(frames.rate, kept)
     except BadTimecode as bad:
         raise text.error(f'holds "{shown(bad.text)}" in place of a time') from None
     except BadRow as bad:

@@ -26,6 +26,11 @@ from faceedit_app.formats.numbers import detect_format
 
 # Strings are matched too, so that numbers inside them do not count.
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
+# Numbers that are written as texts, but are no keys.
+_NUMBER = r"-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?"
+_AS_TEXT = re.compile(rf'"{_NUMBER}"\s*[,}}\]]'.encode())
+_STRING = re.compile(rb'"(?:[^"\\]|\\.)*"(?:\s*:)?', re.DOTALL)
+_QUOTED = re.compile(rf'"({_NUMBER})"'.encode())
 _SPACE = re.compile(r"[ \t\r\n]*")
 _FORMAT_SAMPLE = 10_000
 # Python needs up to a hundred bytes for a number: this is a gigabyte or two.
@@ -50,12 +55,14 @@ class JsonText:
     Attributes:
         path: the file, for messages.
         content: its bytes.
+        numbers: its bytes, as long, with spaces for the quotes around numbers.
         document: the parsed document, with a `Place` for each number.
         values: (N,) float64 of its numbers, in order.
     """
 
     path: Path
     content: bytes
+    numbers: bytes
     document: Any
     values: Doubles
 
@@ -72,7 +79,7 @@ class JsonText:
     def spans(self) -> NDArray[np.int64]:
         """(N, 2) where each number begins and ends in `content`."""
         flat = array("q")
-        for match in _TOKEN.finditer(self.content):
+        for match in _TOKEN.finditer(self.numbers):
             if match[1] is not None:
                 flat.extend(match.span(1))
         return np.frombuffer(flat, np.int64).reshape(-1, 2)
@@ -134,7 +141,8 @@ def read_json(path: Path, content: bytes) -> JsonText:
         parse_float=number, parse_int=number, parse_constant=lambda name: None
     )
     try:
-        document = _documents(decoder, content.removeprefix(BOM).decode())
+        numbers = _without_quotes(content)
+        document = _documents(decoder, numbers.removeprefix(BOM).decode())
     except UnicodeDecodeError:
         raise FileError(path, "is not UTF-8 text", "save it as UTF-8") from None
     except json.JSONDecodeError as error:
@@ -142,7 +150,19 @@ def read_json(path: Path, content: bytes) -> JsonText:
         raise FileError(path, problem, _DAMAGED, error.lineno) from None
     except RecursionError:
         raise FileError(path, "is damaged: it is nested too deeply", _DAMAGED) from None
-    return JsonText(path, content, document, np.frombuffer(values, np.float64))
+    return JsonText(path, content, numbers, document, np.frombuffer(values, np.float64))
+
+
+def _without_quotes(content: bytes) -> bytes:
+    """The content with spaces for the quotes around numbers, as some programs write them."""
+    if not _AS_TEXT.search(content):
+        return content
+
+    def bare(match: re.Match[bytes]) -> bytes:
+        number = _QUOTED.fullmatch(match[0])  # a key, which a colon follows, stays
+        return b" %b " % number[1] if number else match[0]
+
+    return _STRING.sub(bare, content)
 
 
 def _documents(decoder: json.JSONDecoder, text: str) -> Any:
@@ -200,5 +220,11 @@ def as_object(entry: Any) -> Mapping[str, Any]:
 
 
 def as_list(entry: Any) -> list[Any]:
-    """The entry if it is a JSON list, else an empty one."""
+    """The entry if it is a JSON list, else an empty one.
+
+    An object with the keys 0, 1, 2 and so on is a list, as JavaScript writes typed arrays.
+    """
+    if isinstance(entry, dict) and "0" in entry:
+        values = [entry.get(str(k)) for k in range(len(entry))]
+        return values if None not in values else []
     return entry if isinstance(entry, list) else []

@@ -1,9 +1,8 @@
 """JSON with named weights, in any layout: what MediaPipe recorders, game engines and scripts write.
 
-The frames are the first list of objects whose entries have ARKit names somewhere inside, as
-`{"jawOpen": 0.1, ...}` or as `[{"name": "jawOpen", "score": 0.1}, ...]`; or each channel has a list
-of its own, `{"time": [...], "jawOpen": [...]}`; or there is a list of names, and the frames are
-lists of numbers in its order. Times and the frame rate are looked for by name.
+There is an entry for each frame or each weight (`json_entries.py`); or each channel has a list of
+its own, `{"time": [...], "jawOpen": [...]}`; or there is a list of names, and the frames are lists
+of numbers in its order. Times and the frame rate are looked for by name.
 """
 
 from __future__ import annotations
@@ -15,8 +14,21 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.core.names import canonical_channel
+from faceedit_app.formats.json_entries import (
+    DEEPEST,
+    MOST_NAMES,
+    NAMES,
+    TRIED,
+    clock_of,
+    entry_frames,
+    is_text,
+    letters,
+    single_weights,
+    value_at,
+)
 from faceedit_app.formats.json_take import JsonFrames, Naming, frame_rate, json_take
 from faceedit_app.formats.json_text import (
+    JsonText,
     Place,
     as_list,
     as_object,
@@ -30,15 +42,8 @@ FORMAT = "JSON with named weights"
 _HEAD = 1 << 16
 _TEXT = re.compile(rb'"((?:[^"\\]|\\.){1,80})"')
 _NOT_TAKES = (b'"edits"', b'"bufferViews"', b'"openfacefx.track"')
-_DEEPEST = 5
-_MOST_NAMES = 10_000  # of a frame, or of the lists of a document
-_TRIED = 50  # entries of a list that are looked at for weights, since the first may have no face
-_NAMES = ("name", "categoryName", "category_name", "displayName", "shape", "blendshape", "key")
-_NUMBERS = ("score", "value", "weight", "val")
+_DECIMAL_COMMA = re.compile(rb'"-?\d+,\d+"')
 _SERIES = ("values", "weights", "scores", "data")
-
-Weights = Mapping[str, Any]
-"""Numbers by name, as places in the document or None."""
 
 
 def sniff(content: bytes) -> float:
@@ -76,110 +81,21 @@ def read_named(
     """
     text = read_json(path, content)
     rate = frame_rate(text, text.document)
-    layouts = (_frames, _columns, _matrix)
-    frames = next(
-        (found for layout in layouts if (found := layout(text.document, naming, rate))), None
-    )
+    layouts = (entry_frames, single_weights, _columns, _matrix)
+    frames = next((found for layout in layouts if (found := layout(text, naming, rate))), None)
     if frames is None:
-        raise text.error("has no frames with the weights of ARKit channels", "export it again")
+        if _DECIMAL_COMMA.search(content):
+            raise text.error("has texts with a comma for its numbers", "write 0.25 for 0,25")
+        remedy = "export it with the weights of every frame, or as CSV"
+        raise text.error("has no frames with the weights of ARKit channels", remedy)
     return json_take(text, form, frames, fps)
-
-
-# --- a list with an entry per frame --------------------------------------------------------------
-
-
-def _frames(document: Any, naming: Naming, rate: float | None) -> JsonFrames | None:
-    found = next((e for e in _lists(document, 0) if _have_weights(e, naming)), None)
-    if found is None:
-        return None
-    weights = [_weights(entry, naming) for entry in found]
-    clock = _clock(next(entry for entry, row in zip(found, weights, strict=True) if row))
-    named = dict.fromkeys(name for row in weights for name in row)
-    names = [name for name in named if not clock or name != clock[-1]]
-    times = [_at(entry, clock) for entry in found] if clock else []
-    return JsonFrames(
-        names,
-        [[row.get(name) for name in names] if row else [] for row in weights],
-        times if None not in times else (),
-        clock[-1] if clock else "time",
-        rate,
-        naming,
-    )
-
-
-def _lists(entry: Any, depth: int) -> Iterator[Sequence[Any]]:
-    """Lists that may be the frames, the outermost first."""
-    if depth > _DEEPEST:
-        return
-    if isinstance(entry, list):
-        yield entry
-    elif isinstance(entry, dict):
-        if len(entry) > 1 and all(name.strip().isdigit() for name in entry):
-            yield list(entry.values())
-        for inner in islice(entry.values(), _MOST_NAMES):
-            yield from _lists(inner, depth + 1)
-
-
-def _have_weights(entries: Sequence[Any], naming: Naming) -> bool:
-    """Whether entries are frames: each may have weights, rather than be one weight."""
-    tried = entries[:_TRIED]
-    if any(_named_number(as_object(entry)) for entry in tried):
-        return False
-    return any(_weights(entry, naming) for entry in tried)
-
-
-def _weights(entry: Any, naming: Naming, depth: int = 0) -> Weights:
-    """The weights of a frame, wherever they are in it; empty if there are none."""
-    if depth > _DEEPEST or (isinstance(entry, dict | list) and len(entry) > _MOST_NAMES):
-        return {}
-    if isinstance(entry, dict):
-        numbers = {n: v for n, v in entry.items() if v is None or isinstance(v, Place)}
-        if any(naming(name) for name in numbers):
-            return numbers
-        inner: Iterator[Any] = iter(entry.values())
-    else:
-        inner = islice(as_list(entry), _TRIED)
-        pairs = [_named_number(as_object(one)) for one in as_list(entry)]
-        named = {pair[0]: pair[1] for pair in pairs if pair is not None}
-        if any(map(naming, named)):
-            return named
-    return next((found for one in inner if (found := _weights(one, naming, depth + 1))), {})
-
-
-def _named_number(entry: Mapping[str, Any]) -> tuple[str, Any] | None:
-    """The name and the number of `{"name": "jawOpen", "score": 0.1}`."""
-    names = (entry[key] for key in _NAMES if isinstance(entry.get(key), str) and entry[key])
-    name, number = next(names, None), next((key for key in _NUMBERS if key in entry), None)
-    if name is None or number is None:
-        return None
-    value = entry[number]
-    return (name, value) if value is None or isinstance(value, Place) else None
-
-
-def _clock(frame: Any) -> tuple[str, ...]:
-    """Where a frame's time is: its key, below another one if need be; empty if there is none."""
-    entry = as_object(frame)
-    keys = list(entry)
-    for k in time_columns([key or "-" for key in keys]):
-        if isinstance(entry[keys[k]], Place | str):
-            return (keys[k],)
-    for key, value in entry.items():
-        below = _clock(value) if isinstance(value, dict) else ()
-        if below:
-            return (key, *below)
-    return ()
-
-
-def _at(entry: Any, keys: Sequence[str]) -> Any:
-    for key in keys:
-        entry = as_object(entry).get(key)
-    return entry
 
 
 # --- a list per channel --------------------------------------------------------------------------
 
 
-def _columns(document: Any, naming: Naming, rate: float | None) -> JsonFrames | None:
+def _columns(text: JsonText, naming: Naming, rate: float | None) -> JsonFrames | None:
+    document = text.document
     found = next((one for one in _objects(document, 0) if any(map(naming, one))), None)
     if found is None:
         return None
@@ -209,23 +125,23 @@ def _found_times(document: Any, length: int) -> Sequence[Any]:
 
 def _dicts(entry: Any, depth: int) -> Iterator[Mapping[str, Any]]:
     """The objects of a document, the outermost first."""
-    if depth > _DEEPEST:
+    if depth > DEEPEST:
         return
     if isinstance(entry, dict):
         yield entry
     inner = entry.values() if isinstance(entry, dict) else as_list(entry)
-    for one in islice(inner, _TRIED):
+    for one in islice(inner, TRIED):
         if isinstance(one, dict | list):
             yield from _dicts(one, depth + 1)
 
 
 def _objects(entry: Any, depth: int) -> Iterator[Mapping[str, list[Any]]]:
     """Objects of lists by name, the outermost first."""
-    if depth > _DEEPEST:
+    if depth > DEEPEST:
         return
     yield _series(entry)
     inner = entry.values() if isinstance(entry, dict) else as_list(entry)
-    for one in islice(inner, _MOST_NAMES if isinstance(entry, dict) else _TRIED):
+    for one in islice(inner, MOST_NAMES if isinstance(entry, dict) else TRIED):
         if isinstance(one, dict | list):
             yield from _objects(one, depth + 1)
 
@@ -233,13 +149,13 @@ def _objects(entry: Any, depth: int) -> Iterator[Mapping[str, list[Any]]]:
 def _series(entry: Any) -> dict[str, list[Any]]:
     """The lists of an object, or of `[{"name": "jawOpen", "values": [...]}, ...]`, by name."""
     if isinstance(entry, dict):
-        items = islice(entry.items(), _MOST_NAMES)
-        return {name: value for name, value in items if isinstance(value, list)}
+        items = islice(entry.items(), MOST_NAMES)
+        return {name: series for name, value in items if (series := as_list(value))}
     found = {}
-    for one in map(as_object, as_list(entry)[:_MOST_NAMES]):
-        name = next((one[key] for key in _NAMES if isinstance(one.get(key), str)), None)
-        series = next((one[key] for key in _SERIES if isinstance(one.get(key), list)), None)
-        if name is not None and series is not None:
+    for one in map(as_object, as_list(entry)[:MOST_NAMES]):
+        name = next((one[k] for k in one if letters(k) in NAMES and is_text(one[k])), None)
+        series = next((values for key in _SERIES if (values := as_list(one.get(key)))), [])
+        if name is not None and series:
             found[name] = series
     return found
 
@@ -247,16 +163,21 @@ def _series(entry: Any) -> dict[str, list[Any]]:
 # --- names, and lists of numbers -----------------------------------------------------------------
 
 
-def _matrix(document: Any, naming: Naming, rate: float | None) -> JsonFrames | None:
+def _matrix(text: JsonText, naming: Naming, rate: float | None) -> JsonFrames | None:
+    document = text.document
     names = next((one for one in _all_lists(document, 0) if _are_names(one, naming)), None)
     if names is None:
         return None
     for entries in _all_lists(document, 0):
-        rows = [_row(entry, len(names)) for entry in entries[:_TRIED]]
+        rows = [_row(entry, len(names)) for entry in entries[:TRIED]]
         if any(rows):
             weights = [_row(entry, len(names)) for entry in entries]
-            clock = next((found for entry in entries if (found := _clock(entry))), ())
-            times = [_at(entry, clock) for entry in entries] if clock else []
+            clock = next((found for entry in entries if (found := clock_of(entry))), ())
+            times = [value_at(entry, clock) for entry in entries] if clock else []
+            column = next(iter(time_columns(names)), None)
+            if column is not None and not times:
+                clock = (names[column],)
+                times = [row[column] if row else None for row in weights]
             if None in times or not times:
                 times = list(_found_times(document, len(entries)))
             return JsonFrames(names, weights, times, clock[-1] if clock else "time", rate, naming)
@@ -270,7 +191,7 @@ def _all_lists(entry: Any, depth: int) -> Iterator[list[Any]]:
 
 def _are_names(entries: list[Any], naming: Naming) -> bool:
     """Whether a list holds the names of channels."""
-    if not 0 < len(entries) <= _MOST_NAMES or not all(isinstance(one, str) for one in entries):
+    if not 0 < len(entries) <= MOST_NAMES or not all(isinstance(one, str) for one in entries):
         return False
     return any(map(naming, entries))
 

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from faceedit_app.formats.weights import BYTES
+from faceedit_app.formats.weights import BYTES, PERMILLE
 
 # Coarser than this, an edited curve would move in visible steps.
 _LEAST_PADDED, _LEAST_TRIMMED = 4, 6
@@ -62,8 +62,8 @@ def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
         decimals[len(match[1] or b"")] += 1
         exponents[chr(match[2][0]) if match[2] else ""] += 1
     most = max(decimals, default=0)
-    if scale == BYTES and not most:
-        return NumberFormat(0, True)  # a program that reads bytes reads whole numbers only
+    if scale in (BYTES, PERMILLE) and not most:
+        return NumberFormat(0, True)  # a program that reads these reads whole numbers only
     # Python and JavaScript write small numbers such as `1e-05` among plain ones.
     exponent = max(exponents, key=lambda key: exponents[key], default="")
     if exponent:

@@ -12,9 +12,9 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.encodings import as_utf8, recoded
 from faceedit_app.formats.files import read_bytes
+from faceedit_app.formats.rates import exact_rate
 from faceedit_app.formats.registry import recognise
 from faceedit_app.formats.take import FillableSource, RotatingSource, Take
-from faceedit_app.formats.timing import exact_rate
 
 _LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
 

@@ -14,14 +14,18 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats import (
     audio2face,
+    azure_speech,
     csv_take,
     facecap,
     glb_animation,
+    ifacialmocap,
     livelink,
+    long_table,
     mediapipe,
     metahuman,
     named_frames,
     named_weights,
+    usd_text,
 )
 from faceedit_app.formats.encodings import as_utf8
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
@@ -86,8 +90,15 @@ FORMATS: tuple[Format, ...] = (
                 "(Mocap > Import Audio2Face)"),
                ("Maya, Omniverse", "Audio2Face's own importers of blendshape weights read it"),
            )),
+    Format("azure", azure_speech.FORMAT, (".json", ".jsonl"), "application/json",
+           "programs that save the blend shapes of Azure's text to speech",
+           azure_speech.sniff, azure_speech.read),
     Format("facecap", facecap.FORMAT, (".txt",), "",
            "Face Cap on an iPhone", facecap.sniff, facecap.read),
+    Format("ifacialmocap", ifacialmocap.FORMAT, (".txt",), "",
+           "scripts that save what iFacialMocap sends", ifacialmocap.sniff, ifacialmocap.read),
+    Format("long", long_table.FORMAT, (".csv", ".tsv"), "text/csv",
+           "data frames and data bases (pandas, R, SQL)", long_table.sniff, long_table.read),
     Format("names", named_frames.FORMAT, (".json",), "application/json",
            "the BEAT data set, LAM_Audio2Expression", named_frames.sniff, named_frames.read),
     Format("mediapipe", mediapipe.FORMAT, (".json",), "application/json",
@@ -98,6 +109,8 @@ FORMATS: tuple[Format, ...] = (
            "Unreal scripts that list a MetaHuman's curves", metahuman.sniff, metahuman.read),
     Format("glb", glb_animation.FORMAT, (".glb",), "model/gltf-binary",
            "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
+    Format("usda", usd_text.FORMAT, (".usda",), "",
+           "Audio2Face, Omniverse, FaceEdit itself", usd_text.sniff, usd_text.read),
 )
 # fmt: on
 

@@ -118,6 +118,7 @@ class Recording:
         carried: as `Take.carried`.
         notes: the format's own notes.
         rotations, confidence: as in `Clip`.
+        scale: the value of a full blendshape in the file, if the format says it.
     """
 
     path: Path
@@ -131,6 +132,7 @@ class Recording:
     notes: tuple[str, ...] = ()
     rotations: Floats | None = None
     confidence: Floats | None = None
+    scale: float | None = None
 
 
 def finish_take(
@@ -153,7 +155,7 @@ def finish_take(
     path, values = recording.path, recording.values
     if not len(values):
         raise FileError(path, "has no row with a tracked face", "record the take again")
-    scale = scale_of(values)
+    scale = recording.scale or scale_of(values)
     wrong = first_impossible(values, scale)
     if wrong is not None:
         frame, k = wrong

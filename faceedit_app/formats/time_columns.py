@@ -31,6 +31,7 @@ from faceedit_app.formats.timing import (
     BadRow,
     NoTimes,
     Timing,
+    set_back,
     single_row,
     time_rows,
     typical_step,
@@ -48,6 +49,12 @@ _TIME_WORDS = {
     *("ts", "pts", "date", "datetime"),
 }
 _COUNT_WORDS = {"frame", "frames", "framenumber", "frameid", "index", "idx"}
+# Columns that say whether the face was tracked: 0 or false if not. Letters only, in lower case.
+TRACKED = (
+    *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
+    *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
+    *("numfaces", "facecount", "faces", "nfaces"),
+)
 _UNIVERSAL = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
 # Day, month and year in any order, then a clock time: only the clock counts.
 _LOCAL = re.compile(
@@ -245,7 +252,10 @@ def date_times(cells: Sequence[str]) -> Timing:
             seconds[row] = (moment - first).total_seconds()
         except TypeError:  # without the time zone that others have
             raise BadTimecode(row, text) from None
-    return time_rows(seconds)
+    local = first is not None and first.tzinfo is None
+    seconds, notes = set_back(seconds) if local else (seconds, ())
+    timing = time_rows(seconds)
+    return Timing(timing.times, timing.rate, notes + timing.notes)
 
 
 def _read_numbers(cells: Sequence[str], name: str) -> tuple[str, Timing]:

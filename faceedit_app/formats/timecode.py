@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from faceedit_app.core.arrays import Times
+from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.timecode_readings import (
     BASES,
     MILLISECONDS,
@@ -28,14 +29,14 @@ from faceedit_app.formats.timing import (
     counted,
     format_rate,
     join_recordings,
-    nominal_rate,
+    set_back,
     single_row,
     time_rows,
     typical_step,
     unusual_rate,
 )
 
-_DAY = 86_400
+_DAY, _HOUR = 86_400, 3600
 _FRAMES = re.compile(
     r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3})(?:\.(\d{1,9}))?", re.ASCII
 )
@@ -94,7 +95,7 @@ def parse_timecodes(texts: Sequence[str]) -> Stamps:
         width = min(width, len(match[5]))
         drop = drop or match[4] == ";"
     clock, last, part, digits = np.array(rows, np.float64).T
-    return Stamps(_past_midnight(clock), last, part, digits, width, drop)
+    return Stamps(_unwrapped(clock, _DAY), last, part, digits, width, drop)
 
 
 def clock_times(texts: Sequence[str]) -> Timing:
@@ -107,16 +108,19 @@ def clock_times(texts: Sequence[str]) -> Timing:
     if _counts_frames(texts):
         return derive_timing([_HUNDREDTHS.sub(r"\1:\2", text) for text in texts])
     clock, part = np.empty(len(texts)), np.zeros(len(texts))
-    digits = 0
+    digits, short = 0, True  # minutes and seconds alone begin again after an hour
     for row, text in enumerate(texts):
         long = f"0:{text}" if _SHORT_CLOCK.fullmatch(text) else text
         match = _CLOCK.fullmatch(long)
         if match is None:
             raise BadTimecode(row, text)
         clock[row] = _clock(match, row)
+        short = short and long != text
         part[row] = float(f"0.{match[4] or 0}")
         digits = max(digits, len(match[4] or ""))
-    return time_rows(_past_midnight(clock) + part, 10.0**-digits)
+    seconds, notes = set_back(_unwrapped(clock, _HOUR if short else _DAY) + part)
+    timing = time_rows(seconds, 10.0**-digits)
+    return Timing(timing.times, timing.rate, notes + timing.notes)
 
 
 def _counts_frames(texts: Sequence[str]) -> bool:
@@ -211,9 +215,9 @@ def _clock(match: re.Match[str], row: int) -> int:
     return (hours * 60 + minutes) * 60 + seconds
 
 
-def _past_midnight(clock: Times) -> Times:
-    """(T,) seconds since midnight of the first day; each step goes the shorter way round."""
-    steps = (np.diff(clock) + _DAY // 2) % _DAY - _DAY // 2
+def _unwrapped(clock: Times, period: int) -> Times:
+    """(T,) seconds since the first midnight or hour; each step goes the shorter way round."""
+    steps = (np.diff(clock) + period // 2) % period - period // 2
     unwrapped: Times = np.concatenate([clock[:1], clock[0] + np.cumsum(steps)])
     return unwrapped
 

@@ -26,6 +26,8 @@ _WORST = 4.0  # the most that one step adds to the unevenness, in ordinary steps
 _LOST = 0.5  # the factor of that for a step of several ordinary ones
 _CHANCE = 0.02  # the probability that counts as chance
 _CLEARLY = 0.4  # ordinary steps by which a less common reading must be more even
+_NEAR_ANOTHER = (24, 48)  # bases that are little below another
+_MOST_EVEN = 0.9  # share of the seconds that a reading must join without a loss
 _AGREE = 3  # seconds that must end alike to show an unusual base
 _FILM = 3 * 3600  # seconds; a timecode that begins earlier may be a film's
 
@@ -111,8 +113,7 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
     step = float(np.median(inside)) if len(inside) else 1.0
     most = frames.max()
     possible = [base for base in BASES if base > most]
-    if most in BASES and np.all(np.diff(stamps.clock * most + frames) > 0):
-        # A frame that was rounded up to the base is the first of the next second.
+    if _is_rounded_up(stamps, most, step):
         possible.insert(0, int(most))
     if len(over):
         # Where the second rolls over, the frames fall by the base less one ordinary step; by
@@ -122,7 +123,12 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
         shares = [float((late < max(_OFF, 0.6 / step)).mean()) for late in excess]
         best = max(shares, default=0.0)
         if best > 1 / 3:
-            return possible[shares.index(best)], ()
+            base = possible[shares.index(best)]
+            agree = round(best * len(over))
+            # 24 without its last number looks like 25 that lost a frame there, 48 like 50.
+            unsure = base == most or base in _NEAR_ANOTHER or agree < len(over)
+            few = agree < _AGREE - 1 or best < _LOST
+            return base, _assumed(base) if unsure and few else ()
         fall = float(np.percentile(falls, 75, method="higher"))
         nearest = min(possible, key=lambda base: abs(base - fall), default=0)
         few = len(over) < _AGREE
@@ -130,13 +136,22 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
             return nearest, _assumed(nearest) if few and nearest - fall > step / 2 else ()
         if few:
             # An unusual base takes more proof; frames lost at the second are likelier.
-            base = next((base for base in possible if base >= fall), None)
-            if base is not None:
-                return base, _assumed(base)
+            likely = [base for base in possible if base >= fall]
+            if likely:
+                return likely[0], _assumed(likely[0])
         if round(fall) > most:
             return round(fall), ()
     base = assumed_base(stamps)
     return base, _assumed(base)
+
+
+def _is_rounded_up(stamps: Stamps, most: float, step: float) -> bool:
+    """Whether the largest frame is the base itself: the next second's first, rounded up."""
+    if most not in BASES or not np.all(np.diff(stamps.clock * most + stamps.frames) > 0):
+        return False
+    frames, over = stamps.frames, np.diff(stamps.clock) == 1
+    shown = (frames[:-1] < most) & (np.abs(frames[:-1] + step - frames[1:] - most) < _OFF)
+    return most not in _NEAR_ANOTHER or bool(np.any(over & shown))
 
 
 def _assumed(base: int) -> tuple[str, ...]:
@@ -204,7 +219,7 @@ def _wrongly_marked(stamps: Stamps) -> Iterator[Reading]:
     if stamps.clock[0] // 60 == stamps.clock[-1] // 60:
         return
     other = _plain(stamps, not stamps.drop)
-    if other.base % 30 == 0:
+    if other.base % 30 == 0 and (stamps.drop or not _has_dropped_number(stamps, other.base)):
         what = "leaves out no numbers" if stamps.drop else "leaves out numbers at full minutes"
         is_drop = "not drop-frame" if stamps.drop else "drop-frame"
         note = f"the timecode {what}: it is {is_drop}"
@@ -224,7 +239,9 @@ def _numbered_at_broadcast_rate(stamps: Stamps, plain: Reading) -> Iterator[Read
     steps, plain_steps = np.diff(places), np.diff(plain.places)
     inside = plain_steps[np.diff(stamps.clock) == 0]
     left_out = int((steps != plain_steps).sum())
-    if left_out and len(inside) and np.median(inside) == 1:
+    over = steps[np.diff(stamps.clock) > 0]
+    even = len(over) > 0 and np.mean(over == 1) > _MOST_EVEN
+    if left_out and even and len(inside) and np.median(inside) == 1:
         lost = (inside != 1).sum() + 1
         if (lost / len(plain_steps)) ** left_out < _CHANCE:
             yield Reading(places, rate, plain.base, 0.0)
@@ -246,11 +263,21 @@ def _unevenness(places: Times) -> float:
     return float(off.sum())
 
 
+def _has_dropped_number(stamps: Stamps, base: int) -> bool:
+    """Whether a row has a number that drop-frame timecode does not have."""
+    full = (stamps.clock % 60 == 0) & (stamps.clock % 600 != 0)
+    return bool(np.any(full & (stamps.last < _dropped(base))))
+
+
+def _dropped(base: int) -> int:
+    """How many numbers drop-frame skips at each full minute except every tenth: 2 of 30."""
+    return max(1, round(base / 15))
+
+
 def count_frames(stamps: Stamps, base: int, drop: bool) -> Times:
     """(T,) frames of the base since midnight of the first day."""
     counts: Times = stamps.clock * base + stamps.frames
     if drop:
-        # Drop-frame skips the first numbers (2 of 30) of each minute except every tenth.
         minutes = stamps.clock // 60
-        counts = counts - max(1, round(base / 15)) * (minutes - minutes // 10)
+        counts = counts - _dropped(base) * (minutes - minutes // 10)
     return counts

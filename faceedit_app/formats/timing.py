@@ -12,21 +12,20 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Indices, Times
 from faceedit_app.core.clip import Gap
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.rates import nominal_rate
+from faceedit_app.formats.uneven import evened, is_uneven
 
 DEFAULT_RATE = 60.0
-COMMON_RATES = (24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 90.0, 120.0)
 SLOWEST, FASTEST = 1.2, 1000.0  # frames per second; other rates are impossible
-_RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
-_BROADCAST_RATES = tuple(rate * 1000 / 1001 for rate in (24, 30, 48, 60, 120))
-# 29.97 and 30 are 0.1 % apart: the lower rate is chosen only if it is clearly nearer.
-_BROADCAST_TOLERANCE = 0.0003
-_ROUNDED = 0.0045  # the rounding error of a broadcast rate with two decimals
-# Cameras drift from their nominal rate; Live Link Face at "60" was measured at 59.9.
-_DRIFT = 0.005
 _GAP = 1.5  # steps of at least this many frames have a frame missing
 _BREAK = 3  # after a step of this many frames the phase may be another
+_SHORT = 8  # steps; fewer do not show which is the usual one
+_OFF = 0.05  # share of a step by which its multiples may be off
+_MOST_LOST = 60  # steps that lost frames may make, in a take of a few rows
+_FEWEST_TICKS = 2  # changes of a clock that is slower than the rows
 _FEW = 4  # steps of at most this many frames measure the rate
 _LONGEST_GAP = 3600.0  # seconds; rows farther apart are two recordings in one file
+_HOUR, _HOUR_OFF = 3600.0, 2.0  # seconds that a clock is set back at the end of summer, and a row
 _COARSE = 0.1  # share of a frame; rows that move farther get a note
 _INERTIA = 0.2  # how far the phase follows each coarse time
 _UNUSABLE = 0.05  # share of rows out of order from which on all times are unusable
@@ -122,12 +121,18 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
     steps = np.diff(seconds)
     if not np.any(steps > 0):
         raise NoTimes("has the same time in every row")
+    together = np.any(steps == 0) and not np.any(steps < 0)
+    if together and is_uneven(steps[steps > 0], typical_step(steps)) and (found := evened(steps)):
+        return _uneven(*found, notes)
     repeats = _check_order(steps)
     frames, period, uncertainty = _count_frames(seconds, steps, resolution, repeats)
     if not SLOWEST <= 1 / period <= FASTEST:
         raise NoTimes(f"has times that step by {period:g} s")
     rate = nominal_rate(1 / period, uncertainty)
     slack = 1.01 * resolution + noise
+    if len(steps) < _SHORT and resolution > _COARSE * period and np.ptp(steps) > slack:
+        note = "these few rounded times leave the rate open"
+        notes = (*notes, f"{note}: {format_rate(rate or 1 / period)} is assumed")
     even = None
     if rate is not None:
         even = _even(seconds, frames, 1 / rate, slack)
@@ -135,6 +140,8 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
         even = _even(seconds, frames, period, slack)
     if even is None and repeats:
         raise NoTimes("has times that do not run forward")
+    if even is None and is_uneven(steps, period) and (found := evened(steps)):
+        return _uneven(*found, notes)
     if rate is None:
         rate = 1 / period
         notes = (*notes, unusual_rate(rate))
@@ -143,6 +150,11 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
         notes = (*notes, f"{note} {format_rate(rate)}")
     times = seconds if even is None else even
     return Timing(times - times[0], rate, notes)
+
+
+def _uneven(times: Times, rate: float, notes: tuple[str, ...]) -> Timing:
+    note = f"times come unevenly: rows are evenly spaced at {format_rate(rate)}"
+    return Timing(times, rate, (*notes, note))
 
 
 def single_row() -> Timing:
@@ -168,6 +180,20 @@ def join_recordings(steps: Times, usual: float, unit: float) -> tuple[Times, tup
     where = counted(int(apart.sum()), "time")
     note = f"the times jump by more than an hour {where}: the rows follow one another there"
     return np.where(apart, usual, steps), (note,)
+
+
+def set_back(seconds: Times) -> tuple[Times, tuple[str, ...]]:
+    """Undo that a local clock was set back by an hour, with a note about it.
+
+    Args:
+        seconds: (T,) of a clock on a wall.
+    """
+    steps = np.diff(seconds)
+    back = np.abs(steps + _HOUR) < _HOUR_OFF
+    if back.sum() != 1:
+        return seconds, ()
+    note = "the clock goes back by an hour: the rows follow one another there"
+    return seconds + np.concatenate([[0.0], np.cumsum(np.where(back, _HOUR, 0.0))]), (note,)
 
 
 def _joined(seconds: Times) -> tuple[Times, tuple[str, ...]]:
@@ -205,10 +231,20 @@ def _count_frames(
         # The clock is slower than the rows: count the rows between its first and last change.
         frames = np.where(steps <= _FEW * period, 1.0, np.round(steps / period))
         ticks = np.flatnonzero(steps > 0)
+        if len(ticks) < _FEWEST_TICKS:
+            raise NoTimes("has times that are too coarse to show its frame rate")
         whole = slice(ticks[0] + 1, ticks[-1] + 1) if len(ticks) > 1 else slice(None)
         few = frames[whole] == 1
         period = float(steps[whole][few].mean())
         return frames, period, 1.0 / max(int(few.sum()), 1)
+    if len(steps) < _SHORT:
+        period = _common_step(steps, period, resolution)
+    elif resolution > _COARSE * period:
+        # Rounded to hundredths, 90 frames a second step by 0.01 s, and now and then by 0.02 s.
+        length, ones = float(seconds[-1] - seconds[0]), np.ones(len(steps))
+        rate = nominal_rate(len(steps) / length, resolution / length)
+        if rate and _even(seconds, ones, 1 / rate, 1.01 * resolution) is not None:
+            return ones, length / len(steps), resolution / length
     for _ in range(4):
         if resolution > _COARSE * period:
             frames = _follow(seconds, period)
@@ -217,6 +253,21 @@ def _count_frames(
         few = frames <= _FEW
         period = float(steps[few].sum() / frames[few].sum())
     return frames, period, resolution / float(seconds[-1] - seconds[0])
+
+
+def _common_step(steps: Times, period: float, resolution: float) -> float:
+    """The smallest step of a few rows if it divides all of them, else `period`.
+
+    Among few rows, the step that is most frequent may have lost a frame.
+    """
+    least = float(steps.min())
+    counts = np.round(steps / least)
+    off = np.abs(steps - counts * least)
+    fits = counts.max() <= _MOST_LOST and np.all(off <= counts * max(resolution, _OFF * least))
+    if not fits or 2 * resolution > least:
+        return period
+    found = float(steps.sum() / counts.sum())
+    return found if nominal_rate(1 / found, resolution / float(steps.sum())) else period
 
 
 def _follow(seconds: Times, period: float) -> Times:
@@ -267,28 +318,6 @@ def _resolution(seconds: Times, noise: float) -> float:
         if np.allclose(scaled, np.round(scaled), rtol=0, atol=slack):
             return float(10.0**-decimals)
     return 0.0
-
-
-def nominal_rate(measured: float, uncertainty: float) -> float | None:
-    """The standard rate that fits a measured one, or None.
-
-    Args:
-        measured: frames per second.
-        uncertainty: the relative error of the measurement.
-    """
-    if uncertainty <= _BROADCAST_TOLERANCE:
-        for rate in _BROADCAST_RATES:
-            if abs(measured / rate - 1) <= _BROADCAST_TOLERANCE:
-                return rate
-    nearest = min(_RATES, key=lambda rate: abs(measured / rate - 1))
-    if abs(measured / nearest - 1) <= max(_DRIFT, min(uncertainty, 0.05)):
-        return float(nearest)
-    return None
-
-
-def exact_rate(rate: float) -> float:
-    """The broadcast rate that a rounded one stands for (23.976, 29.97, 59.94), else the rate."""
-    return next((exact for exact in _BROADCAST_RATES if abs(rate - exact) < _ROUNDED), rate)
 
 
 def typical_step(steps: Times) -> float:

@@ -15,7 +15,11 @@ _BYTES_NOTE = "the weights run from 0 to 255: read as such, and written as such"
 # Trackers exceed 1 by a few hundredths, exaggerated takes by a factor; beyond that it is damage.
 LARGEST = 10.0
 _TWICE = 2.0
+PERMILLE = 1000.0
+_PERMILLE_NOTE = "the weights run from 0 to 1000: read as such, and written as such"
 _BEYOND_PERCENT = 150.0  # whole numbers that go this far are bytes
+_BEYOND_BYTES = 300.0  # whole numbers of which some share goes this far are thousandths
+_SHARE = 0.01
 _LONG_ENOUGH = 10  # frames that show how far a channel goes
 _MOVING = 0.1  # the largest number of a channel that moves, if it runs from 0 to 1
 _MOST = 0.5  # share of its numbers that are not whole
@@ -23,7 +27,7 @@ _MANY = 0.15  # share of the weights that are not 0
 
 
 def scale_of(values: NDArray[Any]) -> float:
-    """The value of a full blendshape in a file: 1, 100 for percent, or 255 for bytes.
+    """The value of a full blendshape in a file: 1, 100 for percent, 255 for bytes, or 1000.
 
     Args:
         values: all weights, on the file's scale; NaN if missing.
@@ -33,12 +37,15 @@ def scale_of(values: NDArray[Any]) -> float:
     if not len(sizes) or (sizes > _TWICE).mean() <= _MANY:
         return 1.0
     whole = np.all(sizes == np.round(sizes))
+    if whole and (sizes > _BEYOND_BYTES).mean() > _SHARE:
+        return PERMILLE
     return BYTES if whole and _BEYOND_PERCENT < sizes.max() <= BYTES else PERCENT
 
 
 def scale_notes(scale: float) -> tuple[str, ...]:
     """The note about a scale other than 0 to 1."""
-    return {PERCENT: (PERCENT_NOTE,), BYTES: (_BYTES_NOTE,)}.get(scale, ())
+    notes = {PERCENT: PERCENT_NOTE, BYTES: _BYTES_NOTE, PERMILLE: _PERMILLE_NOTE}
+    return (notes[scale],) if scale in notes else ()
 
 
 def mixed_notes(values: NDArray[Any], scale: float, channels: Sequence[str]) -> tuple[str, ...]:

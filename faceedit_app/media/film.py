@@ -62,6 +62,7 @@ class Film:
             a varying rate.
         rate: pictures per second on average.
         timecode: of the first picture, as the file writes it, if it has one.
+        first: the first picture that is not damaged, as far as is known.
     """
 
     def __init__(self, path: Path, stopped: Callable[[], bool] | None = None) -> None:
@@ -87,6 +88,7 @@ class Film:
         self._container: InputContainer | None = None
         self._frames: Iterator[VideoFrame] | None = None
         self._next = 0  # the picture that is decoded next
+        self.first = 0
         self._cache: OrderedDict[int, Pixels] = OrderedDict()
         self._bytes = 0
         self._lock = threading.Lock()  # guards the cache
@@ -125,7 +127,8 @@ class Film:
             behind: the number of pictures before it to cache too, if they are decoded anyway.
 
         Returns:
-            (H, W, 4) uint8: blue, green, red, 255. If it is damaged, the nearest picture before it.
+            (H, W, 4) uint8: blue, green, red, 255. If it is damaged, the nearest picture before it,
+            or else the first that is not.
 
         Raises:
             FileError: the file has been removed or can no longer be read.
@@ -151,21 +154,26 @@ class Film:
         for earlier in (key, key - 1, 0):  # an earlier key, if the seek went too far
             if earlier >= 0:
                 self._seek(earlier)
-                found = self._go_on(index, behind)
+                found = self._go_on(index, behind, any_=earlier == 0)
                 if found is not None:
                     return found
         raise FileError(self.path, "cannot be decoded", "convert it to MP4 (H.264) and add that")
 
-    def _go_on(self, index: int, behind: int) -> Pixels | None:
-        """Decode up to a picture; None if the film ends before it."""
+    def _go_on(self, index: int, behind: int, any_: bool = False) -> Pixels | None:
+        """Decode up to a picture; None if the film ends before it, or has none up to it.
+
+        Args:
+            any_: take the next picture if there is none up to it, since the first are damaged.
+        """
         latest: VideoFrame | None = None
         for frame in self._frames or ():
             at = self._number(frame)
-            if at > index and latest is None:
+            if at > index and latest is None and not any_:
                 return None
             self._next = at + 1
-            if at <= index:
+            if at <= index or latest is None:
                 latest = frame
+                self.first = max(self.first, at if at > index else 0)
             if index - behind <= at < index or at > index:
                 self._keep(at, frame)
             if at >= index:

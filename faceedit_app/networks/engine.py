@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, partial
 from pathlib import Path
 
@@ -16,6 +16,8 @@ from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Rig
+from faceedit_app.networks.completion import FOLDER, CompletionNetwork, read_completion
+from faceedit_app.networks.made_for import MadeFor
 from faceedit_app.networks.region import RegionAnswer, read_region
 
 ENDING = ".onnx"
@@ -37,13 +39,34 @@ def load_region(folder: Path, region: Region, rig: Rig) -> RegionAnswer:
         raise FileError(path, f"holds the region {about.region!r}", "restore the models")
     if about.channels != region.channels:  # in the same order
         raise FileError(path, "answers other channels", "train the models again")
-    if difference := about.made_for.difference(rig):
+    _check_character(path, about.made_for, rig)
+    return model
+
+
+def load_completion(folder: Path, region: Region, rig: Rig) -> CompletionNetwork | None:
+    """Read a region's completion network from a folder of models; None if there is none.
+
+    Raises:
+        FileError: the file is not a model, or was made for another character.
+    """
+    path = folder / FOLDER / f"{region.id}{ENDING}"
+    if not path.exists():
+        return None
+    network = read_completion(path)
+    about = network.description
+    if (about.region, about.controls) != (region.id, region.own):
+        raise FileError(path, "completes other curves", "train the models again")
+    _check_character(path, about.made_for, rig)
+    return network
+
+
+def _check_character(path: Path, made_for: MadeFor, rig: Rig) -> None:
+    if difference := made_for.difference(rig):
         raise FileError(
             path,
-            f"was made for another character, {about.made_for.name!r}: {difference}",
+            f"was made for another character, {made_for.name!r}: {difference}",
             "use that character, or a model made for this one",
         )
-    return model
 
 
 @cache
@@ -71,18 +94,27 @@ def _result(other: Future[Doubles], part: Work) -> Doubles:
 
 @dataclass(frozen=True)
 class Engine:
-    """Trained networks for each region, keyed by `Region.id`."""
+    """Trained networks for each region, keyed by `Region.id`.
+
+    Attributes:
+        models: what answers curves.
+        completions: what completes requests, in regions that have such a network.
+    """
 
     models: dict[str, RegionAnswer]
+    completions: dict[str, CompletionNetwork] = field(default_factory=dict)
 
     @classmethod
     def load(cls, folder: Path | str, rig: Rig) -> Engine:
-        """Read `REGION.onnx` for each region from a folder.
+        """Read `REGION.onnx` for each region from a folder, and what completes requests.
 
         Raises:
             FileError: a file is missing or not a model, or was made for another character.
         """
-        return cls({region.id: load_region(Path(folder), region, rig) for region in REGIONS})
+        folder = Path(folder)
+        models = {region.id: load_region(folder, region, rig) for region in REGIONS}
+        completions = ((r.id, load_completion(folder, r, rig)) for r in REGIONS)
+        return cls(models, {name: network for name, network in completions if network})
 
     @property
     def scale(self) -> int:

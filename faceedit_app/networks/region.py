@@ -44,7 +44,7 @@ class RegionAnswer:
                 raise ValueError(f"from {graph.controls} controls to {graph.weights} channels")
             self.columns = [CONTROL_INDEX[control] for control in about.controls]
             self._outputs = graph.outputs
-            self._session = _session(content)
+            self._session = session(content)
             self._try_out()
         except FileError:
             raise
@@ -121,7 +121,7 @@ def read_bytes(path: Path) -> bytes:
     return content
 
 
-def _session(content: bytes) -> ort.InferenceSession:
+def session(content: bytes) -> ort.InferenceSession:
     """A session with one thread, so that an answer depends on nothing but the curves."""
     _prepare()
     options = ort.SessionOptions()
@@ -129,9 +129,9 @@ def _session(content: bytes) -> ort.InferenceSession:
     options.execution_mode = ort.ExecutionMode.ORT_SEQUENTIAL
     options.log_severity_level = 4  # the exception says what is wrong
     options.add_session_config_entry("session.use_env_allocators", "1")
-    session = ort.InferenceSession(content, options, providers=["CPUExecutionProvider"])
-    session._model_bytes = None  # 1.3 MB, kept for a change of providers
-    return session
+    opened = ort.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+    opened._model_bytes = None  # 1.3 MB, kept for a change of providers
+    return opened
 
 
 @cache

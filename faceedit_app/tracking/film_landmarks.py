@@ -111,6 +111,8 @@ def read_landmarks(
         for index in range(len(film)):
             check(stopped)
             picture = film.picture(index)
+            if index < film.first:  # damaged: what is shown instead was not there yet
+                continue
             image = Image.fromarray(np.ascontiguousarray(picture[..., 2::-1]))
             if follower is None:
                 width, height = image.size

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import Bounds, minimize
 
-from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING
 from faceedit_app.tracking.face_model import FaceModel
@@ -31,6 +31,9 @@ from faceedit_app.tracking.pose import Poses, fit_poses
 _BLOCK, _MARGIN = 1500, 50  # pictures fitted at once, and what is fitted with them on either side
 _ROUNDS = 3  # of pose and weights in turn
 _JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
+# Landmarks do not show these; noise would puff the cheeks of a head that is turned.
+_SEEN = ~np.isin(ARKIT_CHANNELS, ("cheekPuff", "tongueOut"))
+_TURNED = np.radians((5.0, 20.0))
 _OTHERS = 0.3  # how much skin that moves shows of the pose, once it is known how it moves
 
 
@@ -45,6 +48,8 @@ class FitSettings:
         gap_share: what is added to that for lips, as a share of the distance.
         depth: mm, how far the depth between the lips, which a film does not show, is from what an
             open jaw makes it.
+        across: mm, how far a lip is to a side of the other, for a head that looks at the camera and
+            for one that is turned, where a film does not tell it from depth.
         sparse: how likely a channel is unused, in standard deviations of `weight`.
         weight: how large weights are.
         acceleration: 1/s² above which a change of a weight is meant, and not shaking.
@@ -57,6 +62,7 @@ class FitSettings:
     lid: float = 0.15
     gap_share: float = 0.05
     depth: float = 0.2
+    across: tuple[float, float] = (2.0, 0.1)
     sparse: float = 1.0
     weight: float = 0.25
     acceleration: float = 40.0
@@ -142,7 +148,8 @@ def _fit_block(
             flat = person.lens.flatten(seen, poses, shape)
             poses = fit_poses(flat, shape, every if turn else model.steady)
         placed = poses.on_face(flat[..., :2], shape[..., 2])
-        weights = problem.solve(placed - person.rest[:, :2], _gaps(model, person, placed), weights)
+        moved, gaps = placed - person.rest[:, :2], _gaps(model, person, placed)
+        weights = problem.solve(moved, gaps, np.abs(poses.angles[:, 0]), weights)
     shape = person.rest + np.einsum("tk,knx->tnx", weights, model.moves)
     away = poses.on_face(flat[..., :2], shape[..., 2]) - shape[..., :2]
     share = model.weights / model.weights.sum()
@@ -197,9 +204,11 @@ class _Problem:
         rows = _joined(model.moves[..., :2].reshape(len(ARKIT_INDEX), -1)) * self._scale
         controls = [CONTROL_INDEX[control] for control in (LIP_OPENING, *LIDS)]
         upward = np.sign(model.controls.offsets[controls, 1]).astype(np.float64)
-        self._rest = np.abs(model.controls.offsets[controls, 1]).astype(np.float64)
+        rest = np.abs(model.controls.offsets[controls, 1]).astype(np.float64)
+        self._rest = np.append(rest, 0.0)
         gradients = model.controls.gradients[:, controls].astype(np.float64)
-        self._gap_rows = _joined(gradients[..., 1] * upward)
+        across = gradients[:, :1, 0]
+        self._gap_rows = _joined(np.concatenate([gradients[..., 1] * upward, across], axis=1))
         _, up, forward = gradients[ARKIT_INDEX["jawOpen"], 0].tolist()
         self._depth_row = _joined(gradients[:, 0, 2] - forward / up * gradients[:, 0, 1])
         self._rows = rows
@@ -208,7 +217,7 @@ class _Problem:
             self._hessian + np.outer(self._depth_row, self._depth_row) / settings.depth**2
         )
         stiff = (self._gap_rows[:, 0] / settings.gap) ** 2
-        stiff = stiff + ((self._gap_rows[:, 1:] / settings.lid) ** 2).sum(axis=1)
+        stiff = stiff + ((self._gap_rows[:, 1:3] / settings.lid) ** 2).sum(axis=1)
         self._ridge = 1.0 / settings.weight**2
         # Preconditions: a unit of each variable costs the same.
         self._unit = 1.0 / np.sqrt(np.diag(self._hessian) + stiff + self._ridge)
@@ -216,13 +225,18 @@ class _Problem:
         self._before, self._after = before, after
         self._span = (before + after) / 2.0
 
-    def solve(self, moved: Doubles, gaps: Doubles, start: Doubles) -> Doubles:
-        """The weights (T, 52) from moved landmarks (T, n, 2) and gaps (T, 3), mm."""
+    def solve(self, moved: Doubles, gaps: Doubles, turned: Doubles, start: Doubles) -> Doubles:
+        """The weights (T, 52) from moved landmarks (T, n, 2) and gaps (T, 3), mm.
+
+        Args:
+            turned: (T,) radians, how far the head is turned to a side.
+        """
         pull = (moved.reshape(len(moved), -1) * self._scale) @ self._rows.T
         spread = np.array([self._settings.gap, self._settings.lid, self._settings.lid])
         spread = spread + gaps * (self._settings.gap_share, 0.0, 0.0)
-        exact = self._trust[:, None] / spread**2
-        wanted = gaps - self._rest
+        across = np.interp(turned, _TURNED, self._settings.across)
+        exact = self._trust[:, None] / np.column_stack([spread, across]) ** 2
+        wanted = np.column_stack([gaps, np.zeros(len(gaps))]) - self._rest
         unit, shape = self._unit, start.shape
         sparse = self._settings.sparse / self._settings.weight
 
@@ -238,7 +252,7 @@ class _Problem:
             smooth, bend = self._smoothness(weights)
             return value + smooth, ((slope + bend) * unit).ravel()
 
-        bounds = Bounds(0.0, np.tile(1.0 / unit, len(start)))
+        bounds = Bounds(0.0, np.tile(np.where(_SEEN, 1.0 / unit, 0.0), len(start)))
         found = minimize(
             cost,
             (_parted(start) / unit).ravel(),

@@ -12,6 +12,7 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING, MOUTH_WIDTH
 from faceedit_app.tracking.face_model import FaceModel
 from faceedit_app.tracking.face_points import CONTROL_PAIRS, IRISES
+from faceedit_app.tracking.face_points import LIDS as LIDS_AROUND
 from faceedit_app.tracking.pose import Lens, Poses, fit_poses
 
 _NEUTRAL = 1 / 15  # share of the pictures that count as neutral
@@ -20,6 +21,7 @@ _MOST = 1500  # pictures, spread over the film, that show enough of a person
 _WHILE = 9  # pictures
 _DEPTH = 0.5  # how far the landmarks' depth is believed
 _TOUCH = 3.0  # percentile of the distance between the lips at which they touch
+_ALIKE = 1.0  # mm above it; lips that look like that touch
 _FARTHEST_TOUCH = 2.0  # mm; lips whose landmarks are farther apart never touch in the film
 _OPEN = 70.0  # percentile of the distance between the lids at which an eye is at rest
 _SHUT = 2.0  # percentile at which it is shut, if it ever is
@@ -37,6 +39,7 @@ class Person:
         lens: how the camera sees them.
         touch: mm between the lips where they touch.
         lids: (2, 2) mm between the lids, left and right: shut, and at rest.
+        is_ajar: whether the lips never touch.
     """
 
     rest: Doubles
@@ -44,6 +47,7 @@ class Person:
     lens: Lens
     touch: float
     lids: Doubles
+    is_ajar: bool = False
 
 
 def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -> Person:
@@ -64,18 +68,20 @@ def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -
     neutral = used[_quiet(gaps)]
     # Turned heads are foreshortened: the pictures in which the person looks at the camera count.
     calm = np.isin(used, neutral)
-    offset = np.median(placed[calm], axis=0) - model.rest
-    offset[:, 2] *= _DEPTH
-    offset -= _ajar(model, float(np.median(gaps[LIP_OPENING][calm])))
-    pupils = [model.row(number) for number in IRISES]
-    offset[pupils] = np.median(placed[:, pupils], axis=0) - model.rest[pupils]
-    rest = model.rest + offset
+    depth = _DEPTH * (np.median(placed[calm, :, 2], axis=0) - model.rest[:, 2])
+    # The iris's depth is not measured, and would turn the eyes with the head.
+    pupils, around = (np.isin(model.numbers, some) for some in (IRISES, LIDS_AROUND))
+    depth[pupils] = depth[around].mean()
+    rest = model.rest.copy()
+    rest[:, 2] += depth
     poses = fit_poses(some, rest, model.steady)
     flat = poses.on_face(some[..., :2], rest[:, 2])
-    touch = min(float(np.percentile(gap_of(model, flat, LIP_OPENING), _TOUCH)), _FARTHEST_TOUCH)
-    return Person(
-        rest, neutral, lens, touch, np.array([_lid(gap_of(model, flat, c)) for c in LIDS])
-    )
+    rest[:, :2] = np.median(flat[calm], axis=0)
+    rest[pupils, :2] = np.median(flat[:, pupils], axis=0)
+    rest -= _ajar(model, float(np.median(gaps[LIP_OPENING][calm])))
+    touch, is_ajar = _touch(gap_of(model, flat, LIP_OPENING))
+    lids = np.array([_lid(gap_of(model, flat, control)) for control in LIDS])
+    return Person(rest, neutral, lens, touch, lids, is_ajar)
 
 
 def _lens(model: FaceModel, seen: Doubles, middle: Doubles) -> tuple[Lens, Poses]:
@@ -103,7 +109,8 @@ def _ajar(model: FaceModel, gap: float) -> Doubles:
     upper, lower = (model.row(number) for number in CONTROL_PAIRS[CONTROL_INDEX[LIP_OPENING]])
     moves = model.moves[ARKIT_INDEX["jawOpen"]]
     opens = float(moves[upper, 1] - moves[lower, 1])
-    return max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    moved: Doubles = max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    return moved
 
 
 def _placed(seen: Doubles, poses: Poses) -> Doubles:
@@ -141,6 +148,16 @@ def _quiet(gaps: dict[str, Doubles]) -> Indices:
     unrest = unrest + uniform_filter1d(steps, _WHILE, mode="nearest")
     count = max(_FEWEST, round(len(lips) * _NEUTRAL))
     return np.argsort(unrest, kind="stable")[:count].astype(np.intp)
+
+
+def _touch(gap: Doubles) -> tuple[float, bool]:
+    """Mm between the landmarks of lips that touch, and whether they never do, by all pictures (T,).
+
+    Lips that touch look alike in many pictures, and a little closer in some.
+    """
+    least = float(np.percentile(gap, _TOUCH))
+    touch = float(np.median(gap[gap <= least + _ALIKE]))
+    return min(touch, _FARTHEST_TOUCH), least > _FARTHEST_TOUCH
 
 
 def _lid(gap: Doubles) -> Doubles:

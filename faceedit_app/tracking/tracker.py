@@ -17,6 +17,7 @@ from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
 from faceedit_app.formats import livelink
 from faceedit_app.formats.opening import checked_rate
+from faceedit_app.formats.timing import counted
 from faceedit_app.media.container import check
 from faceedit_app.tracking.face_model import FaceModel
 from faceedit_app.tracking.film_landmarks import FilmLandmarks, Progress, Report, read_landmarks
@@ -31,7 +32,7 @@ _GOOD = 0.9  # probability of a face in pictures that show the person's neutral 
 _TURNED = np.radians((35.0, 60.0))  # from here the far side is hidden, and there nothing is left
 _STRANGE = (2.0, 4.0)  # times the usual residual: what does not look like a face, or is hidden
 _MOMENT = 3  # pictures from one that is lost to the next, between which there is hardly a face
-_SMALLEST = 1.5  # mm, the least of these residuals
+_SMALLEST = 2.2  # mm, the least of these residuals; a wide open mouth of another shape has 2
 # Radians of Live Link Face's eye rotations at weight 1, measured on its recordings.
 _EYE_YAW, _EYE_PITCH = 0.6, 0.5
 _SMALL_FACE = 90.0  # pixels between chin and forehead
@@ -81,6 +82,8 @@ class Tracked:
         lost = int((~self.sure).sum())
         if lost:
             notes.append(f"{lost} of {len(self.sure)} pictures show the face badly: they are gaps")
+        if self.person.is_ajar:
+            notes.append("the lips never touch: how far they are open is less exact")
         tall = np.nanmedian(np.ptp(self.landmarks.points[..., 1], axis=1))
         if tall < _SMALL_FACE:
             notes.append(f"the face is only {tall:.0f} pixels high: lips and lids are less exact")
@@ -167,8 +170,8 @@ def fit_landmarks(
     if len(found) < _FEWEST:
         raise FileError(
             film.path,
-            f"shows a face in only {len(found)} pictures",
-            "use a film in which a face looks at the camera",
+            f"shows a face in only {counted(len(found), 'picture')}",
+            "use a film in which a face looks at the camera, the right way up",
         )
     seen = film.points[found][:, model.numbers] * (1.0, -1.0, -1.0)
     middle = 0.5 * np.array(film.size) * (1.0, -1.0)

@@ -46,6 +46,10 @@ SPELLINGS: dict[str, Callable[[str], str]] = {
     "prefixed": lambda name: f"ARKit_{name}",
     "twice prefixed": lambda name: f"head_ARKit_{short_side(name)}",
     "spaces": lambda name: " " + " ".join(words(name)) + " ",
+    "Blender's paths": lambda name: f'key_blocks["{name}"].value',
+    "constants of ARKit": lambda name: f"ARBlendShapeLocation{name[0].upper()}{name[1:]}",
+    "constants in Objective-C": lambda name: f"kARBlendShapeLocation{name[0].upper()}{name[1:]}",
+    "val": lambda name: f"{name}_val",
 }
 
 

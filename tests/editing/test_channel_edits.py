@@ -18,8 +18,8 @@ from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op, from_json, to_json
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.solving.channel_edits import without_rest
 from faceedit_app.editing.solving.filters import smoothed
+from faceedit_app.editing.solving.neutral import without_rest
 from faceedit_app.formats.opening import encoded_take, open_take
 
 JAW, CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]

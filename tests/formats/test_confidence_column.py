@@ -66,7 +66,9 @@ def test_a_take_without_it_has_no_such_column() -> None:
         assert b"onfidence" not in write(a_clip(None))
 
 
-@pytest.mark.parametrize("cells", [["high"] * COUNT, ["98"] * COUNT, ["nan"] * COUNT])
+@pytest.mark.parametrize(
+    "cells", [["high"] * COUNT, ["98"] * COUNT, ["nan"] * COUNT, ["1e300"] * COUNT]
+)
 def test_a_column_of_other_values_is_only_carried(tmp_path: Path, cells: list[str]) -> None:
     lines = livelink.write(a_clip(None)).decode().splitlines()
     rows = [f"{line},{cell}" for line, cell in zip(lines, ["Confidence", *cells], strict=True)]
@@ -91,4 +93,8 @@ def test_what_is_filled_is_not_called_certain(tmp_path: Path) -> None:
     assert len(again) == COUNT
     assert again.confidence is not None
     assert again.confidence[20] == 0.0
+    assert main(["convert", str(path), str(tmp_path / "out.csv"), "--format", "csv"]) == 0
+    plain = open_take(tmp_path / "out.csv").clip
+    assert len(plain) == COUNT
+    assert plain.confidence == pytest.approx(again.confidence, abs=1e-6)
     assert again.confidence[19] == pytest.approx(SURE[19], abs=6e-4)

@@ -320,3 +320,66 @@ def test_a_bad_file_is_told_in_one_line(
         open_take(table(tmp_path, text))
     assert caught.value.line == line
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize("rate", [24, 25, 29.97, 30, 50, 60])
+@pytest.mark.parametrize("lost", [(), (1,), (2,), (1, 2), (2, 4)])
+def test_a_take_of_a_few_rows_that_lost_some_keeps_its_rate(
+    tmp_path: Path, rate: float, lost: tuple[int, ...]
+) -> None:
+    for decimals in (3, 6):
+        times = [f"{t:.{decimals}f}" for t in seconds(rate, 6, lost)]
+        clip = with_times(tmp_path, "time", times).clip
+        assert clip.rate == pytest.approx(rate, abs=0.04)
+        assert sum(gap.missing for gap in clip.gaps) == len(lost)
+
+
+def test_a_rate_that_a_few_rounded_times_leave_open_is_admitted(tmp_path: Path) -> None:
+    notes = with_times(tmp_path, "time", ["0.00", "0.03", "0.07", "0.13"]).notes
+    assert any("leave the rate open" in note for note in notes)
+
+
+def test_ninety_frames_a_second_in_hundredths_are_not_a_hundred_with_gaps(tmp_path: Path) -> None:
+    clip = with_times(tmp_path, "time", [f"{t:.2f}" for t in seconds(90)]).clip
+    assert (clip.rate, clip.gaps) == (90, ())
+
+
+def test_minutes_and_seconds_begin_again_after_an_hour(tmp_path: Path) -> None:
+    moments = [3599 + t for t in seconds(30, 60)]
+    times = [f"{int(t) // 60 % 60:02d}:{t % 60:06.3f}" for t in moments]
+    clip = with_times(tmp_path, "time", times).clip
+    assert (clip.rate, clip.gaps) == (30, ())
+
+
+@pytest.mark.parametrize("form", ["%Y-%m-%dT%H:%M:%S.%f", "%H:%M:%S.%f"])
+def test_a_local_clock_that_is_set_back_does_not_stop_the_take(tmp_path: Path, form: str) -> None:
+    begin = datetime(2026, 10, 25, 2, 59, 59)
+    moments = [begin + timedelta(seconds=t - (3600 if t >= 1 else 0)) for t in seconds(30, 60)]
+    take = with_times(tmp_path, "time", [moment.strftime(form) for moment in moments])
+    assert take.clip.rate == 30
+    assert take.clip.duration == pytest.approx(2, abs=0.04)
+    assert any("goes back by an hour" in note for note in take.notes)
+
+
+@pytest.mark.parametrize("spread", [0.004, 0.008, 0.015])
+@pytest.mark.parametrize(("rate", "lost"), [(25, 0), (30, 0), (60, 0), (30, 0.05), (60, 0.05)])
+def test_times_of_arrival_give_the_rate_at_which_frames_were_sent(
+    tmp_path: Path, rate: int, lost: float, spread: float
+) -> None:
+    """As a script notes them that receives a phone's frames over the network."""
+    drawn = np.random.default_rng(rate)
+    kept = np.flatnonzero(np.append(drawn.random(598) >= lost, [True, True]))
+    arrived = EPOCH + kept / rate + drawn.exponential(spread, len(kept))
+    arrived = np.maximum.accumulate(arrived)  # some arrive together
+    take = with_times(tmp_path, "timestamp", [f"{t:.3f}" for t in arrived])
+    clip = take.clip
+    assert clip.rate == pytest.approx(rate, rel=0.005)
+    missing = sum(gap.missing for gap in clip.gaps)
+    assert missing == pytest.approx(600 - len(kept), abs=8)
+    assert clip.times[-1] == pytest.approx((kept[-1] - kept[0]) / rate, abs=0.25)
+
+
+def test_a_clock_that_hardly_moves_asks_for_the_rate(tmp_path: Path) -> None:
+    seconds_alone = [f"{int(t)}" for t in seconds(30, 50)]
+    with pytest.raises(RateNeeded, match="too coarse"):
+        with_times(tmp_path, "time", seconds_alone)

@@ -84,6 +84,62 @@ LAYOUTS: dict[str, Any] = {
     "Audio2Face with a rate in text": {"exportFps": "30", "facsNames": NAMES, "weightMat": ROWS},
     "blendShapeNames": {"fps": 30, "blendShapeNames": NAMES, "blendShapeWeights": ROWS},
     "names, frames and times": {"names": NAMES, "frames": ROWS, "times": TIMES},
+    "weights as texts": rows(
+        lambda n, w: {"time": f"{n / 30:.4f}", "face": {c: str(v) for c, v in w.items()}}
+    ),
+    "lists of texts": {"names": NAMES, "fps": "30", "frames": [list(map(str, r)) for r in ROWS]},
+    "names and numbers in turn, as Swift writes": rows(
+        lambda n, w: {
+            "timestamp": 5000.25 + n / 30,
+            "blendShapes": [x for e in w.items() for x in e],
+        }
+    ),
+    "pairs": rows(lambda n, w: {"t": n / 30, "shapes": list(w.items())}),
+    "k and v": rows(
+        lambda n, w: {
+            "Timestamp": 1_652_000_000_000 + n * 100 // 3,
+            "FaceFound": True,
+            "Rotation": {"x": 1.5, "y": 2, "z": 3},
+            "BlendShapes": [{"k": c[0].upper() + c[1:], "v": v} for c, v in w.items()],
+        }
+    ),
+    "parameters of a message": rows(
+        lambda n, w: {
+            "timestamp": 1_652_000_000_000 + n * 100 // 3,
+            "data": {"parameterValues": [{"id": c, "value": v} for c, v in w.items()]},
+        }
+    ),
+    "an object per weight": rows(
+        lambda n, w: {"time": n / 30, "face": {c: {"value": v, "min": 0} for c, v in w.items()}}
+    ),
+    "weights by region": rows(
+        lambda n, w: {
+            "time": n / 30,
+            "eyes": {c: v for c, v in w.items() if c.startswith("eye")},
+            "others": {c: v for c, v in w.items() if not c.startswith("eye")},
+        }
+    ),
+    "frames by time": dict(rows(lambda n, w: (f"{n / 30:.4f}", w))),
+    "frames by milliseconds": dict(rows(lambda n, w: (str(n * 100 // 3), w))),
+    "frames by timecode": dict(rows(lambda n, w: (f"01:00:{n // 30:02d}:{n % 30:02d}", w))),
+    "frames by number, sorted as texts": {
+        "sampleRate": 30,
+        "frames": dict(sorted(rows(lambda n, w: (str(n), w)))),
+    },
+    "an entry per weight": [
+        {"time": n / 30, "channel": c, "value": v}
+        for n, row in enumerate(ROWS)
+        for c, v in zip(NAMES, row, strict=True)
+    ],
+    "an entry per weight, by channel": {
+        "fps": 30,
+        "audio": {"sampleRate": 48000},
+        "samples": [
+            {"name": c, "weight": row[k], "frame": n}
+            for k, c in enumerate(NAMES)
+            for n, row in enumerate(ROWS)
+        ],
+    },
 }
 TEXTS = {name: json.dumps(document) for name, document in LAYOUTS.items()}
 TEXTS["a document per line"] = "".join(
@@ -129,6 +185,37 @@ def test_frames_in_which_the_face_was_lost_are_a_gap(tmp_path: Path) -> None:
     assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(7, 2)]
 
 
+def test_numbers_of_lost_frames_are_gaps_at_the_rate_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "take.json"
+    frames = rows(lambda n, w: {"frame": 2 * n, "weights": w})
+    path.write_text(json.dumps({"fps": 30, "frames": frames[:5] + frames[7:]}))
+    clip = open_take(path).clip
+    assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(4, 2)]
+
+
+@pytest.mark.parametrize(("flag", "no"), [("FaceFound", False), ("confidence", 0.0)])
+def test_frames_that_say_so_have_no_face(tmp_path: Path, flag: str, no: float) -> None:
+    path = tmp_path / "take.json"
+    document = rows(lambda n, w: {"time": n / 30, flag: no if n == 9 else 1, "weights": w})
+    path.write_text(json.dumps(document))
+    assert [(gap.frame, gap.missing) for gap in open_take(path).clip.gaps] == [(8, 1)]
+    document = rows(lambda n, w: {"time": n / 30, flag: no, "weights": w})
+    path.write_text(json.dumps(document))  # the flag is never set
+    assert open_take(path).clip.gaps == ()
+
+
+def test_of_two_faces_the_first_is_read_and_that_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "take.json"
+    path.write_text(
+        json.dumps(
+            rows(lambda n, w: {"time": n / 30, "faces": [w, {c: 1 - v for c, v in w.items()}]})
+        )
+    )
+    take = open_take(path)
+    assert np.allclose(take.clip.arkit_weights(), WEIGHTS, atol=1e-7)
+    assert "a frame has the weights of 2 faces: the first is read" in take.notes
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -165,6 +252,8 @@ def test_a_document_with_too_much_of_anything_is_refused(tmp_path: Path, text: s
         '{"frames": [{"jawOpen": 0.1}, {"mouthClose": 0.1}], "fps": 30}',
         '{"time": 0, "jawOpen": 0.1}\n{"time": 1, "jawOpen"',
         '{"time": 0, "jawOpen": 0.1} {"time": 1, "jawOpen": 0.2}',
+        '{"fps": 30, "frames": [{"jawOpen": "0,1"}, {"jawOpen": "0,2"}]}',
+        '[{"t": 0, "name": "jawOpen", "value": 1}, {"t": 0, "name": "jawOpen", "value": 2}]',
     ],
 )
 def test_what_cannot_be_read_is_refused_in_one_line(tmp_path: Path, text: str) -> None:

@@ -150,6 +150,25 @@ def test_bytes_are_read_and_written_as_bytes(tmp_path: Path) -> None:
     assert out.read_text().splitlines()[4].split(",")[1] == "130"
 
 
+def test_thousandths_are_read_and_written_as_such(tmp_path: Path) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    body = [[row[0], *(f"{float(cell) * 1000:.0f}" for cell in row[1:])] for row in rows()]
+    path.write_text(text(body))
+    take = open_take(path)
+    assert any("0 to 1000" in note for note in take.notes)
+    assert take.clip.weights[0, 0] == pytest.approx(float(rows()[0][1]), abs=0.001)
+    edited = take.clip.weights.copy()
+    edited[3, 0] = 0.25
+    write_take(out, take, edited)
+    assert out.read_text().splitlines()[4].split(",")[1] == "250"
+
+
+def test_bars_separate_columns_if_nothing_else_does(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text(text(rows()).replace(",", "|"))
+    assert len(open_take(path).clip.channels) == 3
+
+
 def test_channels_from_0_to_1_among_percent_are_reported(tmp_path: Path) -> None:
     path = tmp_path / "take.csv"
     body = [[row[0], *(f"{float(c) * 100:.2f}" for c in row[1:3]), row[3]] for row in rows()]

@@ -115,7 +115,38 @@ def test_frames_lost_as_the_only_second_ends_make_no_unusual_base(base: int, ste
 def test_a_base_that_lost_frames_leave_open_is_admitted() -> None:
     rows = [frame for i, frame in enumerate(every(1, 37)) if not 9 < i < 13]
     timing = derive_timing(codes(rows, 25, 25_013))  # as well 24 frames a second and two lost
-    assert "24 fps is assumed" in timing.notes[0]
+    assert "25 fps is assumed" in timing.notes[0]
+    assert gaps_of(timing) == [(9, 3)]
+
+
+@pytest.mark.parametrize(("base", "lost"), [(25, (24,)), (25, (25,)), (50, (48, 49)), (50, (50,))])
+def test_a_base_next_to_another_is_admitted_if_one_second_ends(
+    base: int, lost: tuple[int, ...]
+) -> None:
+    """25 frames a second of which the last is lost look like 24."""
+    rows = [float(frame) for frame in range(base - 9, base + 9) if frame not in lost]
+    timing = derive_timing(codes(rows, base, 1000 * base))
+    assert timing.rate == base or "is assumed" in timing.notes[0]
+    unbroken = derive_timing(codes(every(1, 3 * base), base, 1000 * base))
+    assert (unbroken.rate, unbroken.notes) == (base, ())
+
+
+@pytest.mark.parametrize("lost", [(29, 30), (30, 31), (31, 32), (28, 31)])
+def test_frames_lost_around_a_full_minute_are_drop_frame_only_if_those_numbers_are(
+    lost: tuple[int, int],
+) -> None:
+    rows = [frame for frame in every(1, 90) if frame not in lost]
+    timing = derive_timing(codes(rows, 30, 30 * (600 + 59)))
+    dropped = lost == (30, 31)
+    assert timing.rate == (pytest.approx(29.97003) if dropped else 30)
+    assert any("drop-frame" in note for note in timing.notes) == dropped
+    assert sum(missing for _, missing in gaps_of(timing)) == (0 if dropped else 2)
+
+
+def test_numbers_lost_as_seconds_end_do_not_count_at_a_broadcast_rate() -> None:
+    lost = {8 + 30 * k + j for k in range(4) for j in range(2)}
+    rows = [frame for frame in every(1, 130) if frame not in lost]
+    assert derive_timing(codes(rows, 30, 30 * 36_000 - 8)).rate == 30
 
 
 def test_midnight_does_not_turn_time_back() -> None:

@@ -13,9 +13,9 @@ from support.tracker import needs_tracker
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_INDEX, MOUTH_WIDTH
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MOUTH_WIDTH
 from faceedit_app.formats import livelink
-from faceedit_app.lab.evaluation.rendered_films import Conditions
+from faceedit_app.lab.evaluation.rendered_films import Conditions, Truth, kept_open
 from faceedit_app.lab.evaluation.tracking import FULL, METHODS, evaluate_tracking, lag, table
 
 
@@ -23,6 +23,18 @@ from faceedit_app.lab.evaluation.tracking import FULL, METHODS, evaluate_trackin
 def test_the_lag_of_a_curve_is_found(late: float) -> None:
     at = np.arange(80.0)
     assert lag(np.sin((at - late) / 4.0), np.sin(at / 4.0)) == pytest.approx(late, abs=0.1)
+
+
+def test_a_mouth_that_is_kept_open_moves_and_never_shuts() -> None:
+    truth = Truth(speaking(40), np.arange(40) / 25.0)
+    opening = CONTROL_INDEX[LIP_OPENING]
+    before, after = (
+        shipped_rig().arkit_distances.measure(one.weights)[:, opening]
+        for one in (truth, kept_open(truth))
+    )
+    assert before.min() < 2.0
+    assert after.min() > 4.0
+    assert np.corrcoef(before, after)[0, 1] > 0.99
 
 
 @needs_tracker

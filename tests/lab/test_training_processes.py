@@ -29,7 +29,7 @@ def test_two_processes_give_the_same_networks_and_figures_as_one(tmp_path: Path)
     )
     assert done.returncode == 0, done.stderr
     written = sorted(file.relative_to(alone) for file in alone.rglob("*") if file.is_file())
-    assert len(written) == 5
+    assert len(written) == 6
     for file in written:
         assert (shared / file).read_bytes() == (alone / file).read_bytes(), file
     assert not (shared / "checkpoint").exists()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
+import av
 import numpy as np
 import pytest
 from support.films import SIZE, make_film, number_of
@@ -85,6 +86,21 @@ def test_a_damaged_stretch_shows_what_is_there(tmp_path: Path) -> None:
     assert number_of(film.picture(2)) == 2
     for index in range(0, 120, 3):
         film.picture(index)
+
+
+def test_a_film_whose_beginning_is_damaged_begins_where_it_is_not(tmp_path: Path) -> None:
+    path = make_film(tmp_path / "a.mov", frames=60, gop=10)
+    with av.open(str(path)) as container:
+        packets = [packet for packet in container.demux(video=0) if packet.size]
+        places = [(packet.pos or 0, packet.size) for packet in packets[:8]]
+    data = bytearray(path.read_bytes())
+    for place, size in places:
+        data[place : place + size] = bytes(size)
+    path.write_bytes(data)
+    film = Film(path)
+    assert 0 < film.index_at(number_of(film.picture(0)) / film.rate) <= 10
+    assert film.first == number_of(film.picture(0))
+    assert number_of(film.picture(30)) == 30
 
 
 def test_what_is_wrong_is_said_in_a_line(tmp_path: Path, film: Film) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -141,3 +142,34 @@ def test_model_card_names_every_model(engine: Engine) -> None:
     text = card.read_text(encoding="utf-8")
     for region in engine.models:
         assert f"{region}.onnx" in text
+
+
+OPEN = Edit(("mouth_opening",), Op.OFFSET, START, END, 0.1, 5.0)
+CORNERS = [CONTROL_INDEX["left_corner"], CONTROL_INDEX["right_corner"]]
+
+
+def smiling(take: Take, start: float, end: float, ease: float) -> Take:
+    """A take with a smile between two times that comes and goes in some seconds."""
+    times = take.clip.times
+    away = np.clip(np.minimum(times - start, end - times) / ease, 0.0, 1.0)
+    weights = take.clip.weights.copy()
+    for side in ("Left", "Right"):
+        column = take.clip.channels.index(f"mouthSmile{side}")
+        weights[:, column] = np.clip(weights[:, column] + 0.7 * away, 0.0, 1.0)
+    return replace(take, clip=replace(take.clip, weights=weights))
+
+
+def smile_lost(take: Take, engine: Engine) -> float:
+    """Mean mm that completion takes from the corners when only the opening is dragged."""
+    session = edited(take, engine, OPEN)
+    plain = edited(take, Engine(engine.models), OPEN)
+    lost = (plain.achieved - session.achieved)[held(session)][:, CORNERS]
+    return float(lost.mean())
+
+
+def test_a_smile_stays_when_the_jaw_drops(demo: Take, engine: Engine) -> None:
+    assert abs(smile_lost(smiling(demo, 1.0, 7.0, 0.4), engine)) < 0.5
+
+
+def test_a_smile_that_was_pasted_under_the_edit_goes(demo: Take, engine: Engine) -> None:
+    assert smile_lost(smiling(demo, START, END, 0.08), engine) > 1.5

@@ -14,8 +14,8 @@ from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.ruler import Ruler
-from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.state.timeline import Timeline
+from support.theme import themed
 from support.waiting import wait_for_timers
 
 # pyqtgraph drops moves that come faster than 100 a second, as those of tests do.
@@ -37,9 +37,7 @@ LEFT, MIDDLE, RIGHT = (
 
 def open_panel(qtbot: QtBot, session: EditSession, width: int = 900) -> CurvesPanel:
     """A panel on the screen that shows a session."""
-    app = QApplication.instance()
-    assert isinstance(app, QApplication)
-    apply_theme(app)
+    themed()
     timeline = Timeline()
     panel = CurvesPanel(timeline)
     timeline.setParent(panel)

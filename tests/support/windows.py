@@ -22,7 +22,6 @@ from faceedit_app.editing.files import journal
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.look.theme import apply_theme
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state import loading
@@ -31,6 +30,7 @@ from support import curves
 from support.curves import place
 from support.faces import shipped_rig
 from support.takes import make_livelink_csv
+from support.theme import themed
 
 
 class FakeRenderer:
@@ -159,7 +159,7 @@ def _forget(window: MainWindow) -> None:
 def bench(
     qtbot: QtBot, qapp: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> Bench:  # the fixture that test modules import
-    apply_theme(qapp)
+    themed()
     return Bench(qtbot, monkeypatch, tmp_path)
 
 

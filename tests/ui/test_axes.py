@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import pairwise, product
 
 import pytest
 from PySide6.QtCore import QRectF
@@ -12,6 +12,7 @@ from pytestqt.qtbot import QtBot
 from support.curves import open_panel
 from support.rigs import tiny_session
 
+from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.axes import FrameAxis, TimeAxis, ValueAxis
 from faceedit_app.ui.state.clock import Unit
@@ -19,9 +20,15 @@ from faceedit_app.ui.state.clock import Unit
 Drawn = list[tuple[QRectF, str]]
 
 
+@pytest.fixture(scope="module")
+def session() -> EditSession:
+    """A long take, which no test here edits."""
+    return tiny_session(36_000)
+
+
 @pytest.fixture
-def panel(qtbot: QtBot) -> CurvesPanel:
-    return open_panel(qtbot, tiny_session(36_000))
+def panel(qtbot: QtBot, session: EditSession) -> CurvesPanel:
+    return open_panel(qtbot, session)
 
 
 def drawn(axis: ValueAxis | TimeAxis | FrameAxis) -> Drawn:
@@ -44,22 +51,21 @@ def assert_readable(numbers: Drawn, room: QRectF) -> None:
             assert not one.intersects(other)
 
 
-@pytest.mark.parametrize("width", [600, 1003, 1600])
 @pytest.mark.parametrize("unit", list(Unit))
-def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit, width: int) -> None:
-    panel.resize(width, 600)
+def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit) -> None:
     line, axis = panel.timeline, panel.ruler.times
     line.clock.choose(unit)
-    for seconds in (0.2, 0.7, 3.0, 11.0, 90.0, 720.0):
-        for start in (0.0, 0.31, 200.0):
-            line.show_range(start, start + seconds)
-            QApplication.processEvents()
-            numbers = drawn(axis)
-            assert len(numbers) >= 2
-            assert_readable(numbers, axis.rect())
-            if panel.ruler.frames.isVisible():
-                below = drawn(panel.ruler.frames)
-                assert_readable([*numbers, *below], axis.rect())
+    lengths, starts = (0.2, 0.7, 3.0, 11.0, 90.0, 720.0), (0.0, 0.31, 200.0)
+    for width, seconds, start in product((600, 1003, 1600), lengths, starts):
+        panel.resize(width, 600)
+        line.show_range(start, start + seconds)
+        QApplication.processEvents()
+        numbers = drawn(axis)
+        assert len(numbers) >= 2
+        assert_readable(numbers, axis.rect())
+        if panel.ruler.frames.isVisible():
+            below = drawn(panel.ruler.frames)
+            assert_readable([*numbers, *below], axis.rect())
 
 
 def test_frames_are_counted_in_round_numbers(panel: CurvesPanel) -> None:
@@ -85,13 +91,13 @@ def test_frames_are_numbered_where_they_have_room(panel: CurvesPanel) -> None:
     assert not panel.ruler.frames.isVisible()
 
 
-@pytest.mark.parametrize("height", [500, 620, 900])
-def test_values_are_whole_and_apart(panel: CurvesPanel, height: int) -> None:
-    panel.resize(900, height)
-    QApplication.processEvents()
+def test_values_are_whole_and_apart(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
     axis = plot.axis
-    for low, high in ((0.0, 0.3), (-3.0, 17.0), (4.9, 5.3), (0.0, 999.0), (-0.4, 1.7)):
+    ranges = ((0.0, 0.3), (-3.0, 17.0), (4.9, 5.3), (0.0, 999.0), (-0.4, 1.7))
+    for height, (low, high) in product((500, 620, 900), ranges):
+        panel.resize(900, height)
+        QApplication.processEvents()
         plot.show_values((low, high))
         numbers = drawn(axis)
         assert_readable(numbers, axis.rect())
@@ -100,17 +106,16 @@ def test_values_are_whole_and_apart(panel: CurvesPanel, height: int) -> None:
         assert all(low <= value <= high for value in values)
 
 
-@pytest.mark.parametrize("height", [30, 34, 40, 48, 60])
-def test_every_value_axis_has_a_number(panel: CurvesPanel, height: int) -> None:
+def test_every_value_axis_has_a_number(panel: CurvesPanel) -> None:
     """0 to 46 mm in a low plot has no room for 0, nor for 50."""
     plot = panel.plots[0]
-    plot.setFixedHeight(height)
-    for low in (-5.1, 0.3, 26.7):
-        for span in (2.3, 5.9, 11.0, 23.0, 46.0, 57.0, 99.0):
-            plot.show_values((low, low + span))
-            QApplication.processEvents()
-            numbers = drawn(plot.axis)
-            assert numbers
-            assert_readable(numbers, plot.axis.rect())
-            for _, text in numbers:
-                assert low < float(text.replace("−", "-")) < low + span
+    spans = (2.3, 5.9, 11.0, 23.0, 46.0, 57.0, 99.0)
+    for height, low, span in product((30, 34, 40, 48, 60), (-5.1, 0.3, 26.7), spans):
+        plot.setFixedHeight(height)
+        plot.show_values((low, low + span))
+        QApplication.processEvents()
+        numbers = drawn(plot.axis)
+        assert numbers, height
+        assert_readable(numbers, plot.axis.rect())
+        for _, text in numbers:
+            assert low < float(text.replace("−", "-")) < low + span

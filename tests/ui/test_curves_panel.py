@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
@@ -201,9 +201,8 @@ def test_names_stand_alike_in_rows_that_differ_by_a_pixel(panel: CurvesPanel) ->
         assert layout.note.top() + QFontMetricsF(layout.name_font).height() < height + 1
 
 
-@pytest.mark.parametrize("height", range(style.ROW_HEIGHT, 90, 3))
-def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel, height: int) -> None:
-    for header in panel.headers:
+def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel) -> None:
+    for height, header in product(range(style.ROW_HEIGHT, 90, 3), panel.headers):
         header.setFixedHeight(height)
         layout = Layout.of(header, header.control.label)
         metrics, bold = QFontMetricsF(layout.name_font), QFontMetricsF(layout.value_font)

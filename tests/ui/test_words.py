@@ -232,6 +232,24 @@ def test_unknown_and_wrong_words_are_asked_for(
     assert session.words.text.endswith("zoop")
 
 
+def test_numbers_are_suggested_and_other_languages_noticed(
+    bench: Bench, devices: list[FakeOutput], tmp_path: Path
+) -> None:
+    window = with_media(bench, make_wav(tmp_path / "voice.wav"))
+    dialog = dialog_of(window)
+    dialog.text.setPlainText("We met in 1984 for $5")
+    dialog.search.click()
+    assert [field.text() for field in dialog._asked.values()] == [
+        "nineteen eighty four",
+        "five dollars",
+    ]
+    assert "language" not in dialog.message.text()
+    dialog.text.setPlainText("Привет, мир")
+    dialog.search.click()
+    assert "For a language other than English" in dialog.message.text()
+    dialog.reject()
+
+
 def test_the_search_can_be_cancelled(
     bench: Bench, devices: list[FakeOutput], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

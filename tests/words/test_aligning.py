@@ -14,7 +14,7 @@ from support.speech import SENTENCE, needs_espeak, speak
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.media.sound import read_sound
-from faceedit_app.words import aligning
+from faceedit_app.words import recogniser
 from faceedit_app.words.aligning import NOISY, Line, align, align_part
 from faceedit_app.words.denoising import Samples, Stopped
 
@@ -98,8 +98,8 @@ def test_long_sounds_are_aligned_in_pieces(
     samples, rate = sentence
     sound, text = np.tile(padded(samples, rate, 0.2, 0.3), 4), " ".join([SENTENCE] * 4)
     whole = align(sound, rate, [Line(text)])
-    monkeypatch.setattr(aligning, "_LONGEST", 8.0)
-    monkeypatch.setattr(aligning, "_PIECE", 6.0)
+    monkeypatch.setattr(recogniser, "_LONGEST", 8.0)
+    monkeypatch.setattr(recogniser, "_PIECE", 6.0)
     shares: list[float] = []
     pieces = align(sound, rate, [Line(text)], None, lambda share: not shares.append(share))
     assert len(shares) > 2
@@ -108,6 +108,38 @@ def test_long_sounds_are_aligned_in_pieces(
     apart = np.abs(starts[1] - starts[0])
     assert np.median(apart) < 0.01
     assert np.percentile(apart, 90) < 0.06  # synthetic speech leaves a few edges undecided
+
+
+@needs_espeak
+@pytest.mark.parametrize("hiss", [0.0, 20.0])
+def test_words_are_found_after_minutes_of_silence(
+    sentence: tuple[Samples, int], hiss: float
+) -> None:
+    samples, rate = sentence
+    alone = align(samples, rate, [Line(SENTENCE)])
+    sound = padded(np.concatenate([samples, np.zeros(15 * rate), samples]), rate, 70.0, 20.0)
+    noise = np.random.default_rng(2).normal(0, hiss, len(sound))
+    found = align((sound + noise).astype(np.int16), rate, [Line(f"{SENTENCE} {SENTENCE}")])
+    length = len(samples) / rate
+    for first, before in ((0, 70.0), (8, 85.0 + length)):
+        for word, moved in zip(alone.words[1:], found.words[first + 1 : first + 8], strict=True):
+            assert moved.start == pytest.approx(word.start + before, abs=0.06)
+
+
+@needs_espeak
+def test_lines_outside_the_sound_are_left_out(sentence: tuple[Samples, int]) -> None:
+    samples, rate = sentence
+    length = len(samples) / rate
+    lines = [Line("while nobody knew", -9.0, -5.0), Line(SENTENCE, 0.0, length)]
+    found = align(samples, rate, [*lines, Line("our station", 60.0, 62.0)])
+    assert found.text == SENTENCE
+    with pytest.raises(FaceEditError, match="None of the lines"):
+        align(samples, rate, [lines[0]])
+
+
+def test_no_sound_at_all_is_refused() -> None:
+    with pytest.raises(FaceEditError, match="silent"):
+        align(np.zeros(0, np.int16), 16_000, [Line("a")])
 
 
 @needs_espeak

@@ -9,7 +9,8 @@ from support.speech import said
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.words.aligning import Line
-from faceedit_app.words.files import READ_ENDINGS, read_words, spread, write_words
+from faceedit_app.words.files import READ_ENDINGS, read_words, write_words
+from faceedit_app.words.imported import spread
 
 WORDS = said(("Blue", "B L UW"), ("map", "M AE P")).shifted(0.1)
 MFA = """File type = "ooTextFile"
@@ -79,7 +80,7 @@ def test_subtitles_break_at_pauses(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-32"])
 def test_textgrids_of_other_programs_and_languages_are_read(tmp_path: Path, encoding: str) -> None:
     path = tmp_path / "mfa.TextGrid"
     path.write_bytes(MFA.encode(encoding))
@@ -143,3 +144,129 @@ def test_a_wrong_ending_and_a_missing_file_are_refused(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.srt"):
         with pytest.raises(FileError, match="missing or not a file"):
             read_words(path)
+
+
+SRT = "2\n00:00:03,000 --> 00:00:04,000\na bowl\n\n1\n00:00:01,000 --> 00:00:03,500\nMy mother\n"
+LINES = (Line("My mother", 1.0, 3.5), Line("a bowl", 3.0, 4.0))
+
+
+@pytest.mark.parametrize("ending", [".srt", ".vtt", ".txt"])
+@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"], ids=repr)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16-le", "utf-16-be", "utf-32", "cp1252"])
+def test_subtitles_are_known_by_their_content(
+    tmp_path: Path, ending: str, newline: str, encoding: str
+) -> None:
+    path = tmp_path / f"lines{ending}"
+    path.write_bytes(SRT.replace("\n", newline).encode(encoding))
+    assert read_words(path).lines == LINES
+
+
+@pytest.mark.parametrize(("text", "encoding"), [("Привет, мир", "cp1251"), ("こんにちは", "sjis")])
+def test_letters_that_would_be_wrong_are_refused(tmp_path: Path, text: str, encoding: str) -> None:
+    path = tmp_path / "lines.srt"
+    subtitles = f"1\n00:00:01,000 --> 00:00:02,500\n{text}\n"
+    path.write_bytes(subtitles.encode(encoding))
+    with pytest.raises(FileError, match="unknown encoding; save it again as UTF-8"):
+        read_words(path)
+    path.write_text(subtitles, encoding="utf-8")
+    assert read_words(path).lines == (Line(text, 1.0, 2.5),)
+
+
+def test_captions_that_roll_up_are_said_once(tmp_path: Path) -> None:
+    path = tmp_path / "captions.vtt"
+    path.write_text(
+        "WEBVTT\nKind: captions\n\n00:00:00.500 --> 00:00:02.000 align:start\n"
+        "my<00:00:00.900><c> mother</c>\n\n"
+        "00:00:02.000 --> 00:00:02.010\nmy mother\n\n"
+        "00:00:02.010 --> 00:00:04.000\nmy mother\nmade salt &amp; soup\n\n"
+        "NOTE nothing\n\n00:00:04.000 --> 00:00:05.000\n♪ ♪\n"
+    )
+    assert read_words(path).lines == (
+        Line("my mother", 0.5, 2.0),
+        Line("made salt & soup", 2.01, 4.0),
+    )
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        '{"text": "hi there", "segments": [{"id": 0, "start": 1.0, "end": 2.0, "text": " hi there",'
+        ' "words": [{"word": " hi", "start": 1.1, "end": 1.4}]}], "language": "en"}',
+        '[{"word": "hi", "start": "1s", "end": "1.5"}, {"word": "there", "start": 1.6, "end": 2}]',
+        '{"chunks": [{"timestamp": [1.0, 2.0], "text": " hi there"}]}',
+        '{"results": [{"alternatives": [{"transcript": "hi there", "words": ['
+        '{"word": "hi", "startTime": "1s", "endTime": "1.2s"},'
+        ' {"word": "there", "startTime": "1.2s", "endTime": "2s"}]}]}]}',
+        '{"fragments": [{"begin": "1.000", "end": "2.000", "lines": ["x"], "text": "hi there"}]}',
+    ],
+)
+def test_json_of_speech_recognisers_gives_lines(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "said.json"
+    path.write_text(content)
+    assert read_words(path).lines == (Line("hi there", 1.0, 2.0),)
+
+
+def grid(*tiers: tuple[str, list[tuple[float, float, str]]], kind: str = "IntervalTier") -> str:
+    """A TextGrid in Praat's short form."""
+    rows = ['File type = "ooTextFile"', 'Object class = "TextGrid"', "", "0", "2", "<exists>"]
+    rows.append(str(len(tiers)))
+    for name, entries in tiers:
+        rows += [f'"{kind}"', f'"{name}"', "0", "2", str(len(entries))]
+        rows += [f'{start}\n{end}\n"{text}"' for start, end, text in entries]
+    return "\n".join(rows) + "\n"
+
+
+BE, MAP = (0.0, 1.0, "be"), (1.0, 2.0, "map")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        grid(("words", [BE, MAP])),
+        grid(("words", [MAP, BE])),
+        grid(("what Ann says", [BE, MAP])),
+        grid(("notes", [(0.0, 2.0, "x")]), ("Ann - words", [BE, MAP]), ("Bob - words", [])),
+    ],
+)
+def test_textgrids_are_read_short_unsorted_and_by_speaker(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "words.TextGrid"
+    path.write_text(text)
+    found = read_words(path).transcript
+    assert found is not None
+    assert [(w.text, w.start, w.end) for w in found.words] == [("be", 0.0, 1.0), ("map", 1.0, 2.0)]
+
+
+def test_intervals_of_several_words_are_lines(tmp_path: Path) -> None:
+    path = tmp_path / "words.TextGrid"
+    path.write_text(grid(("words", [(0.0, 1.0, "be my map"), MAP])))
+    found = read_words(path)
+    assert found.transcript is None
+    assert found.lines == (Line("be my map", 0.0, 1.0), Line("map", 1.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (grid(("words", [BE, (0.5, 2.0, "map")])), "overlap in time"),
+        (grid(("words", [(1.0, 0.5, "be")])), "cannot occur after"),
+        (grid(("words", [])), "holds no words"),
+        (grid(("words", [(0.0, 2.0, "sil")])), "holds no words"),
+        (grid(("a", [BE]), ("b", [MAP])), "no tier of words or phones, only: a, b"),
+        (grid(("Ann - words", [BE]), ("Bob - words", [MAP])), "several speakers: Ann, Bob"),
+        (grid(("words", [BE]))[:60], "not a TextGrid"),
+        (grid(("words", [(float("nan"), 1.0, "be")])), "not a number"),
+    ],
+)
+def test_textgrids_that_are_wrong_say_how(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "words.TextGrid"
+    path.write_text(text)
+    with pytest.raises(FileError, match=says) as caught:
+        read_words(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_rich_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "words.txt"
+    path.write_text(r"{\rtf1\ansi hello}")
+    with pytest.raises(FileError, match="plain text"):
+        read_words(path)

@@ -65,8 +65,8 @@ class Company(StrEnum):
 WITH_POINTS = (Op.DRAW, Op.ADD)
 WITH_AMOUNTS = (Op.NEUTRAL, Op.LEVELS)
 # They change the take that all other edits start from.
-OF_THE_TAKE = (Op.FILL, Op.RETIME)
-WITHOUT_VALUE = (Op.RESET, *OF_THE_TAKE, *WITH_POINTS, *WITH_AMOUNTS)
+OF_THE_TAKE = (Op.FILL, Op.RETIME, Op.NEUTRAL)
+WITHOUT_VALUE = (Op.RESET, Op.FILL, Op.RETIME, *WITH_POINTS, *WITH_AMOUNTS)
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.levels import UNCHANGED, Level
-from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.solving.neutral import divided, is_behind
 
 # The rest of a whole take, and the least that is taken away: less is a tracker's noise.
 _REST_PERCENTILE, _LEAST = 5.0, 0.01
@@ -32,11 +33,19 @@ def neutral_at(
 ) -> Edit | None:
     """The edit that makes the pose of a frame neutral; None if it is neutral.
 
+    Edits of curves are no part of the rest: they act on the take without it.
+
     Args:
-        frame: the frame, as it is shown.
+        frame: the frame.
         start, end, falloff: seconds, where the rest is taken away.
     """
-    return _without(session, session.weights[frame], start, end, falloff)
+    shown = _without(session, session.weights[frame], start, end, falloff)
+    if any(edit.op in OF_THE_TAKE for edit in session.edits):
+        return shown
+    _, then = divided(session.edits)
+    if shown is not None and is_behind(shown.channels, then):
+        return shown
+    return _without(session, session.take.clip.arkit_weights()[frame], start, end, falloff)
 
 
 def neutral_rest(session: EditSession) -> Edit | None:

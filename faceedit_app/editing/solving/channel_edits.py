@@ -21,11 +21,11 @@ from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rota
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, Rows
 from faceedit_app.editing.solving.filters import smoothed
+from faceedit_app.editing.solving.neutral import keep_lips_together, without_rest
 from faceedit_app.editing.solving.request import active, smoothing, smoothing_frames
 
 WEIGHTS = len(ARKIT_INDEX)
 _FARTHEST_TURN = 180.0  # degrees
-_JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
 
 
 @dataclass(frozen=True)
@@ -201,7 +201,7 @@ class ChannelEdits:
             else:
                 moved = np.clip(moved, np.minimum(now, 0.0), np.maximum(now, 1.0))
             result[rows, columns] = np.where(mask > 0, moved, now)
-        _keep_lips_together(result, values)
+        keep_lips_together(result, values)
         return result
 
     def _wanted(
@@ -242,29 +242,3 @@ class ChannelEdits:
 
 # Operations that go to a goal: more than all the way would go beyond it.
 _TO_A_GOAL = (Op.SMOOTH, Op.NEUTRAL, Op.LIMIT)
-
-
-def without_rest(values: Doubles, rest: Doubles, peak: Doubles) -> Doubles:
-    """Values (N, K) with a rest pose (K,) taken away, and the height of peaks (K,) kept.
-
-    Subtracting alone would cost a blink of 0.9 over a squint of 0.3 a third of its height. So what
-    lies between rest and peak is stretched to lie between 0 and the peak: a blink that closed the
-    lids still does, and nothing but the scale of the motion changes. What lies above the peak
-    stays as it is.
-    """
-    stretched = (values - rest) * (peak / (peak - rest))
-    moved: Doubles = np.where(values < peak, np.maximum(stretched, np.minimum(values, 0.0)), values)
-    return moved
-
-
-def _keep_lips_together(values: Doubles, before: Doubles) -> None:
-    """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
-
-    If the take itself exceeds this, the same excess is allowed. So mouthClose follows a jaw that
-    is lowered.
-    """
-    excess = np.maximum(before[:, _CLOSE] - before[:, _JAW], 0.0)
-    moved = (values[:, [_CLOSE, _JAW]] != before[:, [_CLOSE, _JAW]]).any(axis=1)
-    most = values[:, _JAW] + excess
-    over = moved & (values[:, _CLOSE] > most)
-    values[over, _CLOSE] = most[over]

@@ -17,6 +17,8 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 
 # Added variance, mm²: keeps nearly redundant curves apart.
 JITTER = 0.01
+# mm added to each curve's standard deviation: a curve that hardly moves says little.
+LEAST_SPREAD = 0.3
 # Standard deviations of a curve beyond which a change of it draws the others no farther: a jaw that
 # drops as far as it can does not narrow the mouth in proportion.
 FARTHEST = 2.0
@@ -32,15 +34,23 @@ class Expectation:
         prior: (C, C) mm², their covariance in other performances.
         mirror: (C,) the position of each curve's mirror image.
         held: (C,) curves that change only if they are asked for.
+
+    Attributes:
+        mean, spread: (C,) mm, of the curves.
+        low, high: (C,) mm, their range.
+        mirror, held: (C,) as above.
     """
 
     def __init__(self, curves: Doubles, prior: Doubles, mirror: Indices, held: Bools) -> None:
-        centred = curves - curves.mean(axis=0)
+        self.mean = curves.mean(axis=0)
+        self.spread = curves.std(axis=0) + LEAST_SPREAD
+        self.low, self.high = curves.min(axis=0), curves.max(axis=0)
+        centred = curves - self.mean
         covariance = centred.T @ centred + PRIOR_FRAMES * prior
         covariance = covariance / (len(curves) + PRIOR_FRAMES)
         self._covariance = 0.5 * (covariance + covariance[np.ix_(mirror, mirror)])
         self._most = FARTHEST * np.sqrt(np.diag(self._covariance) + JITTER)
-        self._mirror, self._held = mirror, held
+        self.mirror, self.held = mirror, held
         size = len(self._covariance)
         self._precision = np.linalg.inv(self._covariance + JITTER * np.eye(size))
         self._gains: dict[bytes, Doubles] = {}
@@ -52,8 +62,7 @@ class Expectation:
             change: (N, C) mm, from the tracked curves to what is asked for.
             asked: (N, C) whether the edits ask for this curve.
         """
-        given = asked | (change != 0)
-        given |= given[:, self._mirror] | (given.any(axis=1)[:, None] & self._held)
+        given = self.given(change, asked)
         within = np.minimum(np.maximum(change, -self._most), self._most)
         if (given == given[:1]).all():  # nearly always: one edit, in its own span
             return self._filled(change, within, given[0])
@@ -64,12 +73,22 @@ class Expectation:
             filled[rows] = self._filled(change[rows], within[rows], given[rows[0]])
         return filled
 
+    def given(self, change: Doubles, asked: Bools) -> Bools:
+        """(N, C) the curves whose change is given, and is not filled in.
+
+        Args:
+            change, asked: see `fill`.
+        """
+        given: Bools = asked | (change != 0)
+        given |= given[:, self.mirror] | (given.any(axis=1, keepdims=True) & self.held)
+        return given
+
     def _filled(self, change: Doubles, within: Doubles, known: Bools) -> Doubles:
         """The change with that of the curves that are not known filled in from the others."""
         if not known.any() or known.all():
             return change
         filled = change.copy()
-        filled[:, ~known] = within[:, known] @ self._gain(known)
+        filled[:, ~known] = within[:, known] @ self.gain(known)
         return filled
 
     def distance(self, change: Doubles) -> Doubles:
@@ -77,7 +96,8 @@ class Expectation:
         square: Doubles = ((change @ self._precision) * change).sum(axis=1)
         return np.sqrt(square)
 
-    def _gain(self, known: Bools) -> Doubles:
+    def gain(self, known: Bools) -> Doubles:
+        """(known, others) the mean change of the other curves for each mm of the known ones."""
         key = known.tobytes()
         if key not in self._gains:
             variance = self._covariance[np.ix_(known, known)] + JITTER * np.eye(known.sum())

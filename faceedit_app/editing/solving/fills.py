@@ -1,4 +1,4 @@
-"""The take that all other edits start from: as tracked, with its fills and retimes.
+"""The take that all other edits start from: as tracked, with fills, retimes and neutral rests.
 
 They are applied in the user's order, and a reset takes away those before it. All other edits act
 on the result, so that curves drawn within a fill stay as they are, whichever came first.
@@ -11,12 +11,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Doubles, Floats, Indices
+from faceedit_app.core.arrays import Doubles, Floats, Indices, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import MAIN_CONTROLS
 from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.solving.filling import Filling, Stretch, fill_frames
+from faceedit_app.editing.solving.neutral import keep_lips_together, without_rest
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.retimes import Measure, Retiming
@@ -52,8 +53,10 @@ class Fills:
         """(n,) each: the frames that ranges of frames (first and stop, n each) are made of.
 
         Args:
-            edit: a fill, which needs all of itself, or a retime.
+            edit: a fill, which needs all of itself, a retime or a neutral rest.
         """
+        if edit.op is Op.NEUTRAL:
+            return first, stop
         if edit.op is Op.RETIME:
             return self._retiming.reads(edit, first, stop)
         begin, end = fill_frames(self._clip.times, affected(edit))
@@ -73,6 +76,8 @@ class Fills:
         for edit in edits:
             if edit.op is Op.RETIME:
                 _put(out, self._retiming.weights(edit, out, near))
+            elif edit.op is Op.NEUTRAL:
+                self._rest(edit, out, near)
             elif (rows := self._rows(edit, near)) is not None:
                 first, stop = rows.start + near.start, rows.stop + near.start
                 columns = self._columns(edit)
@@ -135,6 +140,26 @@ class Fills:
             mixed = np.where((mask == 1) | (old == recorded), recorded, mixed)
         out[rows.start : rows.stop, columns] = mixed
 
+    def _rest(self, edit: Edit, out: Floats, near: slice) -> None:
+        """Take a rest away, in `out`; what it leaves unchanged keeps its bits."""
+        rows = self._rows(edit, near)
+        if rows is not None:
+            times = self._clip.times[near][rows]
+            out[rows] = self._without(edit, out[rows], times)
+
+    def _without(self, edit: Edit, weights: Floats, times: Times) -> Floats:
+        """Weights (N, 52) at `times` without the rest of an edit."""
+        before = weights.astype(np.float64)
+        kept = [k for k, name in enumerate(edit.channels) if name in self._clip.channels]
+        columns = [ARKIT_INDEX[edit.channels[k]] for k in kept]
+        rest, peak = np.array(edit.amounts)[kept].reshape(-1, 2).T
+        mask = edit.mask(times)[:, None] * min(edit.strength, 1.0)
+        now, after = before[:, columns], before.copy()
+        after[:, columns] = now + mask * (without_rest(now, rest, peak) - now)
+        keep_lips_together(after, before)
+        rounded = after.round(DECIMALS).astype(np.float32)
+        return np.where(after == before, weights, rounded)
+
     def _content(self, edit: Edit, out: Floats, near: slice, first: int, stop: int) -> Doubles:
         """(N, 52) what an edit puts in place of the take."""
         if edit.op is Op.RESET:
@@ -172,6 +197,9 @@ class Fills:
         out = np.full((len(before), self._tracked.shape[1]), np.nan)
         for i, edit in enumerate(edits):
             covered = edit.mask(seconds) > 0.5
+            if edit.op is Op.NEUTRAL:
+                out = self._without(edit, out.astype(np.float32), seconds).astype(np.float64)
+                continue
             if len(self._columns(edit)) < len(self._present) or not covered.any():
                 continue
             if edit.op is Op.RESET:

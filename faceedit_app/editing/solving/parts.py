@@ -29,6 +29,7 @@ from faceedit_app.editing.solving.accompanying import (
 )
 from faceedit_app.editing.solving.answerable import ENOUGH, region_covariance
 from faceedit_app.editing.solving.calming import Calmed
+from faceedit_app.editing.solving.completing import Completing
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.reach import Reach
@@ -88,6 +89,7 @@ class Part:
         mirror: (K,) the position of each channel's mirror image.
         sees: columns among the 52 that its result depends on.
         expectation: what its curves do that are not asked for.
+        completing: what they do where the take breaks off; None if no network says so.
         frowns: positions in `have` of channels that do not rise while lips are closed.
         reach: brings its own controls to a goal; None if it has none or no channel may change.
         quick: (C, K) how far its channels go with a quick change of its controls, per mm.
@@ -141,6 +143,9 @@ class Part:
         self._sides = self._own_sides(distances)
         self._range = sample.shortest[self.own_columns], sample.longest[self.own_columns]
         self.expectation = self._expectation(slopes, sample)
+        network = engine.completions.get(region.id) if engine else None
+        whole = network is not None and network.description.controls == self.own
+        self.completing = Completing(self.expectation, network) if network and whole else None
         stays = [i for i in self.have if stem(self.channels[i]) in STAYS_IN_CLOSURES]
         self.frowns = np.flatnonzero(np.isin(self.have, stays))
         moving = np.flatnonzero(self._distances.gradients.any(axis=(1, 2)))

@@ -36,6 +36,7 @@ from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
+from faceedit_app.editing.solving.neutral import divided
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import Request, active, request
@@ -200,9 +201,9 @@ class Solver:
         """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
         listening[JAW.id] = JAW.own
-        curves = [edit for edit in edits if not edit.channels]
+        curves, channels = divided(edits)
         tasks = self.chunks.tasks(self._possible(curves), settings, listening)
-        return self._channels.tasks(tasks, self._channels.possible(edits), self.chunks)
+        return self._channels.tasks(tasks, self._channels.possible(channels), self.chunks)
 
     def _possible(self, edits: Sequence[Edit]) -> Sequence[Edit]:
         """The edits without controls that the character lacks or the take cannot answer."""
@@ -219,7 +220,7 @@ class Solver:
             weights: (T, 52) the result of the edits.
         """
         columns = [ARKIT_INDEX[c] for c in self.clip.channels]
-        return self._fills.found(active(edits), lost.positions, weights)[:, columns]
+        return self._fills.found(active(divided(edits)[0]), lost.positions, weights)[:, columns]
 
     def solve(self, task: Task) -> Patch:
         """Compute one chunk."""
@@ -276,7 +277,7 @@ class Solver:
             if influence.any():
                 influences[name] = influence
         if influences or mine.influence[:, self._sideways.column].any():
-            change = self._wanted_change(asked, tracked)
+            change = self._wanted_change(asked, tracked, task)
             change = start.without_twitches(change, asked.calm, rate)
             slow = smoothed(change, QUICK * rate)
             answer_of = self._networks.begin(task, tuple(influences), start, slow)
@@ -314,10 +315,10 @@ class Solver:
         turned = self._fills.turned(task.edits, near, rows)
         return Patch(mine.curves.astype(np.float32), result, controls, turned, started)
 
-    def _wanted_change(self, asked: Request, tracked: Doubles) -> Doubles:
+    def _wanted_change(self, asked: Request, tracked: Doubles, task: ChunkTask) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
 
-        Curves that nobody asked for take the most probable change.
+        Curves that nobody asked for take the most probable change, see `completing.py`.
         """
         low, high = np.minimum(self._low, tracked), np.maximum(self._high, tracked)
         wanted = np.minimum(np.maximum(asked.curves, low), high)
@@ -328,8 +329,22 @@ class Solver:
         for part in self._parts.values():
             own = part.own_columns
             if len(own) and not (part.is_optional and not asked.hold[:, own].any()):
-                change[:, own] = part.expectation.fill(change[:, own], asked.hold[:, own] > 0)
+                change[:, own] = self._completed(part, task, asked, tracked[:, own], change[:, own])
         return change
+
+    def _completed(
+        self, part: Part, task: ChunkTask, asked: Request, tracked: Doubles, change: Doubles
+    ) -> Doubles:
+        """(N, C) mm: a change of a region's own curves, with that of those not asked for."""
+        own = part.own_columns
+        hold = asked.hold[:, own]
+        filled = part.expectation.fill(change, hold > 0)
+        if part.completing is None or task.settings.mode is not Mode.PRESERVE or not hold.any():
+            return filled
+        firm = np.maximum(hold - asked.calm[:, own].max(axis=1, keepdims=True), 0.0)
+        first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
+        times, given = self.clip.times[slice(*task.near)], part.expectation.given(change, hold > 0)
+        return filled + part.completing.further(times, (first, last), tracked, filled, given, firm)
 
     def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
         """Put a region's weights into those of a chunk (N, 52).

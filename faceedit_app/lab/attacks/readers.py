@@ -114,6 +114,14 @@ def _dialects(clip: Clip) -> Iterator[tuple[str, bytes]]:
     yield ".json", json.dumps({"fps": 60, "curves": series}).encode()
     controls = ["time_s", *(f"CTRL_expressions_{metahuman.CONTROLS[c][0]}" for c in clip.channels)]
     yield ".csv", ",".join(controls).encode() + plain[plain.index(b"\n") :]
+    entries = [(n / 60, name, weight) for n, row in enumerate(rows) for name, weight in row.items()]
+    yield ".json", json.dumps([dict(zip("tkv", entry, strict=True)) for entry in entries]).encode()
+    texts = [{"fps": "60", "weights": {k: str(v) for k, v in row.items()}} for row in rows]
+    yield ".jsonl", "\n".join(map(json.dumps, texts)).encode()
+    lines = (f"{t:.4f},{name},{weight}" for t, name, weight in entries)
+    yield ".csv", "\n".join(["time,name,value", *lines]).encode()
+    frames = ("|".join(f"{k}-{100 * v:.0f}" for k, v in row.items()) for row in rows)
+    yield ".txt", "\n".join(f"{n / 60:.4f}|{text}|" for n, text in enumerate(frames)).encode()
 
 
 def readers_of(sample: Path) -> list[Reader]:

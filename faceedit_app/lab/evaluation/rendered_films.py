@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats, Pixels, Times
 from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
@@ -19,6 +20,9 @@ from faceedit_app.render.renderer import open_renderer
 
 _TURN, _NOD = 3.0, 2.2  # seconds of a turn there and back, and of a nod
 _NOD_SHARE = 0.4  # of the turn
+# A mouth that is kept open: the jaw, and what is left of what lips do to narrow it.
+_JAW_OPEN, _JAW_MOVES, _NARROWED = 0.15, 0.8, 0.3
+_NARROW = ("mouthRollLower", "mouthRollUpper", "mouthPucker", "mouthFunnel")
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,7 @@ class Conditions:
         slope: how much darker the picture's right edge is, 0..1.
         noise: standard deviation of the sensor's noise, of 255.
         crf: how strongly the film is compressed (x264); more is worse.
+        is_ajar: whether the mouth is kept open, so that the lips never touch.
     """
 
     name: str
@@ -44,6 +49,7 @@ class Conditions:
     slope: float = 0.0
     noise: float = 3.0
     crf: int = 20
+    is_ajar: bool = False
 
 
 CONDITIONS: tuple[Conditions, ...] = (
@@ -55,6 +61,7 @@ CONDITIONS: tuple[Conditions, ...] = (
     Conditions("320 pixels", size=320),
     Conditions("compressed", crf=36),
     Conditions("60 fps", rate=60.0),
+    Conditions("never shut", is_ajar=True),
 )
 
 
@@ -86,6 +93,16 @@ def truth_of(take: Path, seconds: float, rate: float, rig: Rig) -> Truth:
     activity = np.convolve(moved, np.ones(max(count - 1, 1)), "valid")
     start = int(activity.argmax()) if len(activity) else 0
     return Truth(weights[start : start + count], np.arange(count) / rate)
+
+
+def kept_open(truth: Truth) -> Truth:
+    """The same performance with a jaw that never shuts, and lips that do not make up for it."""
+    weights = truth.weights.copy()
+    weights[:, ARKIT_INDEX["mouthClose"]] = 0.0
+    weights[:, [ARKIT_INDEX[channel] for channel in _NARROW]] *= _NARROWED
+    jaw = ARKIT_INDEX["jawOpen"]
+    weights[:, jaw] = np.minimum(_JAW_MOVES * weights[:, jaw] + _JAW_OPEN, 1.0)
+    return replace(truth, weights=weights)
 
 
 def render_film(path: Path, rig: Rig, truth: Truth, how: Conditions, seed: int = 1) -> None:

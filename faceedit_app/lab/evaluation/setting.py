@@ -22,11 +22,12 @@ from faceedit_app.lab.evaluation.people.sources import of_people
 from faceedit_app.lab.evaluation.report import make_folder
 from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.training.card import trained_sources
+from faceedit_app.lab.training.completion import fit_completion, is_completed
 from faceedit_app.lab.training.data import Performance, load_performances
 from faceedit_app.lab.training.fit import Epoch, fit_region
 from faceedit_app.lab.training.holden import fit_holden
 from faceedit_app.lab.training.run import THREADS
-from faceedit_app.lab.training.settings import RECIPES, FitSettings
+from faceedit_app.lab.training.settings import COMPLETION_PASSES, RECIPES, FitSettings
 
 
 @dataclass
@@ -123,15 +124,14 @@ class Setting:
             passes = "1 pass" if self.epochs == 1 else f"{self.epochs} passes"
             figures.notes.append(
                 f"{names}: answered by networks that were trained here on everything else, with "
-                f"{passes} over the data for each; the shipped ones had more"
+                f"{passes} over the data for each, and {COMPLETION_PASSES} times as many for "
+                "completion; the shipped ones had more"
             )
         return figures
 
     def settings(self, recipe: str = "faceedit") -> FitSettings:
         """A recipe with the experiments' budget."""
-        return replace(
-            RECIPES[recipe], epochs_regressor=self.epochs, epochs_autoencoder=self.epochs
-        )
+        return RECIPES[recipe].with_epochs(self.epochs)
 
     def train(
         self,
@@ -144,6 +144,7 @@ class Setting:
         """Train some regions on some takes."""
         torch.set_num_threads(THREADS)
         total = (4 if baseline else 2) * self.epochs * len(regions)
+        total += settings.epochs_completion * sum(map(is_completed, regions))
         bar = self.progress.add_task(label, total=total)
 
         def report(epoch: Epoch) -> None:
@@ -156,10 +157,12 @@ class Setting:
             if baseline
             else []
         )
+        found = (fit_completion(r, takes, self.rig, settings, report) for r in regions)
+        completions = tuple(each for each in found if each is not None)
         self.progress.update(bar, visible=False)
         if not self.progress.console.is_terminal:
             self.progress.console.print(f"trained: {label}")
-        return Systems.of(*models, baseline=tuple(others))
+        return Systems.of(*models, baseline=tuple(others), completions=completions)
 
     def write(self, name: str, text: str) -> Path:
         """Write one part of the report."""

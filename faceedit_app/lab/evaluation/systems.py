@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.rig import Rig
+from faceedit_app.lab.training.completion import TrainedCompletion
 from faceedit_app.lab.training.holden import FOLDER
 from faceedit_app.lab.training.model_files import TrainedRegion
 from faceedit_app.networks.engine import ENDING, Engine, load_region
@@ -43,13 +44,19 @@ class Systems:
         return cls(Engine.load(folder, rig), Engine(baseline))
 
     @classmethod
-    def of(cls, *models: TrainedRegion, baseline: tuple[TrainedRegion, ...] = ()) -> Systems:
+    def of(
+        cls,
+        *models: TrainedRegion,
+        baseline: tuple[TrainedRegion, ...] = (),
+        completions: tuple[TrainedCompletion, ...] = (),
+    ) -> Systems:
         """Systems that were just trained."""
         ours, theirs = (
             Engine({one.description.region: one.answering() for one in some})
             for some in (models, baseline)
         )
-        return cls(ours, theirs)
+        completing = {one.description.region: one.answering() for one in completions}
+        return cls(replace(ours, completions=completing), theirs)
 
     def names(self, region: str) -> tuple[str, ...]:
         """The systems that know a region."""

@@ -33,6 +33,7 @@ from faceedit_app.lab.evaluation.rendered_films import (
     CONDITIONS,
     Conditions,
     Truth,
+    kept_open,
     render_film,
     truth_of,
 )
@@ -131,6 +132,7 @@ def evaluate_tracking(
         found: dict[str, list[tuple[Floats, Floats, float]]] = {method: [] for method in METHODS}
         for index, take in enumerate(takes):
             truth = truth_of(take, seconds, how.rate, rig)
+            truth = kept_open(truth) if how.is_ajar else truth
             film = _film(actor, truth, how, landmarker)
             shown = actor.arkit_distances.measure(truth.weights)
             for method, weights, lost in _tracked(film, model, network):

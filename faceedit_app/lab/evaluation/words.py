@@ -185,13 +185,13 @@ def _edges(words: Sequence[Word]) -> Doubles:
 
 
 def _noisy(one: _Known, decibels: float, seed: int) -> Samples:
-    """The sound with white noise, so many dB below the mean power of its words."""
+    """The sound with white noise, the same in all channels, so many dB below its words' power."""
     sound = one.samples.astype(np.float64)
     first, last = (
         round((t - one.start) * one.rate) for t in (one.words[0].start, one.words[-1].end)
     )
     power = np.mean(sound[max(first, 0) : last] ** 2) / 10 ** (decibels / 10)
-    noise = np.random.default_rng(seed).normal(0.0, np.sqrt(power), sound.shape)
+    noise = np.random.default_rng(seed).normal(0.0, np.sqrt(power), (len(sound), 1))
     return np.clip(np.rint(sound + noise), -32768, 32767).astype(np.int16)
 
 
@@ -278,9 +278,9 @@ def report(figures: WordFigures) -> str:
         )
     lines += [
         "",
-        "Noise is white, added at so many dB below the words, with five seeds for each take.",
-        "Refused are sounds in which the words were not found. The start of the first word is left",
-        "out: its published time has silence in it.",
+        "Noise is white, the same in all channels, at so many dB below the words, with five seeds",
+        "for each take. Refused are sounds in which the words were not found. The start of the",
+        "first word is left out: its published time has silence in it.",
         "",
         "## Closures",
         "",

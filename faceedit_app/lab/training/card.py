@@ -66,8 +66,10 @@ def model_card(
 Written by `faceedit train` of FaceEdit {__version__}. For each face region a regressor (controls to
 blendshape weights) and a stacked denoising autoencoder, after Berson, Soladié, Barrielle and
 Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019). One ONNX file a region;
-nothing is ever executed but the operators of its graph. The folder `holden`, where it is there,
-holds the baseline that the evaluation compares with; the application does not read it.
+nothing is ever executed but the operators of its graph. The folder `completion` holds a small
+network for a region whose curves are completed where the take breaks off inside an edit. The folder
+`holden`, where it is there, holds the baseline that the evaluation compares with; the application
+does not read it.
 
 They are made for the character {fitted[0].model.description.made_for.name}; FaceEdit refuses them
 with another one.
@@ -102,7 +104,7 @@ people are the same. Losses by epoch: [losses.svg](losses.svg).
 | region | controls → channels | windows (an epoch / held out) | regressor | full system |
 |---|---|---|---|---|
 {rows}
-
+{_completion_text(fitted)}
 ## Settings
 
 {numbers}
@@ -110,6 +112,29 @@ people are the same. Losses by epoch: [losses.svg](losses.svg).
 ## Files (SHA-256)
 
 {hashes}
+"""
+
+
+def _completion_text(fitted: Sequence[Fitted]) -> str:
+    """What the completion networks measure, as a part of the card."""
+    rows = [
+        f"| {result.model.description.region} | "
+        + " | ".join(f"{result.completion[name]:.3f}" for name in ("network", "kept", "around"))
+        + " |"
+        for result in fitted
+        if result.completion is not None
+    ]
+    if not rows:
+        return ""
+    lines = "\n".join(rows)
+    return f"""
+Completion: edits of such blocks, half of which were damaged under the edit. Mean squared error of
+the curves that were not asked for, in variances of the take's curves; as the network completes
+them, and if every take were kept, or replaced by what is around the edit.
+
+| region | network | kept | around |
+|---|---|---|---|
+{lines}
 """
 
 

@@ -11,6 +11,7 @@ import logging
 import warnings
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnx
@@ -19,7 +20,7 @@ from onnx import helper, numpy_helper
 from torch import Tensor, nn
 
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.lab.training.architectures import ARCHITECTURES, Architecture
+from faceedit_app.lab.training.architectures import Architecture
 from faceedit_app.networks.description import KEY, Description
 from faceedit_app.networks.graph import INPUT
 from faceedit_app.networks.region import RegionAnswer
@@ -40,17 +41,24 @@ def export(networks: Architecture, description: Description) -> bytes:
     Raises:
         FaceEditError: their architecture cannot be exported as it is.
     """
+    content = described(networks, description.to_json())
+    _compare(networks, content, description)
+    return content
+
+
+def described(networks: Architecture, text: str) -> bytes:
+    """A file's content with a text as its description; nothing is checked."""
     settings = json.dumps(networks.settings)
     model = onnx.ModelProto()
-    model.CopyFrom(_template(networks.name, networks.controls, networks.channels, settings))
+    kind: Any = type(networks)
+    model.CopyFrom(_template(kind, networks.controls, networks.channels, settings))
     state = networks.state_dict()
     for tensor in model.graph.initializer:
         if tensor.name in state:
             values = state[tensor.name].numpy()
             tensor.CopyFrom(numpy_helper.from_array(values, tensor.name))
-    helper.set_model_props(model, {KEY: description.to_json()})
+    helper.set_model_props(model, {KEY: text})
     content: bytes = model.SerializeToString(deterministic=True)
-    _compare(networks, content, description)
     return content
 
 
@@ -77,9 +85,11 @@ class _Graph(nn.Module):
 
 
 @lru_cache
-def _template(name: str, controls: int, channels: int, settings: str) -> onnx.ModelProto:
+def _template(
+    kind: type[Architecture], controls: int, channels: int, settings: str
+) -> onnx.ModelProto:
     """The file of networks with other parameters, and without a description."""
-    networks = ARCHITECTURES[name](controls, channels, **json.loads(settings)).eval()
+    networks = kind(controls, channels, **json.loads(settings)).eval()
     random = torch.Generator().manual_seed(0)
     for values in networks.state_dict().values():
         if values.is_floating_point():  # all different: the exporter keeps one of those alike
@@ -87,7 +97,7 @@ def _template(name: str, controls: int, channels: int, settings: str) -> onnx.Mo
     traced = _traced(networks)
     graph = helper.make_graph(
         [_bare(node) for node in traced.graph.node],
-        name,
+        kind.name,
         [_value(INPUT, controls)],
         [_value(output.name, channels) for output in traced.graph.output],
         [

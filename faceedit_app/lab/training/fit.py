@@ -54,6 +54,7 @@ class Fitted:
         windows: numbers of training (an epoch) and held-out windows.
         histories: losses by stage.
         stopped: the user stopped the training; the best so far is kept.
+        completion: held-out errors of its completion network, see `TrainedCompletion`, if any.
     """
 
     model: TrainedRegion
@@ -62,6 +63,7 @@ class Fitted:
     windows: tuple[int, int]
     histories: dict[str, History]
     stopped: bool = False
+    completion: dict[str, float] | None = None
 
 
 def fit_region(
@@ -101,6 +103,7 @@ def fit_region(
             losses.system if number == AUTOENCODER else losses.regressor,
             lambda epoch: examples.epoch(1000 * number + epoch),
             examples.validation,
+            Batch.of,
             of,
             settings,
             number,

@@ -18,7 +18,7 @@ from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import Examples
 from faceedit_app.lab.training.fit import Epoch, fingerprint
 from faceedit_app.lab.training.loop import Checkpoint, History, learn
-from faceedit_app.lab.training.losses import Losses
+from faceedit_app.lab.training.losses import Batch, Losses
 from faceedit_app.lab.training.model_files import TrainedRegion
 from faceedit_app.lab.training.settings import FitSettings
 
@@ -60,6 +60,7 @@ def fit_holden(
             losses.mse,
             lambda epoch, number=number: examples.epoch(1000 * number + epoch),  # type: ignore[misc]
             examples.validation,
+            Batch.of,
             of,
             settings,
             number,

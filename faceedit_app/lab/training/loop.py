@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import torch
@@ -16,11 +17,11 @@ from torch import Tensor, nn
 
 from faceedit_app.core.arrays import Indices
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.lab.training.data import Windows
-from faceedit_app.lab.training.losses import Batch
 from faceedit_app.lab.training.settings import FitSettings
 
 State = dict[str, Tensor]
+E = TypeVar("E", bound=Sized)  # examples
+B = TypeVar("B")  # some of them, as tensors
 
 
 @dataclass
@@ -121,10 +122,11 @@ def rate(settings: FitSettings, epochs: int, held: Sequence[float]) -> float:
 
 def learn(
     network: nn.Module,
-    forward: Callable[[Batch, torch.Generator | None], Tensor],
-    loss_of: Callable[[Tensor, Batch], Tensor],
-    examples: Callable[[int], Windows],
-    validation: Windows,
+    forward: Callable[[B, torch.Generator | None], Tensor],
+    loss_of: Callable[[Tensor, B], Tensor],
+    examples: Callable[[int], E],
+    validation: E,
+    batch_of: Callable[[E, Indices], B],
     epochs: int,
     settings: FitSettings,
     stage: int,
@@ -140,6 +142,7 @@ def learn(
     Args:
         forward: the answer to a batch; with a generator while learning, without when judged.
         examples: the windows to learn from in an epoch (1, 2, ...).
+        batch_of: some of the examples, as tensors.
         stage: number of the stage, to distinguish those of one training.
         checkpoint: where to go on from, and where to keep the state after each epoch.
         report: called after each epoch with its number and the two losses.
@@ -164,13 +167,20 @@ def learn(
             loss = _epoch(
                 lambda batch, noise=noise: forward(batch, noise),  # type: ignore[misc]
                 loss_of,
-                windows,
+                lambda rows, windows=windows: batch_of(windows, rows),  # type: ignore[misc]
                 chance.permutation(len(windows)),
                 settings.batch,
                 optimiser,
             )
             network.eval()
-            held = _epoch(lambda b: forward(b, None), loss_of, validation, everything, 512, None)
+            held = _epoch(
+                lambda b: forward(b, None),
+                loss_of,
+                lambda rows: batch_of(validation, rows),
+                everything,
+                512,
+                None,
+            )
             if held < min(history.held, default=math.inf):
                 best = _copy(network)
             history.losses.append(loss)
@@ -190,9 +200,9 @@ def _copy(network: nn.Module) -> State:
 
 
 def _epoch(
-    forward: Callable[[Batch], Tensor],
-    loss_of: Callable[[Tensor, Batch], Tensor],
-    windows: Windows,
+    forward: Callable[[B], Tensor],
+    loss_of: Callable[[Tensor, B], Tensor],
+    batch_of: Callable[[Indices], B],
     order: Indices,
     batch: int,
     optimiser: torch.optim.Optimizer | None,
@@ -201,7 +211,7 @@ def _epoch(
     total = 0.0
     for first in range(0, len(order), batch):
         rows = order[first : first + batch]
-        examples = Batch.of(windows, rows)
+        examples = batch_of(rows)
         with torch.set_grad_enabled(optimiser is not None):
             loss = loss_of(forward(examples), examples)
         if optimiser is not None:

@@ -20,6 +20,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.training.card import CARD, model_card
 from faceedit_app.lab.training.charts import Line, chart
+from faceedit_app.lab.training.completion import fit_completion, is_completed, save_completion
 from faceedit_app.lab.training.data import Performance, load_performances
 from faceedit_app.lab.training.fit import Epoch, Fitted, fit_region
 from faceedit_app.lab.training.holden import FOLDER, fit_holden
@@ -27,6 +28,7 @@ from faceedit_app.lab.training.loop import History
 from faceedit_app.lab.training.model_files import TrainedRegion, load_trained, save_trained
 from faceedit_app.lab.training.processes import Processes
 from faceedit_app.lab.training.settings import RECIPES, FitSettings
+from faceedit_app.networks.completion import FOLDER as FOLDER_OF_COMPLETION
 from faceedit_app.networks.engine import ENDING
 
 LOSSES = "losses.svg"
@@ -86,11 +88,10 @@ class TrainingPlan:
                 learning_rate=FINETUNE_RATE * settings.learning_rate,
                 epochs_regressor=FINETUNE_EPOCHS,
                 epochs_autoencoder=FINETUNE_EPOCHS,
+                epochs_completion=0,
             )
         if self.epochs is not None:
-            settings = dataclasses.replace(
-                settings, epochs_regressor=self.epochs, epochs_autoencoder=self.epochs
-            )
+            settings = settings.with_epochs(self.epochs)
         return settings
 
     @property
@@ -134,13 +135,17 @@ def train_models(
     rig = read_rig(shipped("assets/character.glb"))
     mine = _Trained()
     for number, region in enumerate(map(rig.measures, REGIONS)):
-        report = _reporter(progress, region.label, _epochs(settings, plan.baseline))
+        report = _reporter(progress, region.label, _epochs(settings, region, plan.baseline))
         work = _Work(region, performances, rig, settings, report, plan.output)
         if shared.takes(number):
             mine.fitted.append(work.networks(begin.get(region.id)))
             yield plan.output / f"{region.id}{ENDING}"
             if mine.fitted[-1].stopped:
                 raise KeyboardInterrupt
+            if path := work.completion(plan.finetune, mine.fitted[-1]):
+                yield path
+                if mine.fitted[-1].stopped:
+                    raise KeyboardInterrupt
         if plan.baseline and shared.takes(len(REGIONS) + number):
             histories = mine.baselines[region.id] = work.baseline()
             yield plan.output / FOLDER / f"{region.id}{ENDING}"
@@ -168,6 +173,8 @@ def _make_folders(plan: TrainingPlan) -> None:
         checkpoints.mkdir(parents=True, exist_ok=True)
         if plan.baseline:
             (plan.output / FOLDER).mkdir(exist_ok=True)
+        if plan.settings.epochs_completion or plan.finetune is not None:
+            (plan.output / FOLDER_OF_COMPLETION).mkdir(exist_ok=True)
     except OSError as error:
         raise FileError(plan.output, "cannot be made", "choose another folder") from error
 
@@ -206,6 +213,30 @@ class _Work:
         save_trained(self.output / f"{self.region.id}{ENDING}", result.model)
         return result
 
+    def completion(self, begin: Path | None, fitted: Fitted) -> Path | None:
+        """Train and save the network that completes requests; fine-tuning takes it over.
+
+        What its training says is added to `fitted`.
+
+        Returns:
+            Its file; None if the region has none.
+        """
+        place = Path(FOLDER_OF_COMPLETION) / f"{self.region.id}{ENDING}"
+        path = self.output / place
+        if begin is not None:
+            if not (begin / place).exists():
+                return None
+            write_atomically(path, (begin / place).read_bytes())
+            return path
+        trained = fit_completion(*self._what, self.report, self.output / CHECKPOINTS)
+        if trained is None:
+            return None
+        save_completion(path, trained)
+        fitted.completion = trained.errors
+        fitted.histories["completion"] = trained.history
+        fitted.stopped |= trained.history.stopped
+        return path
+
     def baseline(self) -> dict[str, History]:
         """Train and save the baseline."""
         model, histories = fit_holden(*self._what, self.report, self.output / CHECKPOINTS)
@@ -223,9 +254,10 @@ def _beginnings(folder: Path | None) -> dict[str, TrainedRegion]:
     return {r.id: load_trained(folder / f"{r.id}{ENDING}") for r in REGIONS}
 
 
-def _epochs(settings: FitSettings, baseline: bool) -> int:
+def _epochs(settings: FitSettings, region: Region, baseline: bool) -> int:
     once = settings.epochs_regressor + settings.epochs_autoencoder
-    return once * (2 if baseline else 1)
+    completion = settings.epochs_completion if is_completed(region) else 0
+    return once * (2 if baseline else 1) + completion
 
 
 def _reporter(progress: Progress, label: str, total: int) -> Report:

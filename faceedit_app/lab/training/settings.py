@@ -7,6 +7,9 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+# Passes of the completion network for each of the others, where their number is chosen.
+COMPLETION_PASSES = 6
+
 
 @dataclass(frozen=True)
 class Variety:
@@ -56,6 +59,8 @@ class FitSettings:
     patience: int = 5  # ... after so many epochs in a row without improvement (P)
     epochs_regressor: int = 45
     epochs_autoencoder: int = 28
+    epochs_completion: int = 48  # 0: requests are completed in closed form alone
+    completion_widths: tuple[int, ...] = (16, 32, 64)
     l2: float = 1.0  # weight of the mean squared parameter (P)
     distance_loss: float = 1.0  # weight of the distance loss against the MSE (P) ...
     distance_loss_regressor: float = 0.5  # ... and with the regressor, 0 in the paper
@@ -75,12 +80,23 @@ class FitSettings:
     range_percentiles: tuple[float, float] = (0.05, 99.95)  # of each control, for `low`, `high`
     seed: int = 1
 
+    def with_epochs(self, epochs: int) -> FitSettings:
+        """The same with other numbers of passes over the data; completion, if any, needs more."""
+        completion = COMPLETION_PASSES * epochs if self.epochs_completion else 0
+        return dataclasses.replace(
+            self,
+            epochs_regressor=epochs,
+            epochs_autoencoder=epochs,
+            epochs_completion=completion,
+        )
+
 
 RECIPES: dict[str, FitSettings] = {
     "faceedit": FitSettings(),
     "paper": FitSettings(
         batch=128,
         final_rate=None,
+        epochs_completion=0,
         distance_loss_regressor=0.0,
         near_weight=0.0,
         velocity_loss=0.0,

@@ -153,7 +153,8 @@ class RetimeCommands:
         if is_media(path):
             self._read_sound(path)
             return
-        from faceedit_app.words.files import read_words, spread
+        from faceedit_app.words.files import read_words
+        from faceedit_app.words.imported import spread
 
         try:
             said = read_words(path)

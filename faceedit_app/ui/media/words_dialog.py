@@ -26,7 +26,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.look.texts import plain_label
 from faceedit_app.ui.state.background import Background
-from faceedit_app.words import aligning, files
+from faceedit_app.words import aligning, files, imported
 from faceedit_app.words.denoising import Stopped
 from faceedit_app.words.dictionary import LANGUAGE, is_foreign, spoken, suggestion, unknown_words
 from faceedit_app.words.transcript import Transcript
@@ -79,7 +79,7 @@ class WordsDialog(QDialog):
         super().__init__(parent)
         self._background, self._place, self._present = background, place, present
         self._choose, self._make = choose, make
-        self._imported: files.Imported | None = None  # the file whose text is in the field
+        self._imported: imported.Imported | None = None  # the file whose text is in the field
         self._spellings = dict(present.sounds_like) if present is not None else {}
         self._asked: dict[str, QLineEdit] = {}
         self._job: _Job | None = None
@@ -187,7 +187,7 @@ class WordsDialog(QDialog):
             if place.sound is None:
                 if any(line.end is None for line in said):
                     raise FaceEditError("The take has no sound; add it, or open a file with times")
-                return files.spread(said, place.take[1])
+                return imported.spread(said, place.take[1])
             sound = place.sound
             first, last = (t - place.offset for t in (wanted or place.take))
             part = max(first, sound.start), min(last, sound.end)
@@ -251,12 +251,12 @@ class WordsDialog(QDialog):
         if path is None:
             return
         try:
-            imported = files.read_words(path)
+            found = files.read_words(path)
         except FaceEditError as error:
             self.message.setText(f"{error}.")
             return
-        self.text.setPlainText("\n".join(line.text for line in imported.lines))
-        self._imported = imported
+        self.text.setPlainText("\n".join(line.text for line in found.lines))
+        self._imported = found
         self.message.setText("")
         self._show_state()
 

@@ -18,7 +18,8 @@ _MENU = (
     ("play_around", "loop"),
     ("close_on_words", "shape_on_words", "say_clearly"),
     ("words", "match_sound", "remove_words"),
-    ("stretch_time", "move_time", "cut_time", "insert_pause"),
+    ("tool_retime", "stretch_time", "move_time", "cut_time", "insert_pause"),
+    ("cut_shorter", "insert_longer"),
 )
 
 

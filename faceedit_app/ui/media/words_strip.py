@@ -30,7 +30,8 @@ _LEAST = 3.0  # pixels; narrower phonemes are not drawn one by one
 _CLOSING = "#d55e00"  # m, b and p: as the problem's mark
 _TIP = (
     "What is said. Drag an edge to move it in time; with Shift, ten times finer.\n"
-    "Double-click a word to select its time; Ctrl+L repeats it."
+    "Double-click a word to select its time; Ctrl+L repeats it.\n"
+    "To bring the face to a word, choose Retime (W) and drag a curve sideways."
 )
 
 

@@ -16,8 +16,9 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.editing.exporting import Options, OutFormat, out_formats, own_format
+from faceedit_app.formats.rates import COMMON_RATES
 from faceedit_app.formats.take import Take
-from faceedit_app.formats.timing import COMMON_RATES, format_rate
+from faceedit_app.formats.timing import format_rate
 from faceedit_app.ui.look.widgets import Choice
 
 _OWN_CHARACTER = "FaceEdit’s own, as on screen"

@@ -13,7 +13,8 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.editing.filming import Shot, View
-from faceedit_app.formats.timing import COMMON_RATES, format_rate
+from faceedit_app.formats.rates import COMMON_RATES
+from faceedit_app.formats.timing import format_rate
 from faceedit_app.media.film_writer import FILM_FORMATS, FilmFormat
 from faceedit_app.ui.look.widgets import Choice
 

@@ -14,7 +14,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.formats.timing import COMMON_RATES, counted, exact_rate, format_rate, format_time
+from faceedit_app.formats.rates import COMMON_RATES, exact_rate
+from faceedit_app.formats.timing import counted, format_rate, format_time
 from faceedit_app.ui.look.texts import plain_label
 
 _LOWEST, _HIGHEST = 1.0, 1000.0

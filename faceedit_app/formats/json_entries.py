@@ -1,0 +1,250 @@
+"""The frames of JSON that has an entry for each frame, or for each weight, in any layout.
+
+Each frame has ARKit names somewhere inside, as `{"jawOpen": 0.1, ...}`, as
+`[{"name": "jawOpen", "score": 0.1}, ...]`, or as `["jawOpen", 0.1, ...]`, which Swift makes of
+ARKit's own dictionary. An entry per weight has a name, a number and a time.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from itertools import islice
+from typing import Any
+
+from faceedit_app.formats.files import shown
+from faceedit_app.formats.json_take import JsonFrames, Naming
+from faceedit_app.formats.json_text import JsonText, Place, as_object
+from faceedit_app.formats.long_form import Key, Repeated, group
+from faceedit_app.formats.time_columns import TRACKED, time_columns
+from faceedit_app.formats.timecode import is_timecode
+
+DEEPEST = 5
+MOST_NAMES = 10_000  # of a frame, or of the lists of a document
+TRIED = 50  # entries of a list that are looked at for weights, since the first may have no face
+# Keys, in lower case, without separators.
+NAMES = (
+    *("name", "categoryname", "displayname", "shape", "shapename", "blendshape", "blendshapename"),
+    *("key", "channel", "channelname", "curve", "parameter", "param", "target", "id", "k"),
+)
+_NUMBERS = ("score", "value", "weight", "val", "v", "w")
+_FEW = 6  # entries of an object that holds one weight
+_LONGEST_KEY = 60
+_PLAIN = re.compile(r"\d+(?:\.\d+)?")
+
+Weights = Mapping[str, Any]
+"""Numbers by name, as places in the document or None."""
+
+
+def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFrames | None:
+    """The frames of a list with an entry for each."""
+    found = next((one for one in _lists(text.document, 0) if _have_weights(one[1], naming)), None)
+    if found is None:
+        return None
+    keys, entries = found
+    sets = [list(_sets(entry, naming)) for entry in entries]
+    weights = [_merged(one) for one in sets]
+    lost = [_is_lost(text, entry) for entry in entries]
+    if not all(lost):  # else the flag is never set
+        weights = [{} if gone else row for gone, row in zip(lost, weights, strict=True)]
+    clock = _running_clock(text, [entry for entry, row in zip(entries, sets, strict=True) if row])
+    named = dict.fromkeys(name for row in weights for name in row)
+    names = [name for name in named if not clock or name != clock[-1]]
+    times = [value_at(entry, clock) for entry in entries] if clock else list(keys)
+    return JsonFrames(
+        names,
+        [[row.get(name) for name in names] if row else [] for row in weights],
+        times if None not in times else (),
+        clock[-1] if clock else "time",
+        rate,
+        naming,
+        _notes(sets),
+    )
+
+
+def _lists(entry: Any, depth: int) -> Iterator[tuple[Sequence[str], Sequence[Any]]]:
+    """Lists that may be the frames, the outermost first, with the names of their entries."""
+    if depth > DEEPEST:
+        return
+    if isinstance(entry, list):
+        yield (), entry
+    elif isinstance(entry, dict):
+        if len(entry) > 1 and all(map(_is_number, entry)):
+            keys = sorted(entry, key=float)
+            yield keys, [entry[key] for key in keys]
+        elif len(entry) > 1 and all(map(is_timecode, entry)):
+            yield list(entry), list(entry.values())
+        for inner in islice(entry.values(), MOST_NAMES):
+            yield from _lists(inner, depth + 1)
+
+
+def _is_number(text: str) -> bool:
+    return _PLAIN.fullmatch(text.strip()) is not None
+
+
+def _is_lost(text: JsonText, entry: Any) -> bool:
+    """Whether a frame says that the face was not tracked: false, or a confidence of 0."""
+    flags = (value for key, value in as_object(entry).items() if letters(key) in TRACKED)
+    return any(value is False or text.number(value) == 0 for value in flags)
+
+
+def _notes(sets: Sequence[Sequence[Weights]]) -> tuple[str, ...]:
+    """The note about frames that have the weights of several faces."""
+    most = max(sum(1 for one in row if not one.keys().isdisjoint(row[0])) for row in sets if row)
+    return (f"a frame has the weights of {most} faces: the first is read",) if most > 1 else ()
+
+
+def _merged(sets: Sequence[Weights]) -> Weights:
+    """All weights of a frame; of those with the same name, the first."""
+    if len(sets) == 1:
+        return sets[0]
+    return {name: value for one in reversed(sets) for name, value in one.items()}
+
+
+def _have_weights(entries: Sequence[Any], naming: Naming) -> bool:
+    """Whether entries are frames: each may have weights, rather than be one weight."""
+    tried = entries[:TRIED]
+    pairs = (_named_number(entry) for entry in tried)
+    if any(pair is not None and naming(pair[0]) for pair in pairs):
+        return False
+    return any(next(_sets(entry, naming), {}) for entry in tried)
+
+
+def _sets(entry: Any, naming: Naming, depth: int = 0) -> Iterator[Weights]:
+    """The sets of weights in a frame, wherever they are in it."""
+    if depth > DEEPEST or not isinstance(entry, dict | list) or len(entry) > MOST_NAMES:
+        return
+    own = _of_object(entry, naming) if isinstance(entry, dict) else _of_list(entry)
+    if any(map(naming, own)):
+        yield own
+        if isinstance(entry, list):
+            return
+    inner = entry.values() if isinstance(entry, dict) else islice(entry, TRIED)
+    for one in inner:
+        if isinstance(one, dict | list):
+            yield from _sets(one, naming, depth + 1)
+
+
+def _of_object(entry: Mapping[str, Any], naming: Naming) -> Weights:
+    """The numbers of `{"jawOpen": 0.1}`, or of `{"jawOpen": {"value": 0.1}}`."""
+    found = {n: v for n, v in entry.items() if v is None or isinstance(v, Place)}
+    for name, value in entry.items():
+        if isinstance(value, dict) and len(value) <= _FEW and naming(name):
+            number = _number_of(value)
+            if number is not None:
+                found[name] = number
+    return found
+
+
+def _of_list(entries: Sequence[Any]) -> Weights:
+    """The numbers of a list of names and numbers: objects, pairs, or one after the other."""
+    if entries and isinstance(entries[0], str):
+        names, numbers = entries[::2], entries[1::2]
+        pairs = list(zip(names, numbers, strict=False))
+    else:
+        pairs = [pair for one in entries if (pair := _named_number(one)) is not None]
+    return {n: v for n, v in pairs if isinstance(n, str) and (v is None or isinstance(v, Place))}
+
+
+def _named_number(entry: Any) -> tuple[str, Any] | None:
+    """The name and the number of `{"name": "jawOpen", "score": 0.1}` or `["jawOpen", 0.1]`."""
+    if isinstance(entry, list):
+        return (entry[0], entry[1]) if len(entry) == 2 and isinstance(entry[0], str) else None
+    if not isinstance(entry, dict):
+        return None
+    keys = {letters(key): key for key in reversed(entry)}
+    name = next((entry[keys[k]] for k in NAMES if k in keys and is_text(entry[keys[k]])), None)
+    number = next((keys[key] for key in _NUMBERS if key in keys), None)
+    if name is None or number is None:
+        return None
+    value = entry[number]
+    return (name, value) if value is None or isinstance(value, Place) else None
+
+
+def _number_of(entry: Mapping[str, Any]) -> Place | None:
+    numbers = (value for key, value in entry.items() if letters(key) in _NUMBERS)
+    return next((value for value in numbers if isinstance(value, Place)), None)
+
+
+def is_text(value: Any) -> bool:
+    """Whether a value may be a name."""
+    return isinstance(value, str) and bool(value)
+
+
+@cache
+def letters(key: str) -> str:
+    """A key without case and separators."""
+    return re.sub(r"[\W_]", "", key[:_LONGEST_KEY]).lower()
+
+
+def _clock_keys(entry: Mapping[str, Any]) -> list[str]:
+    """The keys of an object that may hold times, the most reliable first."""
+    keys = list(entry)
+    found = (keys[k] for k in time_columns([key or "-" for key in keys]))
+    return [key for key in found if isinstance(entry[key], Place | str)]
+
+
+def clock_of(frame: Any) -> tuple[str, ...]:
+    """Where a frame's time is: its key, below another one if need be; empty if there is none."""
+    return next(_clocks(frame), ())
+
+
+def _clocks(frame: Any) -> Iterator[tuple[str, ...]]:
+    """Where a frame's times may be, the most reliable first."""
+    entry = as_object(frame)
+    yield from ((key,) for key in _clock_keys(entry))
+    for key, value in entry.items():
+        if isinstance(value, dict):
+            yield from ((key, *below) for below in _clocks(value))
+
+
+def _running_clock(text: JsonText, frames: Sequence[Any]) -> tuple[str, ...]:
+    """Where the times of frames are: the first place that is not the same in all of them."""
+    found = list(_clocks(frames[0]))
+    tried = (frames[0], frames[len(frames) // 2], frames[-1])
+    running = (
+        keys
+        for keys in found
+        if len({_text_of(text, value_at(frame, keys)) for frame in tried}) > 1
+    )
+    return next(running, next(iter(found), ()))
+
+
+def value_at(entry: Any, keys: Sequence[str]) -> Any:
+    """What is below these keys of an entry."""
+    for key in keys:
+        entry = as_object(entry).get(key)
+    return entry
+
+
+# --- an entry per weight -------------------------------------------------------------------------
+
+
+def single_weights(text: JsonText, naming: Naming, rate: float | None) -> JsonFrames | None:
+    """The frames of a list with an entry for each weight: a name, a number and a time."""
+    for _, entries in _lists(text.document, 0):
+        pairs = [_named_number(entry) for entry in entries[:TRIED]]
+        named = [pair for pair in pairs if pair is not None and naming(pair[0])]
+        if entries and 2 * len(named) > len(pairs):
+            break
+    else:
+        return None
+    clocks = _clock_keys(as_object(entries[0]))
+    named = [pair for entry in entries if (pair := _named_number(entry)) is not None]
+    kept = [as_object(entry) for entry in entries if _named_number(entry) is not None]
+    keys: list[Key] = [tuple(_text_of(text, entry.get(k)) for k in clocks) for entry in kept]
+    try:
+        _, names, places = group([name for name, _ in named], keys)
+    except Repeated as repeated:
+        name, place = named[repeated.entry]
+        problem = f'gives "{shown(name)}" twice at the same time'
+        raise text.error(problem, "keep the weights of one face", int(place)) from None
+    weights = [[named[n][1] if n >= 0 else None for n in row] for row in places.tolist()]
+    times = [kept[int(row.max())].get(clocks[0]) for row in places] if clocks else ()
+    return JsonFrames(names, weights, times, clocks[0] if clocks else "time", rate, naming)
+
+
+def _text_of(text: JsonText, value: Any) -> str:
+    number = text.number(value)
+    return str(value if number is None else number)

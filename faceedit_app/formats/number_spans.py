@@ -1,0 +1,58 @@
+"""Text whose weights are replaced in place, while all other bytes stay the same."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.arrays import Floats
+from faceedit_app.formats.numbers import NumberFormat, detect_format
+
+_FORMAT_SAMPLE = 10_000
+WHOLE = NumberFormat(0, padded=True)
+
+
+@dataclass(frozen=True)
+class SpanSource:
+    """A text file, and where a clip's weights are in it (`take.Source`).
+
+    Attributes:
+        content: the file.
+        spans: (T, K, 2) where each number begins and ends.
+        scale: the value of a full blendshape in the file.
+        decimal: what stands between the units and the decimals of a number.
+        form: how to write a number; None = as the file's others are written.
+    """
+
+    content: bytes
+    spans: NDArray[np.int64]
+    scale: float = 1.0
+    decimal: bytes = b"."
+    form: NumberFormat | None = None
+
+    def encode(self, tracked: Floats, edited: Floats) -> bytes:
+        """The whole file; see `take.Source.encode`."""
+        changed = tracked != edited
+        if not changed.any():
+            return self.content
+        spans, values = self.spans[changed], edited[changed].astype(np.float64) * self.scale
+        order = np.argsort(spans[:, 0])
+        write, pieces, done = self._writer(), [], 0
+        for (start, end), value in zip(spans[order].tolist(), values[order].tolist(), strict=True):
+            pieces += [self.content[done:start], write(value)]
+            done = end
+        return b"".join([*pieces, self.content[done:]])
+
+    def _writer(self) -> Callable[[float], bytes]:
+        form = self.form
+        if form is None:
+            flat = self.spans.reshape(-1, 2)
+            sample = islice(flat.tolist(), 0, None, max(1, len(flat) // _FORMAT_SAMPLE))
+            texts = (self.content[a:b].replace(self.decimal, b".") for a, b in sample)
+            form = detect_format(texts, self.scale)
+        write = form.write
+        return lambda number: write(number).replace(b".", self.decimal)

@@ -1,0 +1,88 @@
+"""What speech recognisers write as JSON: Whisper, Gentle, Deepgram and others.
+
+They agree on little but that somewhere in the file there is a list of texts with a beginning and an
+end. Their times are rough, so the texts become lines, whose words are aligned to the sound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from faceedit_app.core.fields import clean_text
+from faceedit_app.words.aligning import Line
+from faceedit_app.words.dictionary import tokens
+
+_TEXTS = ("text", "word", "transcript", "punctuated_word", "label", "value")
+_STARTS = ("start", "begin", "start_time", "startTime", "from")
+_ENDS = ("end", "end_time", "endTime", "to")
+_BOTH = "timestamp"  # a pair
+_DEEPEST = 8
+_PAUSE = 0.4  # seconds between words that begin a new line
+_LONGEST = 10.0  # seconds of a line that is made of words
+
+
+def lines_of(document: Any) -> tuple[Line, ...]:
+    """The lines of a document, by time; none if it holds no texts with times."""
+    found = max(_lists(document, 0), key=_weight, default=[])
+    lines: list[Line] = []
+    for line in sorted(found, key=lambda line: line.start or 0.0):
+        last = lines[-1] if lines else None
+        if last is not None and _continues(last, line):
+            lines[-1] = Line(f"{last.text} {line.text}", last.start, line.end)
+        else:
+            lines.append(line)
+    return tuple(lines)
+
+
+def _weight(lines: list[Line]) -> tuple[int, int]:
+    """Most words first; of two with the same, the one with longer lines."""
+    return sum(len(tokens(line.text)) for line in lines), -len(lines)
+
+
+def _lists(value: Any, depth: int) -> Iterator[list[Line]]:
+    """The lists in a document whose entries are texts with times."""
+    inner = list(value.values()) if isinstance(value, dict) else value
+    if depth > _DEEPEST or not isinstance(inner, list):
+        return
+    if isinstance(value, list):
+        lines = [line for entry in value if (line := _line(entry)) is not None]
+        if lines:
+            yield lines
+    for entry in inner:
+        yield from _lists(entry, depth + 1)
+
+
+def _line(entry: Any) -> Line | None:
+    if not isinstance(entry, dict):
+        return None
+    text = next((entry[name] for name in _TEXTS if isinstance(entry.get(name), str)), "")
+    start, end = (_seconds(entry, names) for names in (_STARTS, _ENDS))
+    if isinstance(pair := entry.get(_BOTH), list) and len(pair) == 2:
+        start, end = (_number(value) for value in pair)
+    if start is None or end is None or not 0.0 <= start < end < 1e6 or not tokens(text):
+        return None
+    return Line(clean_text(text.strip()), start, end)
+
+
+def _seconds(entry: dict[str, Any], names: tuple[str, ...]) -> float | None:
+    return next((_number(entry[name]) for name in names if name in entry), None)
+
+
+def _number(value: Any) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        return None
+    try:
+        return float(value[:40].removesuffix("s") if isinstance(value, str) else value)
+    except (ValueError, OverflowError):
+        return None
+
+
+def _continues(last: Line, line: Line) -> bool:
+    """Whether a word belongs to the line before it."""
+    assert last.start is not None
+    assert last.end is not None
+    assert line.start is not None
+    assert line.end is not None
+    short = len(tokens(line.text)) == 1 and line.end - last.start <= _LONGEST
+    return short and line.start - last.end <= _PAUSE

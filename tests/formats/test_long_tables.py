@@ -1,0 +1,131 @@
+"""Tables with a line for each weight open as frames, and an export changes one number alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import recordings
+
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.errors import FileError
+from faceedit_app.formats.opening import open_take, write_take
+from faceedit_app.formats.timing import RateNeeded
+
+FACE = recordings.face()
+Line = Callable[[int, str, float], str]
+
+
+def lines(line: Line, by_channel: bool = False, frames: int = len(FACE)) -> list[str]:
+    places = [(n, k) for n in range(frames) for k in range(len(ARKIT_CHANNELS))]
+    if by_channel:
+        places.sort(key=lambda place: (place[1], place[0]))
+    return [line(n, ARKIT_CHANNELS[k], float(FACE[n, k])) for n, k in places]
+
+
+def table(head: str, line: Line, by_channel: bool = False) -> str:
+    return "\n".join([head, *lines(line, by_channel)]) + "\n"
+
+
+def unity(name: str) -> str:
+    return f"blendShape1.{name.replace('Left', '_L').replace('Right', '_R')}"
+
+
+# All are at 30 fps.
+TABLES = {
+    "by frame": table("time,channel,value", lambda n, name, v: f"{n / 30:.4f},{name},{v}"),
+    "by channel": table("time,channel,value", lambda n, name, v: f"{n / 30:.4f},{name},{v}", True),
+    "ms": table("timestamp_ms,blendshape,score", lambda n, name, v: f"{n * 100 // 3},{name},{v}"),
+    "frame and time": table(
+        "frame,time,shape,weight", lambda n, name, v: f"{n},{n / 30:.4f},{name},{v}"
+    ),
+    "values first, and a face": table(
+        "value;name;face;time", lambda n, name, v: f"{v};{unity(name)};Anna;{n / 30:.4f}"
+    ),
+    "decimal commas": table(
+        "time;name;value", lambda n, name, v: f"{n / 30:.4f};{name};{v}".replace(".", ",")
+    ),
+    "percent": table("time,name,weight", lambda n, name, v: f"{n / 30:.4f},{name},{100 * v:.2f}"),
+    "timecode, quotes, a title": "Take 3\n"
+    + table(
+        '"Timecode","Curve","Value"',
+        lambda n, name, v: f'"10:00:{n // 30:02d}:{n % 30:02d}","{name}","{v}"',
+    ),
+    "others among them": table(
+        "time,name,value",
+        lambda n, name, v: (
+            f"{n / 30:.4f},{name},{v}" + (f"\n{n / 30:.4f},headYaw,3" if name == "jawOpen" else "")
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("text", TABLES.values(), ids=TABLES)
+def test_a_table_opens_and_an_edit_changes_its_number_alone(tmp_path: Path, text: str) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    path.write_text(text)
+    take = open_take(path)
+    assert take.clip.rate == pytest.approx(30)
+    assert take.clip.gaps == ()
+    assert np.allclose(take.clip.arkit_weights(), FACE, atol=1e-7)
+    assert (take.clip.timecodes is not None) == ("Timecode" in text)
+    write_take(out, take, take.clip.weights)
+    assert out.read_text() == text
+    edited = take.clip.weights.copy()
+    edited[17, 5] = 0.7654
+    write_take(out, take, edited)
+    assert np.allclose(open_take(out).clip.weights, edited, atol=1e-6)
+    before, after = text.splitlines(), out.read_text().splitlines()
+    assert sum(a != b for a, b in zip(before, after, strict=True)) == 1
+
+
+def test_frame_numbers_or_no_times_ask_for_the_rate(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    for text in (
+        table("frame,name,weight", lambda n, name, v: f"{n},{name},{v}"),
+        table("name,weight", lambda n, name, v: f"{name},{v}"),
+        table("name,weight", lambda n, name, v: f"{name},{v}", by_channel=True),
+    ):
+        path.write_text(text)
+        with pytest.raises(RateNeeded) as asked:
+            open_take(path)
+        assert asked.value.frames == len(FACE)
+        clip = open_take(path, fps=24).clip
+        assert clip.duration == pytest.approx(len(FACE) / 24)
+        assert np.allclose(clip.arkit_weights(), FACE, atol=1e-7)
+
+
+def test_frames_without_lines_and_without_numbers_are_gaps(tmp_path: Path) -> None:
+    def line(n: int, name: str, value: float) -> str:
+        return f"{n / 30:.4f},{name},{'' if n == 20 else value}"
+
+    path = tmp_path / "take.csv"
+    kept = [text for text in lines(line) if not text.startswith(f"{10 / 30:.4f},")]
+    path.write_text("\n".join(["time,name,value", *kept]) + "\n")
+    take = open_take(path)
+    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(9, 1), (18, 1)]
+    assert any("lost in 1 row" in note for note in take.notes)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda rows: [*rows[:9], *rows[8:]], 'line 11: gives "eyeLookDownRight" twice'),
+        (lambda rows: [*rows[:9], *rows[10:]], "line 52: a frame has no eyeLookInRight"),
+        (lambda rows: [*rows[:9], rows[9].rpartition(",")[0], *rows[10:]], "line 11: the row is"),
+        (lambda rows: [*rows[:9], rows[9][:-1] + "x", *rows[10:]], 'line 11: column "value" hol'),
+        (lambda rows: [*rows[:9], rows[9] + "e60", *rows[10:]], "line 11: eyeLookInRight is"),
+        (lambda rows: rows[52:104] + rows[:52] + rows[104:], "does not come after"),
+    ],
+)
+def test_damage_is_refused_at_its_line(
+    tmp_path: Path, change: Callable[[list[str]], list[str]], says: str
+) -> None:
+    path = tmp_path / "take.csv"
+    rows = change(lines(lambda n, name, v: f"{n / 30:.4f},{name},{v:.4f}"))
+    path.write_text("\n".join(["time,channel,value", *rows]) + "\n")
+    with pytest.raises(FileError) as refused:
+        open_take(path)
+    assert says in str(refused.value)
