@@ -196,10 +196,12 @@ class Scene:
         if which.size and which.max() >= len(joints):
             raise Damaged("a vertex names a joint that does not exist")
         weights = arrays["WEIGHTS_0"].astype(np.float64)
-        weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-9)
+        total = weights.sum(axis=1, keepdims=True)
+        weights = weights / np.maximum(total, 1e-9)
         place = np.zeros((count, 3, 4))
         for column in range(which.shape[1]):
             place += weights[:, column, None, None] * moves[which[:, column], :3]
+        place[total[:, 0] <= 0] = placed.place[:3]  # no joint carries them
         return place[:, :, :3], place[:, :, 3]
 
     def _targets(
@@ -239,10 +241,13 @@ def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, 
         raise Damaged(f"{len(targets)} morph targets are more than {MOST_TARGETS}")
     for extras in (mesh.get("extras"), primitive.get("extras")):
         names = extras.get("targetNames") if isinstance(extras, dict) else None
-        if isinstance(names, list) and len(names) >= len(targets):
-            return tuple(str(name)[:200] for name in names[: len(targets)])
-    found = []
-    for number, target in enumerate(targets):
+        if isinstance(names, list) and names:
+            given = [str(name)[:200] for name in names[: len(targets)]]
+            break
+    else:
+        given = []
+    found = given
+    for number, target in enumerate(targets[len(given) :], len(given)):
         accessors, index = document.all("accessors"), target.get("POSITION")
         inside = isinstance(index, int) and 0 <= index < len(accessors)
         name = accessors[index].get("name") if inside else None
