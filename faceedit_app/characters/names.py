@@ -89,6 +89,7 @@ class Match:
 
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W\d_A-Za-z]+|\d+")
 _NUMBERED = re.compile(r"^[A-Za-z]?\d{1,3}[ _-]+(?=[A-Za-z])")  # A14_Eye_Blink_Left
+_VERSION = re.compile(r"v\d+", re.IGNORECASE)  # head.eyeBlinkLeft.v2
 _COPY = re.compile(r"\.\d{3}$")  # Blender's second jawOpen is jawOpen.001
 _SIDES = dict.fromkeys(("l", "lt", "lf", "lft", "left"), "left") | dict.fromkeys(
     ("r", "rt", "rg", "rgt", "right"), "right"
@@ -107,6 +108,8 @@ def words_of(name: str) -> list[str]:
     text = _COPY.sub("", name.strip())
     text = re.split(r"[:|/\\]", text)[-1]
     pieces = [piece for piece in text.split(".") if piece.strip()]
+    while len(pieces) > 1 and _VERSION.fullmatch(pieces[-1].strip()):
+        pieces.pop()
     if len(pieces) > 1 and pieces[-1].strip().lower() in _SIDES:  # Blender's eyeBlink.L
         text = " ".join(pieces[-2:])
     elif pieces:

@@ -154,8 +154,8 @@ def _series(entry: Any) -> dict[str, list[Any]]:
     found = {}
     for one in map(as_object, as_list(entry)[:MOST_NAMES]):
         name = next((one[k] for k in one if letters(k) in NAMES and is_text(one[k])), None)
-        series = next((values for key in _SERIES if (values := as_list(one.get(key)))), None)
-        if name is not None and series is not None:
+        series = next((values for key in _SERIES if (values := as_list(one.get(key)))), [])
+        if name is not None and series:
             found[name] = series
     return found
 

@@ -132,7 +132,10 @@ def _median(same: Sequence[Word]) -> Word:
     """A word at the median of its times; its pronunciation is that of the first."""
     first = same[0]
     alike = [word for word in same if len(word.phonemes) == len(first.phonemes)]
-    edges = [[t for p in (word, *word.phonemes) for t in (p.start, p.end)] for word in alike]
+    edges = [
+        [word.start, word.end, *(t for p in word.phonemes for t in (p.start, p.end))]
+        for word in alike
+    ]
     start, end, *inner = np.median(edges, axis=0).round(3).tolist()
     phonemes = zip(first.phonemes, inner[::2], inner[1::2], strict=True)
     return Word(first.text, start, end, tuple(Phoneme(p.symbol, a, b) for p, a, b in phonemes))

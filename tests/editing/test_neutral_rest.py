@@ -54,7 +54,7 @@ def test_a_curve_is_where_it_was_put_before_or_after() -> None:
         np.testing.assert_allclose(session.asked[rows, OPENING], 6.0, atol=1e-4)
         np.testing.assert_allclose(session.achieved[rows, OPENING], 6.0, atol=0.6)
         results.append(session.weights)
-    np.testing.assert_array_equal(*results)
+    np.testing.assert_array_equal(results[0], results[1])
 
 
 def test_a_drag_after_it_starts_from_the_curve_that_is_shown() -> None:

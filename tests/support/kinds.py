@@ -11,12 +11,15 @@ from typing import Any
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.formats.metahuman import CONTROLS
 from support import recordings
 from support.takes import speech_like
 
 FRAMES, RATE = 90, 30.0
-FACE = np.round(speech_like(FRAMES, RATE, ARKIT_CHANNELS).astype(np.float64), 3)
+FACE: Doubles = np.asarray(
+    np.round(speech_like(FRAMES, RATE, ARKIT_CHANNELS).astype(np.float64), 3), np.float64
+)
 
 Named = dict[str, float]
 
@@ -152,7 +155,9 @@ KINDS = {
     "a line for each weight": Kind(".csv", lambda _: long_table().encode()),
     "iFacialMocap": Kind(".txt", lambda _: stream().encode(), "0 to 100", asks=True, step=0.01),
     "USD": Kind(".usda", lambda _: usda().encode()),
-    "GLB": Kind(".glb", lambda path: recordings.glb(path, FACE, RATE).read_bytes()),
+    "GLB": Kind(
+        ".glb", lambda path: recordings.glb(path, FACE.astype(np.float64), RATE).read_bytes()
+    ),
     "JSON frames": Kind(".json", lambda _: json.dumps(frames()).encode()),
     "JSON per channel": Kind(".json", lambda _: json.dumps(series(), indent=1).encode()),
     "JSON of texts": Kind(".json", lambda _: json.dumps(texts()).encode()),

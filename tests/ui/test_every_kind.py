@@ -11,7 +11,7 @@ from support.windows import Bench, add_edit, bench, drop, open_path, session_of,
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.formats.opening import open_take
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, file_kinds
 from faceedit_app.ui.start.window import MainWindow
 
 __all__ = ["bench"]
@@ -74,7 +74,7 @@ def test_a_kind_opens_by_drop_and_comes_back_with_its_edit_alone(
 @pytest.mark.parametrize("name", ["USD", "a line for each weight", "iFacialMocap", "VTube Studio"])
 def test_the_dialog_offers_and_opens_it(bench: Bench, asked: list[str], name: str) -> None:
     path = KINDS[name].make(bench.folder)
-    assert f"*{path.suffix}" in dialogs.file_kinds.all_that_opens()
+    assert f"*{path.suffix}" in file_kinds.all_that_opens()
     window = bench.editing()
     bench.answers["open"] = path
     trigger(window, "open")

@@ -129,7 +129,7 @@ def _kriging(trusted: bytes, first: int, last: int) -> tuple[Doubles, Doubles]:
         return np.asarray(np.exp(-away / RESEMBLE), np.float64)
 
     own = resemblance(known) + OWN * np.eye(len(known))
-    weights: Doubles = np.linalg.solve(own, resemblance(wanted)).T
+    weights = np.asarray(np.linalg.solve(own, resemblance(wanted)).T, np.float64)
     distance: Doubles = np.abs(np.subtract.outer(wanted, known)).min(axis=1).astype(np.float64)
     return weights, distance
 
@@ -179,11 +179,11 @@ class Completing:
             hold: (N, C) in 0..1, how firmly each curve is asked for.
         """
         added = np.zeros_like(change)
-        edited = given.any(axis=1)
+        edited: Bools = np.any(given, axis=1)
         patterns = _patterns(given[edited])
         if not len(patterns):
             return added
-        rows = [np.equal(given, known).all(axis=1, keepdims=True) for known in patterns]
+        rows = [(given == known).all(axis=1, keepdims=True) for known in patterns]
         # All in one go: the places of the grid frames are the same.
         signals = [curves, change, edited[:, None], *(hold * each for each in rows)]
         grid = to_grid(times, np.concatenate(signals, axis=1, dtype=np.float64), *grid_range)

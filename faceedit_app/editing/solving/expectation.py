@@ -79,8 +79,8 @@ class Expectation:
         Args:
             change, asked: see `fill`.
         """
-        given = asked | (change != 0)
-        given |= given[:, self.mirror] | (given.any(axis=1)[:, None] & self.held)
+        given: Bools = asked | (change != 0)
+        given |= given[:, self.mirror] | (given.any(axis=1, keepdims=True) & self.held)
         return given
 
     def _filled(self, change: Doubles, within: Doubles, known: Bools) -> Doubles:

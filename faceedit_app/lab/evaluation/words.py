@@ -279,8 +279,8 @@ def report(figures: WordFigures) -> str:
     lines += [
         "",
         "Noise is white, the same in all channels, at so many dB below the words, with five seeds",
-        "for each take. Refused are sounds in which the words were not found. The start of the first",
-        "word is left out: its published time has silence in it.",
+        "for each take. Refused are sounds in which the words were not found. The start of the",
+        "first word is left out: its published time has silence in it.",
         "",
         "## Closures",
         "",

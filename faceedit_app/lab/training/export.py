@@ -11,6 +11,7 @@ import logging
 import warnings
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnx
@@ -49,7 +50,8 @@ def described(networks: Architecture, text: str) -> bytes:
     """A file's content with a text as its description; nothing is checked."""
     settings = json.dumps(networks.settings)
     model = onnx.ModelProto()
-    model.CopyFrom(_template(type(networks), networks.controls, networks.channels, settings))
+    kind: Any = type(networks)
+    model.CopyFrom(_template(kind, networks.controls, networks.channels, settings))
     state = networks.state_dict()
     for tensor in model.graph.initializer:
         if tensor.name in state:
