@@ -204,7 +204,7 @@ def match_channels(names: Iterable[str]) -> Match:
         The match; every name is in exactly one of `matched`, `alike` and `unknown`.
     """
     given = list(dict.fromkeys(names))
-    words = {name: words_of(name) for name in given}
+    words: dict[str, Sequence[str]] = {name: words_of(name) for name in given}
     tail = _common_words([each[::-1] for each in words.values()])
     words = {name: _without(each[::-1], tail)[::-1] for name, each in words.items()}
     common = _common_words(list(words.values()))
