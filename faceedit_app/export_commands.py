@@ -29,6 +29,7 @@ from faceedit_app.options import (
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from faceedit_app.batch import Log, Outcome, Task
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
 
@@ -133,21 +134,7 @@ def batch(
         follows_head=follow_head,
     )
     tasks = batches.plan(source, output, recipe)
-    log = batches.Log(output)
-    try:
-        with _progress() as bar:
-            shown = bar.add_task(source.name, total=len(tasks))
-
-            def report(outcome: batches.Outcome, done: int, of: int) -> None:
-                bar.update(shown, completed=done)
-                if as_json:
-                    return
-                said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
-                say(f"[{done}/{of}] {outcome.name}: {said}")
-
-            outcomes = batches.run(tasks, log, jobs, scheduler, report)
-    finally:
-        log.close()
+    outcomes = _worked_on(tasks, source.name, batches.Log(output), jobs, scheduler, quiet=as_json)
     pages = batch_report.write_reports(output, outcomes)
     if as_json:
         json_output.say_json(json_output.batch_facts(output, outcomes, pages))
@@ -155,6 +142,27 @@ def batch(
         say(f"{batch_report.summary(outcomes)}; see {pages[1]}")
     if any(outcome.error for outcome in outcomes):
         raise typer.Exit(1)
+
+
+def _worked_on(
+    tasks: list[Task], title: str, log: Log, jobs: int, scheduler: str | None, quiet: bool
+) -> list[Outcome]:
+    """Work on takes, and say how far it is; the log is closed."""
+    from faceedit_app.batch import run
+
+    try:
+        with _progress() as bar:
+            shown = bar.add_task(title, total=len(tasks))
+
+            def report(outcome: Outcome, done: int, of: int) -> None:
+                bar.update(shown, completed=done)
+                if not quiet:
+                    said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
+                    say(f"[{done}/{of}] {outcome.name}: {said}")
+
+            return run(tasks, log, jobs, scheduler, report)
+    finally:
+        log.close()
 
 
 def _progress() -> Progress:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.livelink import frame_line, header_line
-from faceedit_app.live.pose import Pose
+from faceedit_app.live.pose import Pose, second_of_day
 from faceedit_app.live.protocols import EVERYWHERE, Protocol, Receiver
 
 _DAY = 24 * 3600.0
@@ -103,7 +103,7 @@ class Recorder:
 
     def _write(self, pose: Pose, now: float) -> None:
         if self._begin is None:
-            self._begin = _second_of_day()
+            self._begin = second_of_day()
             step = 0.0
         else:
             step = now - self._arrived
@@ -133,8 +133,3 @@ class Recorder:
         return FileError(
             self.path, f"cannot be written ({reason})", "choose another folder or free some space"
         )
-
-
-def _second_of_day() -> float:
-    now = time.localtime()
-    return now.tm_hour * 3600.0 + now.tm_min * 60 + now.tm_sec + time.time() % 1

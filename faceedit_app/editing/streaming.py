@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from faceedit_app.core.arrays import Floats
 from faceedit_app.editing.session import EditSession
-from faceedit_app.live.pose import Pose
+from faceedit_app.live.pose import Pose, second_of_day
 from faceedit_app.live.protocols import Sender
 
 SUBJECT = "FaceEdit"
@@ -19,9 +19,7 @@ def pose_of(weights: Floats, rate: float, rotations: Floats | None = None) -> Po
     Args:
         rotations: (9,) radians, as in `Clip.rotations`; None = the head is straight.
     """
-    now = time.localtime()
-    second = now.tm_hour * 3600.0 + now.tm_min * 60 + now.tm_sec + time.time() % 1
-    return Pose(weights, second, rate, SUBJECT, rotations)
+    return Pose(weights, second_of_day(), rate, SUBJECT, rotations)
 
 
 def play(

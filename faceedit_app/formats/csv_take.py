@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -69,6 +69,46 @@ def write(clip: Clip) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
+@dataclass(frozen=True)
+class _Places:
+    """Where a table has the columns that are no channels; None, or nothing, if it has none.
+
+    Attributes:
+        clocks: columns of times.
+        turns: those of `ROTATIONS`, in that order.
+        count: what says whether a row has a face.
+        said: `count`, if it is the number of blendshapes.
+        confidence: how sure the tracker was.
+    """
+
+    clocks: list[int]
+    turns: list[int]
+    count: int | None
+    said: int | None
+    confidence: int | None
+
+    @classmethod
+    def of(cls, table: Table, channels: Columns) -> _Places:
+        """Find them by their names."""
+        lower = [column.lower() for column in table.names]
+        letters = [re.sub(r"[\W_]", "", name) for name in lower]
+        count = next((letters.index(n) for n in (*_COUNTS, *TRACKED) if n in letters), None)
+        turns = [lower.index(name) for name in ROTATIONS if name in lower]
+        return cls(
+            clocks=[k for k in time_columns(table.names) if k not in channels.indices],
+            turns=turns if len(turns) == len(ROTATIONS) else [],
+            count=count,
+            said=count if count is not None and letters[count] in _COUNTS else None,
+            confidence=letters.index(CONFIDENCE) if CONFIDENCE in letters else None,
+        )
+
+    @property
+    def texts(self) -> list[int]:
+        """The columns that are read as texts, in the order in which they are read."""
+        last = [place for place in (self.confidence, self.count) if place is not None]
+        return [*self.clocks, *self.turns, *last]
+
+
 def csv_take(
     table: Table,
     fps: float | None,
@@ -87,22 +127,13 @@ def csv_take(
         FileError: it has no channels, or is damaged.
     """
     found = find_channels(table, naming)
-    lower = [column.lower() for column in table.names]
-    letters = [re.sub(r"[\W_]", "", name) for name in lower]
-    count = next((letters.index(n) for n in (*_COUNTS, *TRACKED) if n in letters), None)
-    said = count if count is not None and letters[count] in _COUNTS else None
-    clocks = [k for k in time_columns(table.names) if k not in found.indices]
-    turns = [lower.index(name) for name in ROTATIONS if name in lower]
-    turns = turns if len(turns) == len(ROTATIONS) else []
-    sure = letters.index(CONFIDENCE) if CONFIDENCE in letters else None
-    last = [place for place in (sure, count) if place is not None]
-    texts = [*clocks, *turns, *last]
-    rows = table.read(texts, found.indices, count)
+    places = _Places.of(table, found)
+    rows = table.read(places.texts, found.indices, places.count)
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
-    times = _times(table, clocks, rows)
-    used = {times.column, said}
-    carried = [k for k in range(len(lower)) if k not in used and k not in columns.indices]
+    times = _times(table, places.clocks, rows)
+    used = {times.column, places.said, *columns.indices}
+    carried = [name for k, name in enumerate(table.names) if k not in used]
     recording = Recording(
         path=table.path,
         format=name or _NAMES[times.kind],
@@ -110,24 +141,23 @@ def csv_take(
         values=rows.numbers[:, ~empty],
         timing=times.timing,
         lost=rows.lost,
-        timecodes=_timecodes(clocks, rows, times),
-        carried=tuple(shown(table.names[k], LONGEST_NAME) or "(unnamed)" for k in carried),
-        notes=(
-            *_empty_notes(found, columns),
-            *_count_notes(table, rows, said),
-        ),
-        rotations=_rotations(rows, len(clocks)) if turns else None,
-        confidence=None if sure is None else _confidence(rows, len(clocks) + len(turns)),
+        timecodes=_timecodes(places.clocks, rows, times),
+        carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried),
+        notes=(*_empty_notes(found, columns), *_count_notes(table, rows, places.said)),
+        rotations=_rotations(rows, len(places.clocks)) if places.turns else None,
+        confidence=None
+        if places.confidence is None
+        else _confidence(rows, len(places.clocks) + len(places.turns)),
     )
     source = partial(
         CsvSource,
         table,
         tuple(rows.lines),
         columns.indices,
-        turns=tuple(turns),
+        turns=tuple(places.turns),
         lost=rows.lost_lines,
-        count=count,
-        confidence=sure,
+        count=places.count,
+        confidence=places.confidence,
     )
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:

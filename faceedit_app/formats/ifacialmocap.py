@@ -27,7 +27,8 @@ from faceedit_app.formats.weights import PERCENT
 FORMAT = "iFacialMocap stream"
 _HEAD = 1 << 16
 _RATE = 60.0  # frames a second that the phone sends
-_STREAM = re.compile(rb"\w+[-&]\d{1,3}(?:\.\d+)?\|\w+[-&]\d{1,3}(?:\.\d+)?\|")
+# From where a word begins: a search in one long word would look at all of it from each letter.
+_STREAM = re.compile(rb"\b\w{1,64}[-&]\d{1,3}(?:\.\d+)?\|\w+[-&]\d{1,3}(?:\.\d+)?\|")
 _WEIGHT = re.compile(rb"(?:^|[|\s])([A-Za-z_]+)\s*[-&]\s*(-?\d{1,4}(?:\.\d{1,9})?)(?=\s*(?:\||$))")
 _TIME = re.compile(rb"([\d:;.,T-]*\d)[|,;\s]+(?=[A-Za-z])")
 _PARTS = ("head", "rightEye", "leftEye")

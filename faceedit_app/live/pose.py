@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,17 @@ class Pose:
     rate: float = 60.0
     subject: str = ""
     rotations: Floats | None = None
+
+
+def second_of_day(now: float | None = None) -> float:
+    """Seconds since local midnight.
+
+    Args:
+        now: as from `time.time`; None = this moment.
+    """
+    now = time.time() if now is None else now  # asked for once: a second may end between two
+    clock = time.localtime(now)
+    return clock.tm_hour * 3600.0 + clock.tm_min * 60.0 + clock.tm_sec + now % 1.0
 
 
 def checked(pose: Pose) -> Pose:

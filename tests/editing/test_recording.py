@@ -29,7 +29,7 @@ LIVELINK, VMC, PHONE = map(find_protocol, ("livelink", "vmc", "ifacialmocap"))
 
 @pytest.fixture
 def recorder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Recorder]:
-    monkeypatch.setattr(recording, "_second_of_day", lambda: 36_000.25)
+    monkeypatch.setattr(recording, "second_of_day", lambda: 36_000.25)
     recorder = Recorder(tmp_path / "take.csv", LIVELINK, LOOPBACK, 0)
     yield recorder
     recorder.stop()

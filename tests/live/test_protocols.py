@@ -16,7 +16,7 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.live import ifacialmocap, livelink, vmc
-from faceedit_app.live.pose import BadPacket, Pose
+from faceedit_app.live.pose import BadPacket, Pose, second_of_day
 from faceedit_app.live.protocols import (
     LOOPBACK,
     PROTOCOLS,
@@ -28,6 +28,13 @@ from faceedit_app.live.protocols import (
 
 WEIGHTS = np.linspace(0, 1, 52).astype(np.float32)
 POSE = Pose(WEIGHTS, 3723.5125, 60.0, "FaceEdit")
+
+
+def test_the_clock_of_what_is_sent_goes_on_as_a_second_ends() -> None:
+    at = [second_of_day(1_700_000_000.0 + part) for part in (0.0, 0.5, 0.9995, 1.0, 1.25)]
+    assert np.diff(at) == pytest.approx([0.5, 0.4995, 0.0005, 0.25], abs=1e-6)
+    assert at[0] % 60 == 1_700_000_000 % 60  # time zones differ by whole minutes
+    assert 0 <= second_of_day() < 24 * 3600 + 1  # a leap second
 
 
 # --- Live Link Face ------------------------------------------------------------------------------
@@ -114,6 +121,42 @@ def test_what_python_osc_builds_is_read() -> None:
     expected[ARKIT_INDEX["jawOpen"]], expected[ARKIT_INDEX["eyeBlinkLeft"]] = 0.25, 0.5
     np.testing.assert_array_equal(pose.weights, expected)
     assert decode(built("/VMC/Ext/Blend/Apply").dgram) is None
+
+
+@pytest.mark.parametrize(
+    ("angles", "looks_at"),
+    [
+        ((0.5, 0.0, 0.0), (0.479, 0.0, 0.878)),  # to the person's right, which is Unity's +X
+        ((0.0, 0.3, 0.0), (0.0, -0.296, 0.955)),  # down
+        ((0.0, 0.0, 0.4), (0.0, 0.0, 1.0)),
+    ],
+)
+def test_heads_and_eyes_are_bones_in_the_axes_of_unity(
+    angles: tuple[float, ...], looks_at: tuple[float, ...]
+) -> None:
+    rotations = np.array([*angles, 0, 0.1, 0, 0, -0.1, 0], np.float32)
+    packet = vmc.encode(Pose(WEIGHTS, 1.0, rotations=rotations))
+    bones = {
+        m.params[0]: np.array(m.params[4:])
+        for m in OscBundle(packet)
+        if isinstance(m, OscMessage) and m.address == "/VMC/Ext/Bone/Pos"
+    }
+    assert list(bones) == ["Head", "LeftEye", "RightEye"]
+    x, y, z, w = bones["Head"]
+    ahead = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
+    np.testing.assert_allclose(ahead, looks_at, atol=0.001)
+    if angles[2]:  # tilted to the person's right: the top goes there
+        assert 2 * (x * y - w * z) > 0.3
+    pose = vmc.Decoder()(packet)
+    assert pose is not None
+    assert pose.rotations is not None
+    np.testing.assert_allclose(pose.rotations, rotations, atol=1e-5)
+
+
+@pytest.mark.parametrize("quaternion", [(0.0,) * 4, (float("nan"),) * 4, (1, 2, 3, 4)])
+def test_a_bone_that_is_not_turned_is_refused(quaternion: tuple[float, ...]) -> None:
+    with pytest.raises(BadPacket):
+        vmc.Decoder()(built("/VMC/Ext/Bone/Pos", "Head", 0.0, 0.0, 0.0, *quaternion).dgram)
 
 
 # --- iFacialMocap --------------------------------------------------------------------------------

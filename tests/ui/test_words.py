@@ -23,6 +23,7 @@ from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.media.words_dialog import WordsDialog
 from faceedit_app.ui.media.words_strip import WordsStrip
+from faceedit_app.ui.page.problems_model import KIND
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.words import aligning
 from faceedit_app.words.denoising import Stopped
@@ -183,6 +184,9 @@ def test_from_typed_words_to_an_export_with_closed_lips(
     found = [p.message for p in editor.problems.problems if p.kind == "lips"]
     assert len(found) == 6
     assert found[0].startswith("The m of “my” is open by")
+    model = editor.problem_list.model
+    rows = [model.index(row, KIND).data() for row in range(model.rowCount())]
+    assert "Lips stay open: b of “bowl”" in rows
     trigger(window, "close_on_words")
     assert session.undo_name == "6 closures"
     assert len(session.edits) == 6
