@@ -82,8 +82,9 @@ class _AddressDialog(QDialog):
     def event(self, event: QEvent) -> bool:
         """Keep room for all lines of the hint, whatever its text and the dialog's width."""
         done = super().event(event)
-        if event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest):
-            self.setMinimumHeight(self.layout().totalHeightForWidth(self.width()))
+        layout = self.layout()
+        if layout and event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest):
+            self.setMinimumHeight(layout.totalHeightForWidth(self.width()))
         return done
 
 
