@@ -47,7 +47,8 @@ def takes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def models(takes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("models")
     with pytest.MonkeyPatch.context() as patch:
-        small = {name: tiny(name) for name in recipes.RECIPES}
+        # The exporter needs seconds for each region, the fewer the shallower the network.
+        small = {name: tiny(name, widths=(4,)) for name in recipes.RECIPES}
         patch.setattr("faceedit_app.lab.training.run.RECIPES", small)
         assert main(["train", "--data", str(takes), "-o", str(folder), "--epochs", "1"]) == 0
     return folder
@@ -260,7 +261,7 @@ def test_the_card_measures_each_source_by_networks_that_never_saw_it(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    small = {name: tiny(name) for name in recipes.RECIPES}
+    small = {name: tiny(name, widths=(4,)) for name in recipes.RECIPES}
     monkeypatch.setattr("faceedit_app.lab.evaluation.setting.RECIPES", small)
     mine = tmp_path / "models"
     shutil.copytree(models, mine)
