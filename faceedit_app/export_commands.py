@@ -117,8 +117,7 @@ def batch(
     """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
 
     Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
-    With --character, lips and lids also close on that character; --format glb, fbx or usd writes
-    it.
+    With --character, lips and lids also close on that character; --format glb writes the character.
     """
     from faceedit_app import batch as batches
     from faceedit_app import batch_report

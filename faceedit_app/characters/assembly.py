@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character, Part
 from faceedit_app.characters.face_frame import FaceFrame
+from faceedit_app.characters.gaze import LOOKS, gaze_moves
 from faceedit_app.characters.names import Half, Share
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles, Floats, Indices
@@ -125,6 +126,12 @@ class Assembler:
                         how = share.weight * _mask(share.half, place, mouth, frame.swapped)
                         rows = slice(start, start + len(place))
                         deltas[k, rows] += (how * frame.moves(moves)).astype(np.float32)
+        if not any(channel in LOOKS for channel in channels):
+            gaze = gaze_moves(parts, places, frame, mouth, deltas)
+            if gaze:
+                channels = (*channels, *gaze)
+                deltas = np.concatenate([deltas, *(moves[None] for moves in gaze.values())])
+                self.remarks.append("the eyes have no shapes; they are turned instead")
         return Assembly(
             np.concatenate(places).astype(np.float32),
             faces,
@@ -241,5 +248,6 @@ def _decimated(part: Part, share: float) -> tuple[Part, Indices]:
         targets={name: moves[nearest] for name, moves in part.targets.items()},
         uv=None if part.uv is None else part.uv[nearest],
         colors=None if part.colors is None else part.colors[nearest],
+        eyes=tuple(replace(eye, share=eye.share[nearest]) for eye in part.eyes),
     )
     return chosen, nearest

@@ -48,6 +48,19 @@ class Surface:
 
 
 @dataclass(frozen=True)
+class EyeJoint:
+    """A joint that turns an eye.
+
+    Attributes:
+        place: (3,) in the file's unit and axes.
+        share: (V,) in 0..1, how far each vertex of the part follows it.
+    """
+
+    place: Floats
+    share: Floats = field(repr=False)
+
+
+@dataclass(frozen=True)
 class Part:
     """One mesh with one material, at its place in the scene at rest.
 
@@ -59,6 +72,7 @@ class Part:
         uv: (V, 2) float32; (0, 0) is the upper left corner of the texture.
         colors: (V, 4) float32, linear RGBA.
         surface: how it is drawn.
+        eyes: the joints of eyes that it follows.
     """
 
     name: str
@@ -68,6 +82,7 @@ class Part:
     uv: Floats | None = None
     colors: Floats | None = None
     surface: Surface = field(default_factory=Surface)
+    eyes: tuple[EyeJoint, ...] = ()
 
     def only(self, kept: Indices) -> Part:
         """The part with only some vertices, in order; its faces must use no others."""
@@ -82,6 +97,7 @@ class Part:
             targets={name: moves[kept] for name, moves in self.targets.items()},
             uv=None if self.uv is None else self.uv[kept],
             colors=None if self.colors is None else self.colors[kept],
+            eyes=tuple(replace(eye, share=eye.share[kept]) for eye in self.eyes),
         )
 
 

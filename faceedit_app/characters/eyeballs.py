@@ -7,7 +7,7 @@ round, or that are named so.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -15,7 +15,7 @@ import numpy as np
 import trimesh
 
 from faceedit_app.characters.character import Character, Part
-from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.arrays import Doubles, Indices
 
 _NAMED = re.compile(
     r"eye(?!.?(brow|lash|lid|liner|shadow))|iris|pupil|sclera|cornea|目", re.IGNORECASE
@@ -28,7 +28,14 @@ _APART, _MOUTH = (2.2, 9.0), (0.4, 2.5)
 
 
 @dataclass(frozen=True)
-class _Ball:
+class Ball:
+    """A round piece of a mesh.
+
+    Attributes:
+        centre: (3,).
+        radius: its own.
+    """
+
     centre: Doubles
     radius: float
 
@@ -39,24 +46,38 @@ def find_eyeballs(character: Character, mouth: Doubles) -> tuple[Doubles, Double
     Args:
         mouth: (3,) its centre.
     """
-    named = [part for part in character.parts if _NAMED.search(f"{part.name} {part.surface.name}")]
-    for parts in (named, character.parts):
-        balls = [ball for part in parts for ball in _balls(part)]
+    pair = find_pair(character.parts, mouth)
+    return None if pair is None else (pair[0].centre, pair[1].centre)
+
+
+def find_pair(parts: Sequence[Part], mouth: Doubles) -> tuple[Ball, Ball] | None:
+    """The two eyeballs, in no order; None if not found."""
+    named = [part for part in parts if _NAMED.search(f"{part.name} {part.surface.name}")]
+    for some in (named, parts):
+        balls = [ball for part in some for ball in _balls(part)]
         pair = _largest_pair(balls, mouth)
         if pair is not None:
             return pair
     return None
 
 
-def _balls(part: Part) -> Iterator[_Ball]:
-    """The round pieces of a part; its vertices that seams repeat are joined first."""
-    mesh = trimesh.Trimesh(part.neutral.astype(np.float64), part.faces, process=False)
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    labels = trimesh.graph.connected_component_labels(mesh.edges, len(mesh.vertices))
-    for label in np.flatnonzero(np.bincount(labels) >= _FEWEST):
-        centre, radius, spread = _sphere(np.asarray(mesh.vertices[labels == label]))
-        if spread < _UNROUND * radius:
-            yield _Ball(centre, radius)
+def _balls(part: Part) -> Iterator[Ball]:
+    """The round pieces of a part."""
+    for rows in pieces(part):
+        if len(rows) >= _FEWEST:
+            centre, radius, spread = _sphere(part.neutral[rows].astype(np.float64))
+            if spread < _UNROUND * radius:
+                yield Ball(centre, radius)
+
+
+def pieces(part: Part) -> list[Indices]:
+    """The vertices of each connected piece of a part, joined where seams repeat them."""
+    _, number = trimesh.grouping.unique_rows(part.neutral)
+    edges = number[part.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)]
+    labels = trimesh.graph.connected_component_labels(edges, int(number.max()) + 1)[number]
+    order = np.argsort(labels, kind="stable")
+    ends = np.cumsum(np.bincount(labels))[:-1]
+    return [rows.astype(np.intp) for rows in np.split(order, ends) if len(rows)]
 
 
 def _sphere(places: Doubles) -> tuple[Doubles, float, float]:
@@ -72,7 +93,7 @@ def _sphere(places: Doubles) -> tuple[Doubles, float, float]:
     return middle + solution[:3], float(radii.mean()), float(radii.std())
 
 
-def _largest_pair(balls: list[_Ball], mouth: Doubles) -> tuple[Doubles, Doubles] | None:
+def _largest_pair(balls: list[Ball], mouth: Doubles) -> tuple[Ball, Ball] | None:
     balls = sorted(balls, key=lambda ball: -ball.radius)[:24]
     for one, other in combinations(balls, 2):
         apart = float(np.linalg.norm(one.centre - other.centre))
@@ -83,5 +104,5 @@ def _largest_pair(balls: list[_Ball], mouth: Doubles) -> tuple[Doubles, Doubles]
             and _APART[0] < apart / one.radius < _APART[1]
             and _MOUTH[0] < away / max(apart, 1e-12) < _MOUTH[1]
         ):
-            return one.centre, other.centre
+            return one, other
     return None

@@ -128,8 +128,9 @@ class _Scene:
         for deformer in self._under(geometry, "Deformer", "BlendShape"):
             for channel in self._under(deformer, "Deformer", "BlendShapeChannel"):
                 shapes = list(self._under(channel, "Geometry", "Shape"))
-                if shapes:  # the last is the full shape, those before it are in-betweens
-                    yield _label(self._objects[channel]), self._objects[shapes[-1]]
+                if shapes:
+                    full = shapes[_full(self._objects[channel], len(shapes))]
+                    yield _label(self._objects[channel]), self._objects[full]
 
     def _targets(self, geometry: int, count: int) -> Iterator[tuple[str, Doubles]]:
         seen = set()
@@ -233,6 +234,12 @@ class _Scene:
 
 def _kind(record: Record) -> str:
     return str(record.values[2]) if len(record.values) > 2 else ""
+
+
+def _full(channel: Record, shapes: int) -> int:
+    """Which of a channel's shapes is the full one; the others are in-betweens."""
+    weights = channel.array("FullWeights")
+    return shapes - 1 if weights is None or len(weights) != shapes else int(weights.argmax())
 
 
 def _label(record: Record) -> str:

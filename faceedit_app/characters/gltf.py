@@ -18,9 +18,17 @@ from faceedit_app.characters.bounded import (
     indices_within,
     whole,
 )
-from faceedit_app.characters.character import Character, Part, Place, Surface, unique_names
+from faceedit_app.characters.character import (
+    Character,
+    EyeJoint,
+    Part,
+    Place,
+    Surface,
+    unique_names,
+)
+from faceedit_app.characters.eye_joints import eye_joints
 from faceedit_app.characters.gltf_buffers import Document, Json
-from faceedit_app.characters.gltf_surfaces import placed_uv, surface_of
+from faceedit_app.characters.gltf_surfaces import colors_of, placed_uv, surface_of
 from faceedit_app.characters.points import PAIRS
 from faceedit_app.core.arrays import Doubles, Floats, Indices
 from faceedit_app.core.errors import FileError
@@ -144,9 +152,10 @@ class Scene:
             neutral=(_turned(linear, neutral) + offset).astype(np.float32),
             faces=faces,
             uv=placed_uv(self._material(primitive.get("material")), arrays),
-            colors=_colors(arrays.get("COLOR_0")),
+            colors=colors_of(arrays.get("COLOR_0")),
             surface=self._surface(primitive.get("material")),
         )
+        part = replace(part, eyes=self._eyes(placed, arrays))
         kept = np.unique(faces).astype(np.intp)
         targets = self._targets(placed, linear, len(neutral), kept)
         return replace(part.only(kept), targets=targets), kept
@@ -196,11 +205,26 @@ class Scene:
         if which.size and which.max() >= len(joints):
             raise Damaged("a vertex names a joint that does not exist")
         weights = arrays["WEIGHTS_0"].astype(np.float64)
-        weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-9)
+        total = weights.sum(axis=1, keepdims=True)
+        weights = weights / np.maximum(total, 1e-9)
         place = np.zeros((count, 3, 4))
         for column in range(which.shape[1]):
             place += weights[:, column, None, None] * moves[which[:, column], :3]
+        place[total[:, 0] <= 0] = placed.place[:3]  # no joint carries them
         return place[:, :, :3], place[:, :, 3]
+
+    def _eyes(self, placed: Placed, arrays: Mapping[str, NDArray[Any]]) -> tuple[EyeJoint, ...]:
+        """The joints of eyes among those of a skin."""
+        index = self.nodes[placed.node].get("skin")
+        if index is None or "JOINTS_0" not in arrays or "WEIGHTS_0" not in arrays:
+            return ()
+        joints = self.document.entry("skins", index)["joints"]
+        return eye_joints(
+            [str(self.nodes[joint].get("name") or "") for joint in joints],
+            [self.places[joint][:3, 3] for joint in joints],
+            arrays["JOINTS_0"].astype(np.intp),
+            arrays["WEIGHTS_0"].astype(np.float64),
+        )
 
     def _targets(
         self, placed: Placed, linear: Doubles, count: int, kept: Indices
@@ -239,10 +263,13 @@ def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, 
         raise Damaged(f"{len(targets)} morph targets are more than {MOST_TARGETS}")
     for extras in (mesh.get("extras"), primitive.get("extras")):
         names = extras.get("targetNames") if isinstance(extras, dict) else None
-        if isinstance(names, list) and len(names) >= len(targets):
-            return tuple(str(name)[:200] for name in names[: len(targets)])
-    found = []
-    for number, target in enumerate(targets):
+        if isinstance(names, list) and names:
+            given = [str(name)[:200] for name in names[: len(targets)]]
+            break
+    else:
+        given = []
+    found = given
+    for number, target in enumerate(targets[len(given) :], len(given)):
         accessors, index = document.all("accessors"), target.get("POSITION")
         inside = isinstance(index, int) and 0 <= index < len(accessors)
         name = accessors[index].get("name") if inside else None
@@ -341,15 +368,6 @@ def _draco(
             arrays[name] = np.asarray(by_id[number])
     arrays["POSITION"] = finite(np.asarray(mesh.points, np.float32), "positions")
     return arrays, np.asarray(mesh.faces, np.int64).reshape(-1, 3)
-
-
-def _colors(stored: NDArray[Any] | None) -> Floats | None:
-    """(V, 4) float32 of a colour attribute with or without alpha."""
-    if stored is None or stored.shape[1] not in (3, 4):
-        return None
-    colors = np.ones((len(stored), 4), np.float32)
-    colors[:, : stored.shape[1]] = np.clip(stored, 0.0, 1.0)
-    return colors
 
 
 def _own_points(

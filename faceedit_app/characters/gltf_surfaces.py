@@ -86,3 +86,12 @@ def _texture(document: Document, use: Json) -> Texture | None:
         return Texture(name, document.file(str(image["uri"])))
     except (FileError, ValueError, TypeError, KeyError, AttributeError, StopIteration):
         return Texture(name, b"")
+
+
+def colors_of(stored: NDArray[Any] | None) -> Floats | None:
+    """(V, 4) float32 of a colour attribute with or without alpha."""
+    if stored is None or stored.shape[1] not in (3, 4):
+        return None
+    colors = np.ones((len(stored), 4), np.float32)
+    colors[:, : stored.shape[1]] = np.clip(stored, 0.0, 1.0)
+    return colors

@@ -57,7 +57,8 @@ def read_obj(path: Path) -> Character:
     """
     folder = path if path.is_dir() else path.parent
     try:
-        files = sorted(p for p in folder.iterdir() if p.suffix.lower() == ".obj")
+        shown = (p for p in folder.iterdir() if not p.name.startswith("."))
+        files = sorted(p for p in shown if p.suffix.lower() == ".obj")
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
@@ -67,17 +68,22 @@ def read_obj(path: Path) -> Character:
         raise FileError(path, f"has more than {_MOST_FILES} OBJ files", _REMEDY)
     mesh = _read_mesh(neutral)
     check_targets([len(mesh.places)], [len(others)])
-    targets, strangers = {}, []
+    targets, strangers, unread = {}, [], []
     for other in others:
-        places = _places(_read(other))
+        try:
+            places = _places(_read(other))
+        except (Damaged, FileError):
+            unread.append(other.name)
+            continue
         if places.shape == mesh.places.shape:
             targets[other.stem] = places - mesh.places
         else:
             strangers.append(other.name)
     remarks = []
-    if strangers and path.is_dir():
-        shown = ", ".join(strangers[:3]) + (" …" if len(strangers) > 3 else "")
-        remarks.append(f"{len(strangers)} files have other vertices and were left out: {shown}")
+    for names, why in ((strangers, "other vertices"), (unread, "damaged")):
+        if names and path.is_dir():
+            first = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
+            remarks.append(f"left out ({why}): {first}")
     parts, missing = _parts(neutral, mesh, targets)
     return Character(path, "OBJ", tuple(parts), (*remarks, *missing))
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from faceedit_app.characters.bounded import Damaged
 from faceedit_app.characters.character import Character
+from faceedit_app.characters.copies import without_copies
 from faceedit_app.characters.fbx import read_fbx
 from faceedit_app.characters.fbx_tree import MAGIC
 from faceedit_app.characters.gltf import read_gltf
@@ -101,7 +102,8 @@ def read_character(path: Path | str, with_shapes: bool = True) -> Character:
     for kind in FORMATS:
         if kind.sniff(path, head):
             is_alone = kind.read is read_obj and not with_shapes and path.is_file()
-            return _read(replace(kind, read=read_one_obj) if is_alone else kind, path)
+            found = _read(replace(kind, read=read_one_obj) if is_alone else kind, path)
+            return without_copies(found)
     known = _KNOWN.get(path.suffix.lower())
     if known is not None:
         problem, _, remedy = known.partition("; ")

@@ -203,10 +203,10 @@ def _confidence(rows: Rows, place: int) -> Floats | None:
     """(T,) of a text column; None if it holds something else than numbers from 0 to 1."""
     frames = np.flatnonzero(~rows.lost).tolist()
     try:
-        found = np.array([float(rows.texts[row][place] or 0) for row in frames], np.float32)
+        found = np.array([float(rows.texts[row][place] or 0) for row in frames], np.float64)
     except ValueError:
         return None
-    return found if ((found >= 0.0) & (found <= 1.0)).all() else None
+    return found.astype(np.float32) if ((found >= 0.0) & (found <= 1.0)).all() else None
 
 
 def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:

@@ -46,6 +46,8 @@ def load_region(folder: Path, region: Region, rig: Rig) -> RegionAnswer:
 def load_completion(folder: Path, region: Region, rig: Rig) -> CompletionNetwork | None:
     """Read a region's completion network from a folder of models; None if there is none.
 
+    It may be for other curves than the region has by now; no request is then completed.
+
     Raises:
         FileError: the file is not a model, or was made for another character.
     """
@@ -54,8 +56,8 @@ def load_completion(folder: Path, region: Region, rig: Rig) -> CompletionNetwork
         return None
     network = read_completion(path)
     about = network.description
-    if (about.region, about.controls) != (region.id, region.own):
-        raise FileError(path, "completes other curves", "train the models again")
+    if about.region != region.id:
+        raise FileError(path, f"holds the region {about.region!r}", "restore the models")
     _check_character(path, about.made_for, rig)
     return network
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.leaky import leaky_rig
 from support.sessions import session_by_networks, session_by_rig, shipped_engine
 from support.speech import mumbling_clip, said
 
@@ -84,8 +85,20 @@ def test_closures_are_problems_with_their_fix(session: EditSession) -> None:
     lips = [problem for problem in find_problems(session) if problem.kind is Kind.LIPS]
     assert len(lips) == 4
     assert lips[3].message.startswith("The p of “map” is open by")
+    assert lips[3].about == "p of “map”"
     session.add(*(edit for problem in lips for edit in problem.fix))
     assert not [problem for problem in find_problems(session) if problem.kind is Kind.LIPS]
+
+
+def test_closures_are_measured_and_fixed_on_the_character_that_is_shown(
+    session: EditSession,
+) -> None:
+    ours = [closure.gap for closure in closures_of(session)]
+    session.use_character(leaky_rig())
+    theirs = [closure.gap for closure in closures_of(session)]
+    assert np.abs(np.subtract(ours, theirs)).max() > 0.05
+    session.add(*closing_edits(session))
+    assert max(closure.gap for closure in closures_of(session)) <= 0.5
 
 
 def test_a_dip_beside_the_phoneme_is_found_if_it_is_near() -> None:

@@ -66,7 +66,9 @@ def test_a_take_without_it_has_no_such_column() -> None:
         assert b"onfidence" not in write(a_clip(None))
 
 
-@pytest.mark.parametrize("cells", [["high"] * COUNT, ["98"] * COUNT, ["nan"] * COUNT])
+@pytest.mark.parametrize(
+    "cells", [["high"] * COUNT, ["98"] * COUNT, ["nan"] * COUNT, ["1e300"] * COUNT]
+)
 def test_a_column_of_other_values_is_only_carried(tmp_path: Path, cells: list[str]) -> None:
     lines = livelink.write(a_clip(None)).decode().splitlines()
     rows = [f"{line},{cell}" for line, cell in zip(lines, ["Confidence", *cells], strict=True)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import random
 import sys
 import threading
@@ -65,6 +66,20 @@ def test_what_a_reader_raises_decides_about_an_input(
             raise error
 
     assert fuzzing._result(Reader("takes", ".csv", b"", read), tmp_path) == result
+
+
+def test_a_reader_that_hangs_is_a_failure_and_the_attack_goes_on(tmp_path: Path) -> None:
+    (tmp_path / "inputs").mkdir()
+    (tmp_path / "inputs" / "input.csv").write_bytes(b"1,2")
+    ours, theirs = multiprocessing.Pipe(duplex=False)
+    for message in (("begin", 3, "takes"), ("hang",)):
+        theirs.send(message)
+    found, keep = Findings(), tmp_path / "kept"
+    assert fuzzing._listen(ours, 3, found, tmp_path, keep, lambda _done: None) == 4
+    (failure,) = found.failures
+    assert (failure.number, failure.reader) == (3, "takes")
+    assert failure.problem.startswith("hangs")
+    assert failure.path.read_bytes() == b"1,2"
 
 
 def test_a_failure_is_printed_with_its_seed_and_ends_in_1(

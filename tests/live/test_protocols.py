@@ -123,6 +123,42 @@ def test_what_python_osc_builds_is_read() -> None:
     assert decode(built("/VMC/Ext/Blend/Apply").dgram) is None
 
 
+@pytest.mark.parametrize(
+    ("angles", "looks_at"),
+    [
+        ((0.5, 0.0, 0.0), (0.479, 0.0, 0.878)),  # to the person's right, which is Unity's +X
+        ((0.0, 0.3, 0.0), (0.0, -0.296, 0.955)),  # down
+        ((0.0, 0.0, 0.4), (0.0, 0.0, 1.0)),
+    ],
+)
+def test_heads_and_eyes_are_bones_in_the_axes_of_unity(
+    angles: tuple[float, ...], looks_at: tuple[float, ...]
+) -> None:
+    rotations = np.array([*angles, 0, 0.1, 0, 0, -0.1, 0], np.float32)
+    packet = vmc.encode(Pose(WEIGHTS, 1.0, rotations=rotations))
+    bones = {
+        m.params[0]: np.array(m.params[4:])
+        for m in OscBundle(packet)
+        if isinstance(m, OscMessage) and m.address == "/VMC/Ext/Bone/Pos"
+    }
+    assert list(bones) == ["Head", "LeftEye", "RightEye"]
+    x, y, z, w = bones["Head"]
+    ahead = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
+    np.testing.assert_allclose(ahead, looks_at, atol=0.001)
+    if angles[2]:  # tilted to the person's right: the top goes there
+        assert 2 * (x * y - w * z) > 0.3
+    pose = vmc.Decoder()(packet)
+    assert pose is not None
+    assert pose.rotations is not None
+    np.testing.assert_allclose(pose.rotations, rotations, atol=1e-5)
+
+
+@pytest.mark.parametrize("quaternion", [(0.0,) * 4, (float("nan"),) * 4, (1, 2, 3, 4)])
+def test_a_bone_that_is_not_turned_is_refused(quaternion: tuple[float, ...]) -> None:
+    with pytest.raises(BadPacket):
+        vmc.Decoder()(built("/VMC/Ext/Bone/Pos", "Head", 0.0, 0.0, 0.0, *quaternion).dgram)
+
+
 # --- iFacialMocap --------------------------------------------------------------------------------
 
 

@@ -10,11 +10,15 @@ import onnx
 import pytest
 from onnx import numpy_helper
 from support.completions import COUNT, completion_description, random_completion, write_completion
-from support.faces import random_rig, shipped_rig
+from support.faces import random_rig, shipped_rig, talking_clip
 from support.networks import random_content, random_description, write_models
+from support.sessions import take_of
 
+from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import EYELIDS, LOWER
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.opening import open_session
 from faceedit_app.networks.completion import FEATURES, LARGEST, read_completion
 from faceedit_app.networks.engine import Engine, load_completion
 
@@ -104,15 +108,25 @@ def test_the_engine_takes_a_model_with_and_without_completion(tmp_path: Path) ->
     assert set(Engine.load(folder, RIG).completions) == {LOWER.id}
 
 
-def test_a_network_for_other_curves_is_refused(tmp_path: Path) -> None:
+def test_a_network_of_another_region_is_refused(tmp_path: Path) -> None:
     write_completion(tmp_path, RIG).rename(tmp_path / "completion" / f"{EYELIDS.id}.onnx")
-    with pytest.raises(FileError, match="completes other curves"):
+    with pytest.raises(FileError, match="holds the region 'lower'"):
         load_completion(tmp_path, EYELIDS, RIG)
-    fewer = replace(completion_description(LOWER, RIG), controls=LOWER.own[::-1])
-    path = tmp_path / "completion" / f"{LOWER.id}.onnx"
-    path.write_bytes(random_completion(LOWER, RIG, about=fewer))
-    with pytest.raises(FileError, match="completes other curves"):
-        load_completion(tmp_path, LOWER, RIG)
+
+
+def test_a_region_with_a_new_curve_is_not_completed(tmp_path: Path) -> None:
+    folder = write_models(tmp_path / "models", RIG)
+    about = replace(completion_description(LOWER, RIG), controls=LOWER.own[::-1])
+    write_completion(folder, RIG).write_bytes(random_completion(LOWER, RIG, about=about))
+    edit = Edit((LIP_OPENING,), Op.OFFSET, 1.0, 1.5, 0.1, 5.0)
+    sessions = [
+        open_session(take_of(talking_clip()), RIG, Engine(networks.models, completions))
+        for networks in [Engine.load(folder, RIG)]
+        for completions in (networks.completions, {})
+    ]
+    for session in sessions:
+        session.add(edit)
+    np.testing.assert_array_equal(sessions[0].weights, sessions[1].weights)
 
 
 def test_a_network_for_another_character_is_refused(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtWidgets import QMessageBox
 from pytestqt.qtbot import QtBot
+from support.waiting import run_events
 from support.windows import Bench, add_edit, trigger
 
 from faceedit_app.editing import recording
@@ -131,3 +132,20 @@ def test_the_dialogs_say_where(qtbot: QtBot) -> None:
     record.protocol_choice.setCurrentIndex(2)
     assert record.form.isRowVisible(record.address)
     assert "This computer’s address is" in record.hint.text()
+
+
+@pytest.mark.parametrize("kind", [LiveDialog, RecordDialog])
+def test_no_line_of_a_hint_is_cut(
+    qtbot: QtBot, kind: type[LiveDialog] | type[RecordDialog]
+) -> None:
+    dialog = kind(None)
+    qtbot.addWidget(dialog)
+    with qtbot.waitExposed(dialog):
+        dialog.show()
+    for width in (dialog.width(), dialog.minimumWidth(), 800):
+        for row in range(dialog.protocol_choice.count()):
+            dialog.protocol_choice.setCurrentIndex(row)
+            dialog.resize(width, 10)
+            run_events()
+            room = dialog.hint.height()
+            assert room >= dialog.hint.heightForWidth(dialog.hint.width()), (width, row)

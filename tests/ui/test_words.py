@@ -23,6 +23,7 @@ from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.media.words_dialog import WordsDialog
 from faceedit_app.ui.media.words_strip import WordsStrip
+from faceedit_app.ui.page.problems_model import KIND
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.words import aligning
 from faceedit_app.words.denoising import Stopped
@@ -183,6 +184,9 @@ def test_from_typed_words_to_an_export_with_closed_lips(
     found = [p.message for p in editor.problems.problems if p.kind == "lips"]
     assert len(found) == 6
     assert found[0].startswith("The m of “my” is open by")
+    model = editor.problem_list.model
+    rows = [model.index(row, KIND).data() for row in range(model.rowCount())]
+    assert "Lips stay open: b of “bowl”" in rows
     trigger(window, "close_on_words")
     assert session.undo_name == "6 closures"
     assert len(session.edits) == 6
@@ -230,6 +234,24 @@ def test_unknown_and_wrong_words_are_asked_for(
     assert again.search.isEnabled()
     again.reject()
     assert session.words.text.endswith("zoop")
+
+
+def test_numbers_are_suggested_and_other_languages_noticed(
+    bench: Bench, devices: list[FakeOutput], tmp_path: Path
+) -> None:
+    window = with_media(bench, make_wav(tmp_path / "voice.wav"))
+    dialog = dialog_of(window)
+    dialog.text.setPlainText("We met in 1984 for $5")
+    dialog.search.click()
+    assert [field.text() for field in dialog._asked.values()] == [
+        "nineteen eighty four",
+        "five dollars",
+    ]
+    assert "language" not in dialog.message.text()
+    dialog.text.setPlainText("Привет, мир")
+    dialog.search.click()
+    assert "For a language other than English" in dialog.message.text()
+    dialog.reject()
 
 
 def test_the_search_can_be_cancelled(

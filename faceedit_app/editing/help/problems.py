@@ -70,6 +70,7 @@ class Problem:
         amount: how bad it is, with its unit, such as "4.6 mm", or how far from right: "30 % shut".
         severity: how bad it is, 0..1, comparable between kinds.
         fix: the proposed edits; none if edits cannot help.
+        about: the sound that it concerns, such as "b of “blue”"; empty for others.
     """
 
     kind: Kind
@@ -81,6 +82,7 @@ class Problem:
     amount: str
     severity: float
     fix: tuple[Edit, ...]
+    about: str = ""
 
 
 def find_problems(session: EditSession) -> list[Problem]:
@@ -142,6 +144,7 @@ def _spoken(closures: Sequence[Closure]) -> list[Problem]:
             f"{closure.gap:.1f} mm",
             _share(closure.gap, WIDE_APART),
             (close_at(closure),),
+            closure.name,
         )
         for closure in closures
         if closure.is_open

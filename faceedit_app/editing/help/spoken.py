@@ -53,10 +53,14 @@ class Closure:
         return self.gap > CLOSE_ENOUGH
 
     @property
+    def name(self) -> str:
+        """The sound and its word, for the user."""
+        return f"{spelled(self.phoneme.symbol)} of “{self.word.text}”"
+
+    @property
     def message(self) -> str:
         """One line for the user."""
-        name = spelled(self.phoneme.symbol)
-        return f"The {name} of “{self.word.text}” is open by {self.gap:.1f} mm"
+        return f"The {self.name} is open by {self.gap:.1f} mm"
 
 
 @dataclass(frozen=True)

@@ -179,7 +179,9 @@ class Completing:
             hold: (N, C) in 0..1, how firmly each curve is asked for.
         """
         added = np.zeros_like(change)
-        edited: Bools = given.any(axis=1)
+        edited: Bools = np.any(given, axis=1)
+        if edited.all():  # nothing is around
+            return added
         patterns = _patterns(given[edited])
         if not len(patterns):
             return added

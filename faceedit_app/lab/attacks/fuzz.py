@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import faulthandler
 import multiprocessing
+import os
 import random
 import shutil
 import tempfile
@@ -19,9 +19,10 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import LONGEST
 from faceedit_app.lab.attacks.mutation import mutated
 from faceedit_app.lab.attacks.readers import Reader, all_readers, readers_of
+from faceedit_app.lab.attacks.watchdog import PATIENCE, Watchdog
 
 SLOWEST = 5.0  # seconds of processor time for one small file
-_PATIENCE = 60.0  # seconds, after which a reader hangs
+_SILENCE = 1800.0  # seconds without a word from the readers' process: it has to be stuck as a whole
 _MEMORY = 6 << 30  # bytes of address space that the readers' process may have
 _BATCH = 500  # inputs of one process
 
@@ -109,8 +110,8 @@ def _listen(
     reader, number = "start", done
     while True:
         try:
-            if not pipe.poll(_PATIENCE):
-                _fail(findings, number, reader, f"hangs for {_PATIENCE:.0f} s", folder, keep)
+            if not pipe.poll(_SILENCE):
+                _fail(findings, number, reader, f"hangs for {_SILENCE:.0f} s", folder, keep)
                 return number + 1
             message = pipe.recv()
         except EOFError:  # the worker has ended, or died
@@ -121,6 +122,9 @@ def _listen(
         match message:
             case ("begin", int(number), str(reader)):
                 pass
+            case ("hang",):
+                _fail(findings, number, reader, f"hangs for {PATIENCE:.0f} s", folder, keep)
+                return number + 1
             case ("end", "read" | "refused" as result):
                 getattr(findings, result)[reader] += 1
                 done = number + 1
@@ -172,21 +176,27 @@ def _work(
             copy = _kept(path, -1, reader.name, keep)
             pipe.send(("begin", -1, reader.name))
             pipe.send(("wrong", "the undamaged file is not read", copy))
-    for number in range(first, first + count):
-        chance = random.Random(f"{seed} {number}")
-        reader = readers[number % len(readers)]
-        shutil.rmtree(inputs, ignore_errors=True)
-        inputs.mkdir()
-        path = inputs / f"input{reader.ending}"
-        path.write_bytes(mutated(reader.content, chance))
-        pipe.send(("begin", number, reader.name))
-        faulthandler.dump_traceback_later(_PATIENCE, exit=True)
-        result = _result(reader, path)
-        if result in ("read", "refused"):
-            pipe.send(("end", result))
-        else:
-            pipe.send(("wrong", result, _kept(path, number, reader.name, keep)))
-        faulthandler.cancel_dump_traceback_later()
+    number = first
+
+    def hangs(code: int) -> None:
+        pipe.send(("hang",))
+        os._exit(code)
+
+    with Watchdog(lambda: f"input {number}", end=hangs) as dog:
+        for number in range(first, first + count):
+            chance = random.Random(f"{seed} {number}")
+            reader = readers[number % len(readers)]
+            shutil.rmtree(inputs, ignore_errors=True)
+            inputs.mkdir()
+            path = inputs / f"input{reader.ending}"
+            path.write_bytes(mutated(reader.content, chance))
+            pipe.send(("begin", number, reader.name))
+            result = _result(reader, path)
+            if result in ("read", "refused"):
+                pipe.send(("end", result))
+            else:
+                pipe.send(("wrong", result, _kept(path, number, reader.name, keep)))
+            dog.step()
 
 
 def _result(reader: Reader, path: Path) -> str:

@@ -23,7 +23,7 @@ from faceedit_app.editing.files.project import read_project
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.attacks import victim
 
-_PATIENCE = 180.0  # seconds for a window to start on a busy machine
+_PATIENCE = 600.0  # seconds for a window to start on a busy machine
 _LONGEST_WORK = 6.0  # seconds from the first gesture to a kill
 _AT_START = 0.25  # of the kills come while the window starts
 

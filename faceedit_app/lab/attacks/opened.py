@@ -11,7 +11,7 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.preferences import Preferences
 
-_PATIENCE = 120.0  # seconds
+_PATIENCE = 600.0  # seconds, on a busy machine
 
 
 def open_window(take: Path, folder: Path, character: Path | None = None) -> MainWindow:

@@ -35,7 +35,10 @@ from faceedit_app.formats.opening import encoded_take, open_take
 from faceedit_app.formats.registry import endings, writable
 from faceedit_app.media.film import Film
 from faceedit_app.media.sound import read_sound
+from faceedit_app.networks.completion import FOLDER, read_completion
 from faceedit_app.networks.region import read_region
+from faceedit_app.words.files import WRITE_ENDINGS, read_words, write_words
+from faceedit_app.words.transcript import Phoneme, Transcript, Word
 
 _ROWS = 40  # of the takes: enough to tell their times, small enough to read thousands
 _VERTICES = 60  # of the characters
@@ -94,13 +97,43 @@ def all_readers(folder: Path) -> list[Reader]:
     readers.append(_reader("films", _film(folder / "film.mkv"), _read_film))
     model = next(shipped("models").glob("*.onnx"))
     readers.append(_reader("models", model, read_region))
+    model = next((shipped("models") / FOLDER).glob("*.onnx"))
+    readers.append(_reader("models", model, read_completion))
     rig = _small_rig()
     write_rig(folder / "head.glb", rig)
     readers.append(_reader("characters", folder / "head.glb", read_character))
     readers.append(_reader("rigs", folder / "head.glb", read_rig))
     readers.append(Reader("characters", ".obj", _obj(rig), read_character))
     readers.append(Reader("maps", ".json", _MAP, read_map))
+    readers += [Reader("words", ending, content, _read_words) for ending, content in _words(folder)]
     return readers
+
+
+def _words(folder: Path) -> Iterator[tuple[str, bytes]]:
+    """Files of words: those that FaceEdit writes, captions, and what speech recognisers write."""
+    said = Transcript(
+        (
+            Word("blue", 0.2, 0.5, (Phoneme("B", 0.2, 0.3), Phoneme("UW", 0.3, 0.5))),
+            Word("map", 1.2, 1.5, (Phoneme("M", 1.2, 1.5),)),
+        )
+    )
+    for ending in WRITE_ENDINGS:
+        write_words(folder / f"words{ending}", said, 2.0)
+        yield ending, (folder / f"words{ending}").read_bytes()
+    yield ".vtt", b"WEBVTT\n\nNOTE x\n\n00:00.200 --> 00:00.500\n<v Bob>blue<00:00.300> &amp;\n"
+    segment = {"id": 0, "start": 0.2, "end": 1.5, "text": " blue map", "words": []}
+    yield ".json", json.dumps({"text": "blue map", "segments": [segment]}).encode()
+
+
+def _read_words(path: Path) -> object:
+    found = read_words(path)
+    for line in found.lines:
+        if line.start is not None and not 0.0 <= abs(line.start) < 1e7:
+            raise Wrong(f"a line begins at {line.start} s")
+    words = found.transcript.words if found.transcript is not None else ()
+    if any(not word.start <= word.end for word in words):
+        raise Wrong("a word ends before it begins")
+    return found
 
 
 def _dialects(clip: Clip) -> Iterator[tuple[str, bytes]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Qt, Signal
@@ -125,6 +124,8 @@ class SpliceCommands(QObject):
             def open_it() -> None:
                 if self._may_close():
                     self._open(written, wanted, words)
+                else:
+                    self._workspace.offer.emit(text, "Open it", open_it)
 
             self._workspace.offer.emit(text, "Open it", open_it)
 
@@ -150,7 +151,7 @@ class SpliceCommands(QObject):
 
         def prepare(again: EditSession) -> None:
             if new is not None and new.words:
-                again.begin_with(replace(again.state, words=new))
+                again.say(new)
 
         def select() -> None:
             self._timeline.go_to_time(wanted.start)

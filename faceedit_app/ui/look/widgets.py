@@ -148,8 +148,8 @@ def icon_button(
 ) -> QToolButton:
     """An action as an icon. It has a shortcut, so it does not take the focus."""
     button = kind()
-    if text:
-        action.setIconText(text)
+    if text:  # under a style sheet Qt leaves a pixel or two between icon and text
+        action.setIconText(f"\N{EN SPACE}{text}")
     button.setObjectName(name)
     button.setDefaultAction(action)
     button.setIconSize(QSize(SIZE, SIZE))

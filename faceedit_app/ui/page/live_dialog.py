@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, Qt
 from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
@@ -78,6 +78,13 @@ class _AddressDialog(QDialog):
 
     def _show_protocol(self) -> None:
         self.port_box.setValue(self.protocol.port)
+
+    def event(self, event: QEvent) -> bool:
+        """Keep room for all lines of the hint, whatever its text and the dialog's width."""
+        done = super().event(event)
+        if event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest):
+            self.setMinimumHeight(self.layout().totalHeightForWidth(self.width()))
+        return done
 
 
 class LiveDialog(_AddressDialog):

@@ -116,7 +116,7 @@ class ProblemsModel(QAbstractTableModel):
             case Qt.ItemDataRole.DisplayRole if column == TIME:
                 return self._shown_time(problem.time)
             case Qt.ItemDataRole.DisplayRole:
-                return ONE[problem.kind] if column == KIND else problem.amount
+                return _name(problem) if column == KIND else problem.amount
             case Qt.ItemDataRole.CheckStateRole if column == KIND and problem.fix:
                 on = self._is_ticked(problem)
                 return Qt.CheckState.Checked if on else Qt.CheckState.Unchecked
@@ -144,6 +144,10 @@ class ProblemsModel(QAbstractTableModel):
 
     def _is_ticked(self, problem: Problem) -> bool:
         return bool(problem.fix) and _key(problem) not in self._unticked
+
+
+def _name(problem: Problem) -> str:
+    return f"{ONE[problem.kind]}: {problem.about}" if problem.about else ONE[problem.kind]
 
 
 def _key(problem: Problem) -> tuple[str, float]:

@@ -1,0 +1,137 @@
+"""Eyes without eyeLook shapes are turned: eyeballs, or what the joints of eyes carry."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from support.character_files import FLOAT, UNSIGNED, UNSIGNED_BYTE, Glb, small_glb
+from support.heads import EYE
+
+from faceedit_app.characters.fitted import FittedCharacter, open_character
+from faceedit_app.characters.gaze import LOOKS
+from faceedit_app.core.arrays import Doubles
+
+RADIUS = 0.012  # metres
+ASKEW = [0.0, 0.6, 0.0, 0.8]
+
+
+def without_looks() -> Glb:
+    return small_glb(lambda name: None if name.startswith("eyeLook") else name)
+
+
+def add_eyeballs(out: Glb) -> None:
+    """Two balls behind the lids, and a flat iris in front of each."""
+    ball = trimesh.creation.icosphere(2, RADIUS)
+    iris = np.array([[x, y, 0.98 * RADIUS] for x, y in ((0, 0), (2, 0), (0, 2), (-2, 0), (0, -2))])
+    iris[:, :2] /= 1000
+    fan = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])
+    places = np.concatenate((ball.vertices, iris))
+    faces = np.concatenate((ball.faces, fan + len(ball.vertices)))
+    for name, x in (("Eye_L", EYE), ("Eye_R", -EYE)):
+        moved = places + np.array([x / 1000, 0.0, -RADIUS - 0.006])
+        primitive = {
+            "attributes": {"POSITION": out.accessor(moved, FLOAT)},
+            "indices": out.accessor(faces.ravel(), UNSIGNED),
+        }
+        out.mesh([primitive], [], name=name)
+
+
+def add_eye_joints(out: Glb) -> None:
+    """Flat eyes on a skin, as anime heads have them; each joint lies 3 cm behind its eye."""
+    across = np.linspace(-0.006, 0.006, 4)
+    disc = np.array([[x, y, 0.0] for x in across for y in across])
+    quads = [(i, i + 4, i + 5, i + 1) for i in range(11) if i % 4 < 3]
+    faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    places = np.concatenate([disc + np.array([x / 1000, 0, -0.004]) for x in (EYE, -EYE)])
+    joints = [
+        out.node(name=name, translation=[x / 1000, 0.0, -0.034])
+        for name, x in (("J_Bip_Head", 0.0), ("J_Adj_L_FaceEye", EYE), ("J_Adj_R_FaceEye", -EYE))
+    ]
+    binds = np.tile(np.eye(4), (3, 1, 1))
+    binds[:, 3, :3] = -np.array([[0, 0, -0.034], [EYE / 1000, 0, -0.034], [-EYE / 1000, 0, -0.034]])
+    matrices = out.accessor(binds.reshape(3, 16), FLOAT)
+    out.json["skins"] = [{"joints": joints, "inverseBindMatrices": matrices}]
+    which = np.zeros((32, 4))
+    which[:16, 0], which[16:, 0] = 1, 2
+    attributes = {
+        "POSITION": out.accessor(places, FLOAT),
+        "JOINTS_0": out.accessor(which, UNSIGNED_BYTE),
+        "WEIGHTS_0": out.accessor(np.tile([1.0, 0, 0, 0], (32, 1)), FLOAT),
+    }
+    indices = out.accessor(np.concatenate((faces, faces + 16)).ravel(), UNSIGNED)
+    out.mesh([{"attributes": attributes, "indices": indices}], [], name="Face_eyes", skin=0)
+
+
+def opened(out: Glb, folder: Path) -> FittedCharacter:
+    (folder / "head.glb").write_bytes(out.content())
+    return open_character(folder / "head.glb")
+
+
+def moves(fitted: FittedCharacter, channel: str, part: str) -> Doubles:
+    """(V, 3) mm of the vertices of one part."""
+    number = [p.name for p in fitted.character.parts].index(part)
+    deltas = fitted.rig.deltas[fitted.rig.channels.index(channel)]
+    found: Doubles = 1000.0 * deltas[fitted.part_of == number].astype(np.float64)
+    return found
+
+
+@pytest.mark.parametrize("kind", [add_eyeballs, add_eye_joints])
+def test_eyes_look_where_their_channels_say(tmp_path: Path, kind: object) -> None:
+    out = without_looks()
+    assert callable(kind)
+    kind(out)
+    fitted = opened(out, tmp_path)
+    assert set(LOOKS) <= set(fitted.rig.channels)
+    assert "the eyes have no shapes; they are turned instead" in fitted.checklist.remarks
+    assert set(LOOKS) <= set(fitted.checklist.missing)  # the file has no shapes for them
+    rig, eyes = fitted.rig, [fitted.part_of == n for n in range(1, len(fitted.character.parts))]
+    of_eyes = np.any(eyes, axis=0)
+    for side, sign in (("Left", 1.0), ("Right", -1.0)):
+        front = (
+            of_eyes
+            & (sign * rig.neutral[:, 0] > 0)
+            & (rig.neutral[:, 2] > rig.neutral[of_eyes, 2].max() - 0.001)
+        )
+        for way, axis, direction in (
+            ("Up", 1, 1),
+            ("Down", 1, -1),
+            ("Out", 0, sign),
+            ("In", 0, -sign),
+        ):
+            moved = rig.deltas[rig.channels.index(f"eyeLook{way}{side}")]
+            assert direction * moved[front, axis].mean() > 0.003
+            assert np.abs(moved[of_eyes & (sign * rig.neutral[:, 0] < 0)]).max() == 0
+            assert np.abs(moved[~of_eyes]).max() == 0
+
+
+def test_an_iris_turns_with_its_eyeball(tmp_path: Path) -> None:
+    out = without_looks()
+    add_eyeballs(out)
+    moved = moves(opened(out, tmp_path), "eyeLookUpLeft", "Eye_L")
+    assert moved[-5:, 1].min() > 3.0  # the iris
+
+
+def test_a_character_with_looks_keeps_its_own(tmp_path: Path) -> None:
+    out = small_glb()
+    add_eyeballs(out)
+    fitted = opened(out, tmp_path)
+    assert np.abs(moves(fitted, "eyeLookUpLeft", "Eye_L")).max() == 0
+    assert fitted.checklist.remarks == ()
+
+
+def test_a_character_without_eyes_gets_none(tmp_path: Path) -> None:
+    fitted = opened(without_looks(), tmp_path)
+    assert not set(LOOKS) & set(fitted.rig.channels)
+    assert fitted.checklist.remarks == ()
+
+
+def test_eyes_are_turned_whatever_the_orientation_of_the_file(tmp_path: Path) -> None:
+    out = without_looks()
+    add_eyeballs(out)
+    out.node(name="Root", rotation=ASKEW, scale=[100.0, 100.0, 100.0], children=[0, 1, 2])
+    out.json["scenes"][0]["nodes"] = [3]
+    moved = moves(opened(out, tmp_path), "eyeLookUpLeft", "Eye_L")
+    assert moved[-5:, 1].min() > 3.0

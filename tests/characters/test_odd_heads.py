@@ -1,0 +1,127 @@
+"""Heads as programs really write them: copies, levels of detail, in-betweens, damaged shapes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.character_files import FLOAT, Glb, small_glb, write_glb, write_objs
+from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record
+from support.heads import JAW, small_head
+
+from faceedit_app.characters.fitted import FittedCharacter, open_character
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+
+_OBJECTS = ("SubDeformer", "Geometry")  # of a shape in an FBX
+
+
+def saved(out: Glb, folder: Path) -> FittedCharacter:
+    (folder / "head.glb").write_bytes(out.content())
+    return open_character(folder / "head.glb")
+
+
+def assert_whole(fitted: FittedCharacter) -> None:
+    """It is the small head, with all its shapes, seen from the front."""
+    assert tuple(fitted.checklist.matched) == ARKIT_CHANNELS
+    assert fitted.checklist.dead == fitted.checklist.doubts == ()
+    rig = fitted.rig
+    assert len(rig.neutral) == len(small_head().vertices)
+    jaw = 1000 * rig.deltas[rig.channels.index("jawOpen")][:, 1]
+    assert jaw.min() == pytest.approx(-JAW, abs=0.1)
+    smile = np.abs(rig.deltas[rig.channels.index("mouthSmileLeft")]).max(axis=1)
+    assert rig.neutral[smile.argmax(), 0] > 0
+
+
+@pytest.mark.parametrize(
+    "node",
+    [
+        {"name": "Head.001", "translation": [3.0, 0.0, 0.0]},  # a second one to the side
+        {"name": "Copy"},
+        {"name": "Copy", "scale": [2.0, 2.0, 2.0], "rotation": [0.0, 0.6, 0.0, 0.8]},
+    ],
+)
+def test_of_a_head_that_a_scene_shows_twice_one_is_opened(
+    tmp_path: Path, node: dict[str, Any]
+) -> None:
+    out = small_glb()
+    out.node(mesh=0, **node)
+    fitted = saved(out, tmp_path)
+    assert_whole(fitted)
+    assert fitted.checklist.remarks == (f"copies of the head were left out: {node['name']}",)
+
+
+def test_of_several_levels_of_detail_the_finest_is_opened(tmp_path: Path) -> None:
+    out = small_glb()
+    mesh = out.json["meshes"][0]
+    (primitive,) = mesh["primitives"]
+    coarse = np.asarray(small_head().faces[::2], np.uint32).ravel()
+    fewer = primitive | {"indices": out.accessor(coarse, 5125)}
+    out.json["nodes"][0]["name"] = "Head_LOD0"
+    out.mesh([fewer], mesh["extras"]["targetNames"], name="Head_LOD1")
+    fitted = saved(out, tmp_path)
+    assert_whole(fitted)
+    assert "Head_LOD1" in fitted.checklist.remarks[0]
+
+
+def test_teeth_on_both_sides_are_not_copies_of_each_other(tmp_path: Path) -> None:
+    """Meshes without shapes may well be the same mesh twice, as eyes are."""
+    out = small_glb()
+    eye = {"attributes": {"POSITION": out.accessor(0.01 * np.eye(3), FLOAT)}}
+    out.mesh([eye], [], name="Eye")
+    out.node(mesh=len(out.json["meshes"]) - 1, name="Eye", translation=[0.06, 0.0, 0.0])
+    fitted = saved(out, tmp_path)
+    assert len(fitted.character.parts) == 3
+
+
+def test_names_of_some_targets_are_used_though_others_lack_theirs(tmp_path: Path) -> None:
+    out = small_glb()
+    names = out.json["meshes"][0]["extras"]["targetNames"]
+    out.json["meshes"][0]["extras"]["targetNames"] = names[:45]
+    fitted = saved(out, tmp_path)
+    assert len(fitted.checklist.matched) == 45
+    assert "target_45" in fitted.checklist.unknown
+
+
+def test_vertices_that_no_joint_carries_stay_in_place(tmp_path: Path) -> None:
+    out = small_glb(kind="skinned")
+    attributes = out.json["meshes"][0]["primitives"][0]["attributes"]
+    count = len(small_head().vertices)
+    attributes["WEIGHTS_0"] = out.accessor(np.zeros((count, 4)), FLOAT)
+    assert_whole(saved(out, tmp_path))
+
+
+@pytest.mark.parametrize("is_last", [True, False])
+def test_the_full_shape_of_an_fbx_is_known_by_its_weight(tmp_path: Path, is_last: bool) -> None:
+    records = fbx_of_head()
+    objects, links = (next(r for r in records if r[0] == n)[2] for n in ("Objects", "Connections"))
+    channel = next(
+        o for o in objects if o[1][1:] == ["jawOpen\0\1SubDeformer", "BlendShapeChannel"]
+    )
+    shape = next(o for o in objects if o[1][1:] == ["jawOpen\0\1Geometry", "Shape"])
+    rows, moves = shape[2]
+    half = fbx_record("Vertices", 0.5 * moves[1][0])
+    objects.append(fbx_record("Geometry", 9001, "half\0\1Geometry", "Shape", inside=[rows, half]))
+    link = fbx_record("C", "OO", 9001, channel[1][0])
+    full = next(i for i, each in enumerate(links) if each[1][1] == shape[1][0])
+    links.insert(full if is_last else full + 1, link)
+    weights = [50.0, 100.0] if is_last else [100.0, 50.0]
+    channel[2].append(fbx_record("FullWeights", np.array(weights)))
+    (tmp_path / "head.fbx").write_bytes(fbx_bytes(records))
+    assert_whole(open_character(tmp_path / "head.fbx"))
+
+
+@pytest.mark.parametrize("content", [b"v 1 2\n", b"v nan 0 0\n", b"\0\5\x16\7"])
+def test_a_damaged_shape_is_left_out_and_said(tmp_path: Path, content: bytes) -> None:
+    folder = write_objs(tmp_path / "head")
+    (folder / "tongueOut.obj").write_bytes(content)
+    (folder / "._jawOpen.obj").write_bytes(b"what macOS keeps beside a file")
+    fitted = open_character(folder)
+    assert fitted.checklist.missing == ("tongueOut",)
+    assert len(fitted.checklist.remarks) == 1
+    assert "tongueOut.obj" in fitted.checklist.remarks[0]
+
+
+def test_a_version_at_the_end_of_a_name_does_not_hide_it(tmp_path: Path) -> None:
+    assert_whole(open_character(write_glb(tmp_path / "head.glb", lambda n: f"ARKit.{n}.v2")))
