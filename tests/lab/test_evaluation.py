@@ -34,6 +34,7 @@ from faceedit_app.lab.training.card import (
     with_figures,
 )
 from faceedit_app.lab.training.charts import Line, chart
+from faceedit_app.lab.training.completion import is_completed
 from faceedit_app.lab.training.data import load_performances
 from faceedit_app.lab.training.fit import fit_region
 
@@ -60,6 +61,7 @@ def test_training_writes_models_card_losses_and_no_checkpoint(models: Path) -> N
     assert names == {
         *(f"{r}.onnx" for r in regions),
         *(f"holden/{r}.onnx" for r in regions),
+        *(f"completion/{region.id}.onnx" for region in REGIONS if is_completed(region)),
         "README.md",
         "losses.svg",
     }
