@@ -40,7 +40,7 @@ class _AddressDialog(QDialog):
         self.setWindowTitle(title)
         self.setMinimumWidth(420)
         self._protocols = protocols
-        column = QVBoxLayout(self)
+        self._column = column = QVBoxLayout(self)
         column.setSpacing(12)
         self.form = QFormLayout()
         self.form.setLabelAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
@@ -82,9 +82,8 @@ class _AddressDialog(QDialog):
     def event(self, event: QEvent) -> bool:
         """Keep room for all lines of the hint, whatever its text and the dialog's width."""
         done = super().event(event)
-        layout = self.layout()
-        if layout and event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest):
-            self.setMinimumHeight(layout.totalHeightForWidth(self.width()))
+        if event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest):
+            self.setMinimumHeight(self._column.totalHeightForWidth(self.width()))
         return done
 
 
