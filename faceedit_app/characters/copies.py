@@ -18,7 +18,8 @@ def without_copies(character: Character) -> Character:
 
     Two heads would be measured as one whose eyes are between both.
     """
-    kept, left_out = [], []
+    kept: list[Part] = []
+    left_out: list[str] = []
     finest = min((_level(part) for part in character.parts if part.targets), default=0)
     for part in character.parts:
         is_coarse = _LEVEL.search(part.name) is not None and _level(part) > finest

@@ -18,6 +18,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from faceedit_app.characters.other_names import OTHER_NAMES
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.names import canonical_channel
 
@@ -137,74 +138,16 @@ def _keys(words: Sequence[str]) -> tuple[str, ...]:
 # --- what the words mean ----------------------------------------------------------------------
 
 _CHANNELS = {channel.lower(): channel for channel in ARKIT_CHANNELS}
-_HALVES = ("browInnerUp", "cheekPuff")  # ARKit has one, others one for each side
+# ARKit has one, others one for each side, or even for each quarter of the mouth.
+_HALVES = (
+    *("browInnerUp", "cheekPuff", "mouthPucker", "mouthFunnel", "mouthRollUpper"),
+    "mouthRollLower",
+)
 _TWO_SIDED = sorted(
     {c.removesuffix("Left") for c in ARKIT_CHANNELS if c.endswith("Left")} - {"jaw", "mouth"}
 )
 
-# Other names of the same shape; `#` stands for the side.
-_SYNONYMS = {
-    "browraiseinner#": "browInnerUp",
-    "browinnerraise#": "browInnerUp",
-    "innerbrowraise#": "browInnerUp",
-    "browinnerup#": "browInnerUp",
-    "browsinnerup": "browInnerUp",
-    "innerbrowraiser": "browInnerUp",
-    "browraiseinner": "browInnerUp",
-    "browraiseouter#": "browOuterUp#",
-    "browouterraise#": "browOuterUp#",
-    "outerbrowraiser#": "browOuterUp#",
-    "browdrop#": "browDown#",
-    "browlower#": "browDown#",
-    "browlowerer#": "browDown#",
-    "browsdown#": "browDown#",
-    "cheekpuff#": "cheekPuff",
-    "cheekspuff": "cheekPuff",
-    "cheekraise#": "cheekSquint#",
-    "eyeclose#": "eyeBlink#",
-    "eyeclosed#": "eyeBlink#",
-    "eyesclose#": "eyeBlink#",
-    "eyesclosed#": "eyeBlink#",
-    "eyelidclose#": "eyeBlink#",
-    "blink#": "eyeBlink#",
-    "eyewiden#": "eyeWide#",
-    "eyesquinch#": "eyeSquint#",
-    "jawdrop": "jawOpen",
-    "jawforwards": "jawForward",
-    "jawfwd": "jawForward",
-    "mouthclosed": "mouthClose",
-    "lipstogether": "mouthClose",
-    "mouthlowerlipdown#": "mouthLowerDown#",
-    "mouthdownlower#": "mouthLowerDown#",
-    "mouthlowerdown#": "mouthLowerDown#",
-    "mouthupperlipup#": "mouthUpperUp#",
-    "mouthupupper#": "mouthUpperUp#",
-    "mouthrollinupper": "mouthRollUpper",
-    "mouthrollinlower": "mouthRollLower",
-    "mouthrollupperlip": "mouthRollUpper",
-    "mouthrolllowerlip": "mouthRollLower",
-    "liprollupper": "mouthRollUpper",
-    "liprolllower": "mouthRollLower",
-    "mouthshrugup": "mouthShrugUpper",
-    "mouthshrugdown": "mouthShrugLower",
-    "nosewrinkle#": "noseSneer#",
-    "sneer#": "noseSneer#",
-    "nosewrinkler#": "noseSneer#",
-    "tongueoutward": "tongueOut",
-}
-
-
-def _synonyms() -> dict[str, tuple[str, bool]]:
-    """By key: the channel, and whether the shape is one side of it."""
-    table: dict[str, tuple[str, bool]] = {}
-    for key, channel in _SYNONYMS.items():
-        for side in ("Left", "Right") if "#" in key else ("",):
-            whole = channel.replace("#", side)
-            table[key.replace("#", side.lower())] = whole, "#" in key and "#" not in channel
-    return table
-
-
-_OTHER_NAMES = _synonyms()
+_QUARTER = re.compile(r"(?:pucker|funnel)(up|down)(?:left|right)$")
 
 # Substitutes for channels without a shape of their own: the presets of VRM 0 and 1, the visemes of
 # Oculus, VRoid's and MikuMikuDance's names. Keys are as `_keys` makes them.
@@ -261,8 +204,11 @@ def match_channels(names: Iterable[str]) -> Match:
         The match; every name is in exactly one of `matched`, `alike` and `unknown`.
     """
     given = list(dict.fromkeys(names))
-    common = _common_words([words_of(name) for name in given])
-    keys = {name: _keys(_without(words_of(name), common)) for name in given}
+    words: dict[str, Sequence[str]] = {name: words_of(name) for name in given}
+    tail = _common_words([each[::-1] for each in words.values()])
+    words = {name: _without(each[::-1], tail)[::-1] for name, each in words.items()}
+    common = _common_words(list(words.values()))
+    keys = {name: _keys(_without(each, common)) for name, each in words.items()}
     shares: dict[str, list[Share]] = {}
     alike: dict[str, list[str]] = {}
     first: dict[tuple[str, str], str] = {}  # the name used for a channel and key
@@ -303,10 +249,16 @@ def _exact(keys: Sequence[str]) -> tuple[str, str] | None:
     for key in keys:
         if key in _CHANNELS:
             return _CHANNELS[key], ""
-        if key in _OTHER_NAMES:
-            channel, is_half = _OTHER_NAMES[key]
-            return channel, ("left" if key.endswith("left") else "right") if is_half else ""
+        if key in OTHER_NAMES:
+            channel, is_half = OTHER_NAMES[key]
+            return channel, _part(key) if is_half else ""
     return None
+
+
+def _part(key: str) -> str:
+    """Which half or quarter of a channel a shape is."""
+    height = _QUARTER.search(key)
+    return (height[1] if height else "") + ("left" if key.endswith("left") else "right")
 
 
 def _two_sided(

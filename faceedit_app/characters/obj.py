@@ -57,8 +57,8 @@ def read_obj(path: Path) -> Character:
     """
     folder = path if path.is_dir() else path.parent
     try:
-        names = (p for p in folder.iterdir() if not p.name.startswith("."))
-        files = sorted(p for p in names if p.suffix.lower() == ".obj")
+        shown = (p for p in folder.iterdir() if not p.name.startswith("."))
+        files = sorted(p for p in shown if p.suffix.lower() == ".obj")
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
@@ -82,8 +82,8 @@ def read_obj(path: Path) -> Character:
     remarks = []
     for names, why in ((strangers, "other vertices"), (unread, "damaged")):
         if names and path.is_dir():
-            shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
-            remarks.append(f"left out ({why}): {shown}")
+            first = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
+            remarks.append(f"left out ({why}): {first}")
     parts, missing = _parts(neutral, mesh, targets)
     return Character(path, "OBJ", tuple(parts), (*remarks, *missing))
 

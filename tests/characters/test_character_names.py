@@ -170,3 +170,39 @@ def test_each_name_is_accounted_for_once(names: list[str]) -> None:
     alike = {name for others in match.alike.values() for name in others}
     assert used | alike | set(match.unknown) == set(names)
     assert len(used) + len(alike) + len(match.unknown) == len(set(names))
+
+
+def test_the_quarters_of_character_creator_make_whole_shapes() -> None:
+    quarters = {
+        channel: [f"{stem}_{side}" for stem in stems for side in "LR"]
+        for channel, stems in {
+            "mouthPucker": ("Mouth_Pucker_Up", "Mouth_Pucker_Down"),
+            "mouthFunnel": ("Mouth_Funnel_Up", "Mouth_Funnel_Down"),
+            "mouthRollUpper": ("Mouth_Roll_In_Upper",),
+            "browInnerUp": ("Brow_Raise_Inner",),
+        }.items()
+    }
+    looks = {
+        "eyeLookOutLeft": "Eye_L_Look_L",
+        "eyeLookInLeft": "Eye_L_Look_R",
+        "eyeLookInRight": "Eye_R_Look_L",
+        "eyeLookOutRight": "Eye_R_Look_R",
+        "eyeLookUpRight": "Eye_R_Look_Up",
+    }
+    match = match_channels([n for names in (*quarters.values(), looks.values()) for n in names])
+    assert match.matched == {
+        channel: tuple(quarters.get(channel, [looks.get(channel, "")])) for channel in match.matched
+    }
+    assert set(match.matched) == {*quarters, *looks}
+    assert match.unknown == ()
+
+
+def test_one_whole_shape_is_used_instead_of_its_quarters() -> None:
+    match = match_channels(["mouthPucker", "Mouth_Pucker_Up_L", "Mouth_Pucker_Down_L"])
+    assert match.matched == {"mouthPucker": ("mouthPucker",)}
+
+
+@pytest.mark.parametrize("ending", ["_faceit", "_div2", " (copy)"])
+def test_a_word_that_all_names_end_with_says_nothing(ending: str) -> None:
+    match = match_channels([f"{channel}{ending}" for channel in ARKIT_CHANNELS])
+    assert tuple(match.matched) == ARKIT_CHANNELS

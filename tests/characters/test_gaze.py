@@ -74,7 +74,8 @@ def moves(fitted: FittedCharacter, channel: str, part: str) -> Doubles:
     """(V, 3) mm of the vertices of one part."""
     number = [p.name for p in fitted.character.parts].index(part)
     deltas = fitted.rig.deltas[fitted.rig.channels.index(channel)]
-    return 1000.0 * deltas[fitted.part_of == number].astype(np.float64)
+    found: Doubles = 1000.0 * deltas[fitted.part_of == number].astype(np.float64)
+    return found
 
 
 @pytest.mark.parametrize("kind", [add_eyeballs, add_eye_joints])

@@ -182,6 +182,8 @@ class Completing:
         """
         added = np.zeros_like(change)
         edited: Bools = np.any(given, axis=1)
+        if edited.all():  # nothing is around
+            return added
         patterns = _patterns(given[edited])
         if not len(patterns):
             return added
