@@ -67,7 +67,8 @@ def convert(
 
     if fps is not None:
         fps = checked_rate(output, fps)
-    exporting.choose(output, form)  # before a long take is read
+    if form is not None or output.suffix.lower() != take.suffix.lower():
+        exporting.choose(output, form)  # before a long take is read
     opened = _opened(take, take_fps, fps)
     keeps_layout = fps is None and character is None
     chosen = exporting.choose(output, form, opened if keeps_layout else None)

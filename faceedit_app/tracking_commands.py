@@ -188,13 +188,13 @@ def _report(
 
 
 def _facts(tracked: Tracked, take: Path, fps: float | None) -> dict[str, Any]:
-    sure = tracked.sure
+    sure, (clip, gone) = tracked.sure, tracked.take_at(fps)
     return {
         "film": str(tracked.landmarks.path),
         "path": str(take),
-        "frames": int(sure.sum()),
-        "lost": int((~sure).sum()),
-        "rate": round(tracked.landmarks.rate if fps is None else fps, 6),
+        "frames": len(clip),
+        "lost": len(gone),
+        "rate": round(clip.rate, 6),
         "duration_s": round(len(sure) / tracked.landmarks.rate, 6),
         "confidence": round(float(tracked.confidence[sure].mean()), 3),
         "notes": list(tracked.notes),

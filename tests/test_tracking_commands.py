@@ -40,6 +40,10 @@ def test_a_film_becomes_a_take(
     assert main(["track", str(film), "-o", str(take)]) == 0
     assert f"{take}: {FRAMES} frames at 25 fps" in capsys.readouterr().out
     assert len(open_take(take).clip) == FRAMES
+    again = tmp_path / "fast.csv"
+    assert main(["track", str(film), "-o", str(again), "--fps", "50"]) == 0
+    assert f"{again}: {2 * FRAMES} frames at 50 fps" in capsys.readouterr().out
+    assert len(open_take(again).clip) == 2 * FRAMES
 
 
 def test_a_file_that_is_there_is_kept(

@@ -16,7 +16,7 @@ from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
 from faceedit_app.formats.converting import convert, resampled
-from faceedit_app.formats.csv_take import ROTATIONS
+from faceedit_app.formats.csv_take import CONFIDENCE, ROTATIONS
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
 
@@ -200,6 +200,8 @@ def export_take(
         lost = () if same else take.carried
         if kind.keeps_rotations and clip.rotations is not None:
             lost = tuple(name for name in lost if name.lower() not in ROTATIONS)
+        if kind.keeps_confidence and clip.confidence is not None:
+            lost = tuple(name for name in lost if name.lower() != CONFIDENCE)
     else:
         clip = resampled(edited, options.rate)
         content = scene_content(

@@ -95,7 +95,7 @@ def write_spliced(
         Abandoned: `progress` said so.
     """
     made = splice(shown, splices)
-    form = own_format(take)
+    own = form = own_format(take)
     if form is None or path.suffix.lower() not in _endings(form):
         form = choose(path)
     film = media.film if has_film else None
@@ -104,6 +104,8 @@ def write_spliced(
     _check_room(path, paths, sound is not None, film is not None)
     begun: list[Path] = []
     remarks: list[str] = []
+    if own is not None and not _endings(own):
+        remarks.append(f"no new take can be {own.name}, so it is written as {form.name}")
     try:
         if sound is not None and media.sound is not None:
             samples = spliced_sound(sound, media.sound.offset, made)

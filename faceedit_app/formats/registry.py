@@ -50,6 +50,7 @@ class Format:
             written.
         tells_times: whether its frames have times, not only a rate.
         keeps_rotations: whether `write` keeps the rotations of head and eyes.
+        keeps_confidence: whether it keeps how sure the tracker was.
         hints: for a format that can be written, by program, what to do there; `{rate}` stands for
             the frame rate.
     """
@@ -64,6 +65,7 @@ class Format:
     write: Callable[[Clip], bytes] | None = None
     tells_times: bool = True
     keeps_rotations: bool = False
+    keeps_confidence: bool = False
     hints: tuple[tuple[str, str], ...] = ()
 
 
@@ -71,7 +73,8 @@ class Format:
 FORMATS: tuple[Format, ...] = (
     Format("livelink", livelink.FORMAT, (".csv",), "text/csv",
            "Live Link Face on an iPhone; Face_Landmark_Link and others that write its layout",
-           livelink.sniff, livelink.read, livelink.write, keeps_rotations=True, hints=(
+           livelink.sniff, livelink.read, livelink.write,
+           keeps_rotations=True, keeps_confidence=True, hints=(
                ("Unreal", "switch on the plug-in Live Link Face Importer, and drag the file into "
                 "the Content Browser: it becomes a Level Sequence"),
                ("Blender", "the add-on Faceit imports it (Mocap > Import Live Link Face)"),
@@ -79,7 +82,7 @@ FORMATS: tuple[Format, ...] = (
            )),
     Format("csv", "CSV with ARKit names", (".csv", ".tsv"), "text/csv",
            "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
-           csv_take.sniff, csv_take.read, csv_take.write, hints=(
+           csv_take.sniff, csv_take.read, csv_take.write, keeps_confidence=True, hints=(
                ("Blender, Maya", "the scripts in docs/formats.md put it on a mesh with its shapes"),
                ("Spreadsheets", "one row a frame: seconds, then a column for each channel"),
            )),

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
-from faceedit_app.core.arrays import Bools, Doubles
+from faceedit_app.core.arrays import Bools, Doubles, Times
 from faceedit_app.core.atomic import keep_backup, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
@@ -89,33 +89,43 @@ class Tracked:
             notes.append(f"the face is only {tall:.0f} pixels high: lips and lids are less exact")
         return tuple(notes)
 
-    def to_livelink(self, fps: float | None = None) -> bytes:
-        """The take as a Live Link Face CSV.
+    def take_at(self, fps: float | None = None) -> tuple[Clip, Times]:
+        """The take with the rotations of head and eyes, and the (L,) times of the frames it lost.
 
         Args:
             fps: frames per second; None = one frame for each picture of the film.
         """
-        film, clip, sure = self.landmarks, self.clip, self.sure
+        film, sure = self.landmarks, self.sure
         rotations = np.concatenate([self.head, eye_rotations(self.weights)], axis=1)[sure]
-        lost = film.times[~sure]
-        if fps is not None:
-            began, count = clip.times[0], clip.weights.shape[1]
-            sureness = self.confidence[sure, None]
-            whole = np.concatenate([clip.weights, rotations, sureness], axis=1)
-            values = at_rate(clip.times - began, whole, fps, film.rate)
-            times = began + np.arange(len(values)) / fps
-            nearest = np.abs(film.times[:, None] - times).argmin(axis=0)
-            kept, lost = sure[nearest], times[~sure[nearest]]
-            rotations, sureness = values[kept, count:-1], np.clip(values[kept, -1], SURE, 1.0)
-            weights = values[kept, :count].astype(np.float32)
-            clip = replace(
-                clip,
-                weights=weights,
-                times=times[kept],
-                rate=fps,
-                confidence=sureness.astype(np.float32),
-            )
-        return livelink.write_with(clip, rotations, lost)
+        clip = replace(self.clip, rotations=rotations.astype(np.float32))
+        if fps is None:
+            return clip, film.times[~sure]
+        began, count = clip.times[0], clip.weights.shape[1]
+        whole = np.concatenate([clip.weights, rotations, self.confidence[sure, None]], axis=1)
+        values = at_rate(clip.times - began, whole, fps, film.rate)
+        times = began + np.arange(len(values)) / fps
+        nearest = np.abs(film.times[:, None] - times).argmin(axis=0)
+        kept = sure[nearest]
+        values, lost = values[kept].astype(np.float32), times[~kept]
+        clip = replace(
+            clip,
+            weights=values[:, :count],
+            rotations=values[:, count:-1],
+            confidence=np.clip(values[:, -1], SURE, 1.0),
+            times=times[kept],
+            rate=fps,
+        )
+        return clip, lost
+
+    def to_livelink(self, fps: float | None = None) -> bytes:
+        """The take as a Live Link Face CSV.
+
+        Args:
+            fps: as in `take_at`.
+        """
+        clip, lost = self.take_at(fps)
+        assert clip.rotations is not None
+        return livelink.write_with(clip, clip.rotations, lost)
 
 
 def track_film(
@@ -234,7 +244,7 @@ def write_take(tracked: Tracked, output: Path, fps: float | None = None) -> Path
     A file that is there already may be a recording: it is kept.
 
     Args:
-        fps: as in `Tracked.to_livelink`.
+        fps: as in `Tracked.take_at`.
 
     Returns:
         The copy of the file that was there, if there was one.

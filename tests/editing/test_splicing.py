@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -113,3 +114,18 @@ def test_formats_that_cannot_be_written_become_csv(tmp_path: Path) -> None:
     found = written(phone.path, tmp_path / "new.json", Splice(0.5, 1.0))
     assert "time" not in found.remarks
     assert len(open_take(found.path).clip) == 90
+
+
+def test_a_new_take_in_another_format_says_so(tmp_path: Path) -> None:
+    frames = [
+        {"time": k / 25, "weights": {"jawOpen": k / 100, "mouthPucker": 0.2}} for k in range(50)
+    ]
+    take = tmp_path / "take.json"
+    take.write_text(json.dumps(frames))
+    found = written(take, tmp_path / "new.json", Splice(0.5, 1.0))
+    assert found.remarks == (
+        "no new take can be JSON with named weights, so it is written as Audio2Face JSON",
+    )
+    assert open_take(found.path).kind == "Audio2Face JSON"
+    phone = make_livelink_csv(tmp_path / "phone.csv")
+    assert not written(phone, tmp_path / "shorter.csv", Splice(0.5, 1.0)).remarks

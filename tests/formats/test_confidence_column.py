@@ -43,10 +43,11 @@ def test_a_take_says_how_sure_it_is_of_each_frame(take: Path) -> None:
 @pytest.mark.parametrize("form", ["livelink", "csv"])
 @pytest.mark.parametrize("rate", [25, 60, 12])
 def test_it_survives_other_formats_and_frame_rates(
-    take: Path, tmp_path: Path, form: str, rate: int
+    take: Path, tmp_path: Path, form: str, rate: int, capfd: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out.csv"
     assert main(["convert", str(take), str(out), "--format", form, "--fps", str(rate)]) == 0
+    assert "onfidence" not in capfd.readouterr().out  # it is not left out
     clip = open_take(out).clip
     assert clip.rate == rate
     assert clip.confidence is not None

@@ -197,3 +197,14 @@ def test_a_broadcast_rate_survives_a_live_link_face_csv(
     assert again.rate == pytest.approx(rate, abs=1e-3)
     assert again.gaps == ()
     assert np.allclose(again.times, take.clip.times, atol=1e-4)
+
+
+@pytest.mark.parametrize("ending", [".ndjson", ".txt"])
+def test_convert_writes_what_only_its_own_format_ends_in(tmp_path: Path, ending: str) -> None:
+    """Such a file can be written only from a take of that format."""
+    lines = (json.dumps({"time": k / 25, "weights": {"jawOpen": k / 100}}) for k in range(50))
+    take, out = tmp_path / f"take{ending}", tmp_path / f"out{ending}"
+    take.write_text("\n".join(lines))
+    assert main(["convert", str(take), str(out)]) == 0
+    assert out.read_bytes() == take.read_bytes()
+    assert main(["convert", str(take), str(tmp_path / f"sixty{ending}"), "--fps", "60"]) == 2

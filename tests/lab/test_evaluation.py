@@ -34,6 +34,7 @@ from faceedit_app.lab.training.card import (
     with_figures,
 )
 from faceedit_app.lab.training.charts import Line, chart
+from faceedit_app.lab.training.completion import is_completed
 from faceedit_app.lab.training.data import load_performances
 from faceedit_app.lab.training.fit import fit_region
 
@@ -47,7 +48,8 @@ def takes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def models(takes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("models")
     with pytest.MonkeyPatch.context() as patch:
-        small = {name: tiny(name) for name in recipes.RECIPES}
+        # The exporter needs seconds for each region, the fewer the shallower the network.
+        small = {name: tiny(name, widths=(4,)) for name in recipes.RECIPES}
         patch.setattr("faceedit_app.lab.training.run.RECIPES", small)
         assert main(["train", "--data", str(takes), "-o", str(folder), "--epochs", "1"]) == 0
     return folder
@@ -59,6 +61,7 @@ def test_training_writes_models_card_losses_and_no_checkpoint(models: Path) -> N
     assert names == {
         *(f"{r}.onnx" for r in regions),
         *(f"holden/{r}.onnx" for r in regions),
+        *(f"completion/{region.id}.onnx" for region in REGIONS if is_completed(region)),
         "README.md",
         "losses.svg",
     }
@@ -260,7 +263,7 @@ def test_the_card_measures_each_source_by_networks_that_never_saw_it(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    small = {name: tiny(name) for name in recipes.RECIPES}
+    small = {name: tiny(name, widths=(4,)) for name in recipes.RECIPES}
     monkeypatch.setattr("faceedit_app.lab.evaluation.setting.RECIPES", small)
     mine = tmp_path / "models"
     shutil.copytree(models, mine)

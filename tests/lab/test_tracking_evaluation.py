@@ -13,10 +13,18 @@ from support.tracker import needs_tracker
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MOUTH_WIDTH
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIP_OPENING, MOUTH_WIDTH
 from faceedit_app.formats import livelink
 from faceedit_app.lab.evaluation.rendered_films import Conditions, Truth, kept_open
-from faceedit_app.lab.evaluation.tracking import FULL, METHODS, evaluate_tracking, lag, table
+from faceedit_app.lab.evaluation.tracking import (
+    FULL,
+    METHODS,
+    TrackingFigures,
+    as_json,
+    evaluate_tracking,
+    lag,
+    table,
+)
 
 
 @pytest.mark.parametrize("late", [-1.5, 0.0, 0.7])
@@ -35,6 +43,16 @@ def test_a_mouth_that_is_kept_open_moves_and_never_shuts() -> None:
     assert before.min() < 2.0
     assert after.min() > 4.0
     assert np.corrcoef(before, after)[0, 1] > 0.99
+
+
+def test_films_without_a_closure_have_no_rates() -> None:
+    zeros = (0.0,) * len(CONTROL_IDS)
+    none = float("nan")
+    one = TrackingFigures("A", "B", FULL, zeros, zeros, (none, none), (1.0, 0.1), 0.0, 0.0, 0.0)
+    assert "| – / – | 1.00 / 0.10 |" in table([one])
+    (facts,) = as_json([one])
+    assert facts["lips"] == [None, None]
+    assert facts["lids"] == [1.0, 0.1]
 
 
 @needs_tracker

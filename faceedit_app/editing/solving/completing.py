@@ -43,6 +43,8 @@ FARTHEST = 30
 MOVES = 0.3
 # Seconds between two edits over which the answer to one gives way to what the other asks for.
 APART = 0.4
+# Where an edit asks less firmly than this, it fades, and the take is taken to be right.
+FIRM = 0.75
 # A share this small is none, but for rounding.
 ROUNDING = 1e-9
 # Standard deviations by which an answer may leave what is around.
@@ -80,7 +82,7 @@ def ask(
         curves: (M, C) mm at 25 fps, as tracked.
         change: (M, C) mm, what is asked for; that of the other curves does not count.
         hold: (M, C) in 0..1, how firmly each curve is asked for.
-        trusted: (M,) the frames that no edit changes.
+        trusted: (M,) the frames that no edit asks for firmly.
     """
     other = ~known
     centred = (curves - expectation.mean) / expectation.spread
@@ -91,9 +93,9 @@ def ask(
     residual[:, other] = centred[:, other] - centred[:, known] @ gain
     around, near = surroundings(residual, trusted)
     away[:, other] = (around - residual)[:, other]
-    inside = ~trusted[:, None]
-    asked = np.where(known & inside, (centred + moved) * firm[:, None], 0.0)
-    features = [residual, away * firm[:, None], moved * inside, hold, asked]
+    edited = firm[:, None] > 0
+    asked = np.where(known & edited, (centred + moved) * firm[:, None], 0.0)
+    features = [residual, away * firm[:, None], moved * edited, hold, asked]
     far = (moved**2).max(axis=1) / (2.0 * MOVES**2)
     share = firm * near * (1.0 - np.exp(-_most_of_each_run(far, trusted)))
     return Question(np.concatenate(features, axis=1), away, share)
@@ -187,10 +189,11 @@ class Completing:
             return added
         rows = [(given == known).all(axis=1, keepdims=True) for known in patterns]
         # All in one go: the places of the grid frames are the same.
-        signals = [curves, change, edited[:, None], *(hold * each for each in rows)]
+        firmly = np.where(hold.any(axis=1), hold.max(axis=1), edited)
+        signals = [curves, change, firmly[:, None], *(hold * each for each in rows)]
         grid = to_grid(times, np.concatenate(signals, axis=1, dtype=np.float64), *grid_range)
         size = curves.shape[1]
-        trusted = grid[:, 2 * size] < ROUNDING
+        trusted = grid[:, 2 * size] < FIRM
         holds = np.split(grid[:, 2 * size + 1 :], len(patterns), axis=1)
         for known, where, firm in zip(patterns, rows, holds, strict=True):
             firm[firm < ROUNDING] = 0.0

@@ -6,6 +6,7 @@ itself, and our fit over time.
 
 from __future__ import annotations
 
+import math
 import tempfile
 import zipfile
 from collections.abc import Callable, Sequence
@@ -86,7 +87,7 @@ class TrackingFigures:
         character, conditions, method: their names.
         error: (C,) mm, median absolute error of each control, as measured on the character itself.
         moved: (C,) mm, the same without the constant part of each film, which is the person's rest.
-        lips, lids: TPR and FPR of lips and lids that are shut, see `metrics.Closures`.
+        lips, lids: TPR and FPR of those that are shut, see `metrics.Closures`; NaN if none is.
         lag: frames by which the mouth's opening is late.
         jitter: how much more the lips shake at rest than in truth, mm per frame².
         lost: share of the pictures that are gaps.
@@ -258,14 +259,19 @@ def table(figures: Sequence[TrackingFigures]) -> str:
             one.conditions,
             one.method,
             *errors,
-            f"{one.lips[0]:.2f} / {one.lips[1]:.2f}",
-            f"{one.lids[0]:.2f} / {one.lids[1]:.2f}",
+            _rates(one.lips),
+            _rates(one.lids),
             f"{one.lag:+.2f}",
             f"{one.jitter:.2f}",
             f"{one.lost:.0%}",
         ]
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows)
+
+
+def _rates(rates: tuple[float, float]) -> str:
+    """TPR / FPR; dashes if nothing is ever shut."""
+    return " / ".join("–" if math.isnan(rate) else f"{rate:.2f}" for rate in rates)
 
 
 def as_json(figures: Sequence[TrackingFigures]) -> list[dict[str, Any]]:
@@ -275,5 +281,7 @@ def as_json(figures: Sequence[TrackingFigures]) -> list[dict[str, Any]]:
         facts = asdict(one)
         for key in ("error", "moved"):
             facts[key] = dict(zip(CONTROL_IDS, facts[key], strict=True))
+        for key in ("lips", "lids"):  # JSON has no NaN
+            facts[key] = [None if math.isnan(rate) else rate for rate in facts[key]]
         out.append(facts)
     return out

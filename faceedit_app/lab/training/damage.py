@@ -17,7 +17,7 @@ from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
 from faceedit_app.core.controls import CONTROL_INDEX, control_named
 from faceedit_app.core.regions import Region
 from faceedit_app.core.rig import Distances
-from faceedit_app.editing.solving.completing import ask
+from faceedit_app.editing.solving.completing import FIRM, ask
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.lab.training.data import Performance
 
@@ -147,7 +147,8 @@ def _request(
     else:
         found[there] += ease * (_damaged(curves, true[there], random) - true[there])
     hold = _hold(begin, length, window, random)[:, None] * asked
-    question = ask(known, given, found, (true - found) * hold, hold, hold.max(axis=1) == 0)
+    trusted = hold.max(axis=1) < FIRM
+    question = ask(known, given, found, (true - found) * hold, hold, trusted)
     lacking = (true - found) / known.spread
     gain = known.gain(given) * known.spread[given, None] / known.spread[~given]
     truth = np.zeros_like(lacking)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QSizePolicy, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
-from faceedit_app.ui.look.widgets import Number
+from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.timeline import FALLOFF_RANGE, Timeline
 
@@ -59,8 +59,8 @@ class RangeFields(QWidget):
         timeline.clock.changed.connect(self._show_unit)
         self._show_unit()
 
-    def _field(self, name: str) -> QDoubleSpinBox:
-        box = Number()
+    def _field(self, name: str) -> NumberBox:
+        box = NumberBox()
         box.setObjectName("small")
         box.setKeyboardTracking(False)  # ignore half-typed numbers
         box.setAlignment(Qt.AlignmentFlag.AlignCenter)

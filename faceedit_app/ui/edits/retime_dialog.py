@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QCheckBox,
     QDialog,
     QDialogButtonBox,
-    QDoubleSpinBox,
     QFormLayout,
     QLabel,
     QVBoxLayout,
@@ -19,6 +18,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.edits.preview_dialog import PreviewDialog
+from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.texts import plain_label
 from faceedit_app.ui.state.document import Document
 
@@ -134,8 +134,8 @@ class RetimeDialog(PreviewDialog):
         super().done(result)
 
 
-def _spin_box(number: Number) -> QDoubleSpinBox:
-    box = QDoubleSpinBox()
+def _spin_box(number: Number) -> NumberBox:
+    box = NumberBox()
     box.setDecimals(number.decimals)
     box.setRange(number.low, number.high)
     box.setSingleStep(number.step)

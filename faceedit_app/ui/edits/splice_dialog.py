@@ -9,12 +9,12 @@ from PySide6.QtWidgets import (
     QCheckBox,
     QDialog,
     QDialogButtonBox,
-    QDoubleSpinBox,
     QFormLayout,
     QVBoxLayout,
     QWidget,
 )
 
+from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.texts import plain_label
 
 _WIDTH = 400  # pixels of the text
@@ -52,7 +52,7 @@ class SpliceDialog(QDialog):
         )
         label.setWordWrap(True)
         label.setMinimumWidth(_WIDTH)
-        self.number = QDoubleSpinBox()
+        self.number = NumberBox()
         self.number.setDecimals(2)
         self.number.setSuffix(" s")
         self.number.setSingleStep(0.1)

@@ -10,9 +10,10 @@ from PySide6.QtCore import (
     QSignalBlocker,
     Qt,
 )
-from PySide6.QtWidgets import QDoubleSpinBox, QStyledItemDelegate, QStyleOptionViewItem, QWidget
+from PySide6.QtWidgets import QStyledItemDelegate, QStyleOptionViewItem, QWidget
 
 from faceedit_app.core.levels import STRONGEST_LEVEL, Level
+from faceedit_app.ui.look.number import NumberBox
 
 Index = QModelIndex | QPersistentModelIndex
 LEVEL_HEADS = ("Multiplier", "Offset", "Soft limit")
@@ -47,10 +48,10 @@ class LevelDelegate(QStyledItemDelegate):
 
     def createEditor(
         self, parent: QWidget, option: QStyleOptionViewItem, index: Index
-    ) -> QDoubleSpinBox:
+    ) -> NumberBox:
         """A field with arrows."""
         low, high, step = _RANGES[index.column() - self._first]
-        field = QDoubleSpinBox(parent)
+        field = NumberBox(parent)
         field.setRange(low, high)
         field.setSingleStep(step)
         field.setDecimals(2)
@@ -62,12 +63,12 @@ class LevelDelegate(QStyledItemDelegate):
     def setEditorData(self, editor: QWidget, index: Index) -> None:
         """Show the number, unless it is the one that was just typed."""
         value = index.data(Qt.ItemDataRole.EditRole)
-        if isinstance(editor, QDoubleSpinBox) and editor.value() != value:
+        if isinstance(editor, NumberBox) and editor.value() != value:
             with QSignalBlocker(editor):
                 editor.setValue(value)
 
     def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
         """Take the number."""
-        if isinstance(editor, QDoubleSpinBox):
+        if isinstance(editor, NumberBox):
             editor.interpretText()
             model.setData(index, editor.value(), Qt.ItemDataRole.EditRole)

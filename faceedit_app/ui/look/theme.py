@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtGui import QColor, QFont, QPalette
 from PySide6.QtWidgets import QApplication
 
+from faceedit_app.ui.look.icons import icon_file
 from faceedit_app.ui.look.palette import (
     ACCENT,
     ACCENT_DEEP,
@@ -23,6 +24,8 @@ from faceedit_app.ui.look.palette import (
 
 GAP = 8  # pixels between groups of controls; half of it inside a group
 MARGIN = 10  # pixels from a bar's edge to its content
+
+_TICK = icon_file("tick").as_posix()  # black, on the accent
 
 _STYLE = f"""
 QMainWindow, QDialog, QMessageBox {{ background: {BACKGROUND}; }}
@@ -106,8 +109,11 @@ QComboBox QAbstractItemView {{
 QCheckBox::indicator {{
     width: 14px; height: 14px; border: 1px solid {FAINT}; border-radius: 3px;
 }}
-QCheckBox::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
+QCheckBox::indicator:checked {{
+    background: {ACCENT}; border-color: {ACCENT}; image: url("{_TICK}");
+}}
 QCheckBox::indicator:disabled {{ border-color: {BORDER}; background: transparent; }}
+QCheckBox::indicator:checked:disabled {{ background: {BORDER}; }}
 QCheckBox:disabled {{ color: {FAINT}; }}
 
 QSlider {{ border: 1px solid transparent; border-radius: 4px; }}
@@ -155,7 +161,8 @@ QScrollBar:vertical {{ width: 10px; background: transparent; }}
 QScrollBar::handle:vertical {{ background: {BORDER}; border-radius: 4px; min-height: 30px; }}
 QScrollBar::add-line, QScrollBar::sub-line {{ height: 0; width: 0; }}
 
-QFrame#banner {{ background: #3a3323; border-bottom: 1px solid #5a4a22; }}
+QFrame#banner {{ background: #22384a; border-bottom: 1px solid {ACCENT_DEEP}; }}
+QFrame#banner[warns="true"] {{ background: #3a3323; border-bottom: 1px solid #5a4a22; }}
 QFrame#banner QLabel {{ color: {TEXT}; }}
 QFrame#proposal {{ background: #22384a; border-bottom: 1px solid {ACCENT_DEEP}; }}
 QFrame#hint {{ background: {PANEL}; border: 1px solid {ACCENT_DEEP}; border-radius: 10px; }}

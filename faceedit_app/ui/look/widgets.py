@@ -13,11 +13,9 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPen,
-    QWheelEvent,
 )
 from PySide6.QtWidgets import (
     QComboBox,
-    QDoubleSpinBox,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -60,21 +58,6 @@ class OneClick(QToolButton):
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Ignore the second press."""
         event.accept()
-
-
-class Number(QDoubleSpinBox):
-    """A number field that the wheel changes only while it has the focus, not in passing."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)  # the wheel does not give it the focus
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Change the number, if it has the focus."""
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
 
 
 class Choice(QComboBox):
@@ -149,7 +132,7 @@ def icon_button(
     """An action as an icon. It has a shortcut, so it does not take the focus."""
     button = kind()
     if text:  # under a style sheet Qt leaves a pixel or two between icon and text
-        action.setIconText(f"\N{EN SPACE}{text}")
+        action.setIconText(text if action.icon().isNull() else f"\N{EN SPACE}{text}")
     button.setObjectName(name)
     button.setDefaultAction(action)
     button.setIconSize(QSize(SIZE, SIZE))

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
-from PySide6.QtGui import QPainter, QPaintEvent, QWheelEvent
-from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QMenu, QSizePolicy, QToolButton
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QLabel, QMenu, QSizePolicy, QToolButton
 
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.icons import SIZE, icon
+from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.palette import MUTED
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.media.take_media import TakeMedia
@@ -18,11 +19,14 @@ from faceedit_app.ui.state.timeline import Timeline
 _LEAST = 48  # pixels; with less room, no name is painted
 
 
-class OffsetBox(QDoubleSpinBox):
+class OffsetBox(NumberBox):
     """The time in the take at which sound or film begins, in seconds."""
 
     def __init__(self, what: str) -> None:
-        super().__init__(decimals=3, singleStep=0.01, suffix=" s")
+        super().__init__()
+        self.setDecimals(3)
+        self.setSingleStep(0.01)
+        self.setSuffix(" s")
         self.setRange(-86_400.0, 86_400.0)
         self.setKeyboardTracking(False)
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
@@ -31,7 +35,6 @@ class OffsetBox(QDoubleSpinBox):
             f"Second of the take at which the {what} begins; arrow keys move it by 10 ms.\n"
             "A film and its own sound move together."
         )
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.lineEdit().setAcceptDrops(False)  # dropped files go to the window
         # Enter returns the focus to the curves.
         self.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
@@ -39,13 +42,6 @@ class OffsetBox(QDoubleSpinBox):
     def textFromValue(self, value: float) -> str:
         """The number with its sign."""
         return f"{value + 0.0:+.3f}"
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Only with the focus, so that scrolling past changes nothing."""
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
 
     def show_offset(self, seconds: float) -> None:
         """Show a value without emitting it."""

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.ui.look.icons import icon, picture
-from faceedit_app.ui.look.palette import ORANGE
+from faceedit_app.ui.look.palette import ACCENT, ORANGE
 from faceedit_app.ui.look.texts import plain_label, plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
 
@@ -28,8 +28,7 @@ class Banner(QFrame):
         self._messages: dict[str, str] = {}  # message: details
         self._offered: tuple[str, Callable[[], None]] | None = None  # message, what can be done
         self.setObjectName("banner")
-        sign = QLabel()
-        sign.setPixmap(picture("warning", ORANGE, 16, self.devicePixelRatioF()))
+        self._sign = QLabel()
         self.text = plain_label()
         # A long path must not widen the window.
         self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
@@ -47,7 +46,7 @@ class Banner(QFrame):
         row = QHBoxLayout(self)
         row.setContentsMargins(MARGIN, 3, MARGIN, 3)
         row.setSpacing(GAP)
-        row.addWidget(sign)
+        row.addWidget(self._sign)
         row.addWidget(self.text, 1)
         row.addWidget(self.button)
         row.addWidget(close)
@@ -94,4 +93,17 @@ class Banner(QFrame):
         self.button.setVisible(self._offered is not None)
         self.text.setText("\n".join(self._messages))
         self.text.setToolTip(plain_tip("\n".join(filter(None, self._messages.values()))))
+        self._show_kind()
         self.setVisible(bool(self._messages))
+
+    @property
+    def warns(self) -> bool:
+        """Whether anything shown is a warning; what can be done about something is none."""
+        offered = self._offered[0] if self._offered is not None else None
+        return any(text != offered for text in self._messages)
+
+    def _show_kind(self) -> None:
+        name, color = ("warning", ORANGE) if self.warns else ("info", ACCENT)
+        self._sign.setPixmap(picture(name, color, 16, self.devicePixelRatioF()))
+        self.setProperty("warns", self.warns)
+        self.style().polish(self)

@@ -11,7 +11,6 @@ from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QCheckBox,
-    QDoubleSpinBox,
     QHBoxLayout,
     QLineEdit,
     QListWidget,
@@ -32,6 +31,7 @@ from faceedit_app.ui.curves.channel_plot import ChannelPlot
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.plot import Marks
 from faceedit_app.ui.curves.ruler import Ruler
+from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -347,11 +347,9 @@ def _by_unit(channels: Sequence[str]) -> list[tuple[str, ...]]:
     return [group for group in groups if group]
 
 
-def _number(
-    low: float, high: float, step: float, value: float, unit: str, name: str
-) -> QDoubleSpinBox:
+def _number(low: float, high: float, step: float, value: float, unit: str, name: str) -> NumberBox:
     """A field for a number."""
-    field = QDoubleSpinBox()
+    field = NumberBox()
     field.setRange(low, high)
     field.setSingleStep(step)
     field.setDecimals(0 if step >= 1 else 2)

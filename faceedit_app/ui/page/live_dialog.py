@@ -40,7 +40,7 @@ class _AddressDialog(QDialog):
         self.setWindowTitle(title)
         self.setMinimumWidth(420)
         self._protocols = protocols
-        column = QVBoxLayout(self)
+        self._column = column = QVBoxLayout(self)
         column.setSpacing(12)
         self.form = QFormLayout()
         self.form.setLabelAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
@@ -83,7 +83,7 @@ class _AddressDialog(QDialog):
         """Keep room for all lines of the hint, whatever its text and the dialog's width."""
         done = super().event(event)
         if event.type() in (QEvent.Type.Resize, QEvent.Type.LayoutRequest):
-            self.setMinimumHeight(self.layout().totalHeightForWidth(self.width()))
+            self.setMinimumHeight(self._column.totalHeightForWidth(self.width()))
         return done
 
 

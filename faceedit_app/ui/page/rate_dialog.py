@@ -6,7 +6,6 @@ from PySide6.QtWidgets import (
     QButtonGroup,
     QDialog,
     QDialogButtonBox,
-    QDoubleSpinBox,
     QHBoxLayout,
     QLabel,
     QToolButton,
@@ -16,6 +15,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.formats.rates import COMMON_RATES, exact_rate
 from faceedit_app.formats.timing import counted, format_rate, format_time
+from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.texts import plain_label
 
 _LOWEST, _HIGHEST = 1.0, 1000.0
@@ -79,7 +79,7 @@ class RateDialog(QDialog):
     def _any_rate(self) -> QHBoxLayout:
         row = QHBoxLayout()
         label = QLabel("&Frames per second")
-        self.spin = QDoubleSpinBox()
+        self.spin = NumberBox()
         self.spin.setRange(_LOWEST, _HIGHEST)
         self.spin.setDecimals(_DECIMALS)
         self.spin.setAccessibleName("Frames per second")

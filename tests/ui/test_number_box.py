@@ -1,0 +1,73 @@
+"""Typing numbers: with a point or a comma, in a system of any language."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from PySide6.QtCore import QLocale, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QWidget
+from pytestqt.qtbot import QtBot
+
+from faceedit_app.ui.edits.splice_dialog import SpliceDialog
+from faceedit_app.ui.look.number import NumberBox
+from faceedit_app.ui.media.parts import OffsetBox
+
+
+@pytest.fixture(params=["C", "en_US", "de_DE", "fr_FR", "ar_EG"])
+def language(request: pytest.FixtureRequest) -> Iterator[None]:
+    before = QLocale()
+    QLocale.setDefault(QLocale(request.param))
+    yield
+    QLocale.setDefault(before)
+
+
+def type_into(box: NumberBox, text: str) -> float:
+    box.selectAll()
+    QTest.keyClicks(box, text)
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    return box.value()
+
+
+@pytest.mark.usefixtures("language")
+@pytest.mark.parametrize(
+    ("text", "number"), [("1.5", 1.5), ("1,5", 1.5), ("0,25", 0.25), (",5", 0.5), ("-2,5", -2.5)]
+)
+def test_point_and_comma_begin_the_decimals(qtbot: QtBot, text: str, number: float) -> None:
+    box = NumberBox()
+    qtbot.addWidget(box)
+    box.setRange(-5000, 5000)
+    box.setSuffix(" s")
+    assert type_into(box, text) == number
+    assert box.text() == f"{number:.2f} s"
+
+
+@pytest.mark.usefixtures("language")
+def test_what_is_no_number_changes_nothing(qtbot: QtBot) -> None:
+    box = NumberBox()
+    qtbot.addWidget(box)
+    box.setValue(1.5)
+    assert type_into(box, "abc") == 1.5
+
+
+@pytest.mark.usefixtures("language")
+def test_an_offset_is_typed_with_either(qtbot: QtBot) -> None:
+    box = OffsetBox("sound")
+    qtbot.addWidget(box)
+    assert type_into(box, "+0,250") == 0.25
+    assert type_into(box, "-1.5") == -1.5
+    assert box.text() == "-1.500 s"
+
+
+@pytest.mark.usefixtures("language")
+def test_one_and_a_half_seconds_are_inserted(qtbot: QtBot) -> None:
+    window = QWidget()
+    qtbot.addWidget(window)
+    made: list[float] = []
+    dialog = SpliceDialog(
+        window, "Insert", "", (0.5, 600.0), (), lambda seconds, _film: made.append(seconds)
+    )
+    assert type_into(dialog.number, "1,5") == 1.5
+    dialog.accept()
+    assert made == [1.5]
