@@ -85,7 +85,7 @@ def webcam(
     ] = "",
     seconds: Annotated[
         Optional[float],  # noqa: UP045
-        typer.Option(min=0.1, help="Stop after so many seconds; default: at Ctrl+C."),
+        typer.Option(min=0.1, help="Stop after this many seconds; default: at Ctrl+C."),
     ] = None,
     sound: Annotated[bool, typer.Option(help="Record the microphone.")] = True,
 ) -> None:
@@ -96,7 +96,7 @@ def webcam(
     from faceedit_app.media.webcam import WebcamRecorder, find_webcam
 
     if output.suffix.lower() != ".mp4":
-        raise FileError(output, "is no name for an MP4", "let it end in .mp4")
+        raise FileError(output, "does not end in .mp4", "choose a name that does")
     chosen = find_webcam(name)
     started, ended, errors = threading.Event(), threading.Event(), list[FaceEditError]()
 
