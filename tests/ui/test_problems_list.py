@@ -78,7 +78,7 @@ def test_a_double_click_on_a_proposal_is_one_click(window: MainWindow, button: s
     editor, session = editor_of(window), session_of(window)
     trigger_enabled(window, "next_problem", "fix_all")
     run_events()
-    (on,) = [b for b in editor.proposal.findChildren(QToolButton) if b.text() == button]
+    (on,) = [b for b in editor.proposal.findChildren(QToolButton) if b.text().strip() == button]
     place = on.mapTo(window, on.rect().center())
     wanted = (
         session.edits

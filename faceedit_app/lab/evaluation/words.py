@@ -279,8 +279,8 @@ def report(figures: WordFigures) -> str:
     lines += [
         "",
         "The noise is white, the same in all channels, and that many dB below the words, with five",
-        "seeds for each take. Refused counts sounds in which the words were not found. The start of",
-        "the first word is left out: its published time includes silence.",
+        "seeds for each take. Refused counts sounds in which the words were not found. The start",
+        "of the first word is left out: its published time includes silence.",
         "",
         "## Closures",
         "",

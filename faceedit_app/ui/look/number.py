@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QLocale, Qt
-from PySide6.QtGui import QWheelEvent
+from PySide6.QtGui import QValidator, QWheelEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QWidget
 
 
@@ -25,9 +25,10 @@ class NumberBox(QDoubleSpinBox):
         self.setLocale(plain)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)  # the wheel does not give it the focus
 
-    def validate(self, text: str, position: int) -> object:
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
         """Accept what Qt does, with a point in place of a comma."""
-        return super().validate(text.replace(",", "."), position)
+        state, text, position = super().validate(text.replace(",", "."), position)
+        return state, text, position
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Change the number, if it has the focus."""

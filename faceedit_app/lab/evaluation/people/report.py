@@ -241,8 +241,8 @@ def goals_part(figures: PeopleFigures) -> str:
     reached, count = goals_reached(figures)
     return "\n\n".join(
         [
-            f"{reached} of {count} goals are reached by FaceEdit as it is set when it starts. How each "
-            "is measured, and what simple references reach: `docs/evaluation/people.md`.",
+            f"{reached} of {count} goals are reached by FaceEdit as it is set when it starts. How "
+            "each is measured, and what simple references reach: `docs/evaluation/people.md`.",
             sources_table(figures),
             left_out(figures),
             *(f"Note: {note}." for note in figures.notes),
