@@ -16,20 +16,50 @@ _LEVEL = re.compile(r"[\W_]?lod[\W_]?(\d+)(?=[\W_]|$)", re.IGNORECASE)
 def without_copies(character: Character) -> Character:
     """The character with one of each mesh that has morph targets; a remark names the others.
 
-    Two heads would be measured as one whose eyes are between both.
+    Two heads would be measured as one whose eyes are between both. Small meshes, such as eyes, are
+    often made twice for one head: those are left out only where a head is left out, too.
     """
+    morphing = [part for part in character.parts if part.targets]
+    finest = min((_level(part) for part in morphing), default=0)
     kept: list[Part] = []
-    left_out: list[str] = []
-    finest = min((_level(part) for part in character.parts if part.targets), default=0)
-    for part in character.parts:
-        is_coarse = _LEVEL.search(part.name) is not None and _level(part) > finest
-        if is_coarse or any(_is_copy(part, other) for other in kept):
-            left_out.append(part.name)
-        else:
+    copies: list[tuple[Part, Part]] = []  # each with the first such mesh
+    for part in morphing:
+        first = next((other for other in kept if _is_copy(part, other)), None)
+        if first is not None:
+            copies.append((part, first))
+        elif _LEVEL.search(part.name) is None or _level(part) == finest:
             kept.append(part)
+    half = max((_size(part) for part in kept), default=0.0) / 2
+    heads = [pair for pair in copies if _size(pair[1]) >= half]
+    for part, first in copies:
+        is_small = _size(first) < half and not _is_same_place(part, first)
+        if is_small and all(_is_nearer(part, head, copy) for copy, head in heads):
+            kept.append(part)
+    stays = {id(part) for part in kept}
+    parts = tuple(part for part in character.parts if not part.targets or id(part) in stays)
+    left_out = [part.name for part in morphing if id(part) not in stays]
     if not left_out:
         return character
-    return replace(character, parts=tuple(kept), remarks=(*character.remarks, _remark(left_out)))
+    return replace(character, parts=parts, remarks=(*character.remarks, _remark(left_out)))
+
+
+def _size(part: Part) -> float:
+    """The diagonal of the box around a part."""
+    return float(np.linalg.norm(np.ptp(part.neutral, axis=0))) if len(part.neutral) else 0.0
+
+
+def _is_same_place(part: Part, other: Part) -> bool:
+    return np.allclose(part.neutral, other.neutral, atol=1e-3 * _size(other))
+
+
+def _is_nearer(part: Part, head: Part, copy: Part) -> bool:
+    """Whether a small part belongs to a head and not to its copy."""
+    middle = part.neutral.mean(axis=0)
+    to_head, to_copy = (
+        float(np.linalg.norm(each.neutral.mean(axis=0) - middle)) / max(_size(each), 1e-12)
+        for each in (head, copy)
+    )
+    return to_head < to_copy
 
 
 def _level(part: Part) -> int:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from faceedit_app.characters.base_colors import linear
 from faceedit_app.characters.bounded import Damaged, check_targets, finite, read_file
 from faceedit_app.characters.character import Character, Part, Surface, unique_names
+from faceedit_app.characters.names import match_channels
 from faceedit_app.characters.obj_materials import read_materials
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
@@ -49,7 +50,7 @@ class _Mesh:
 def read_obj(path: Path) -> Character:
     """Read an OBJ file and the files next to it with the same vertices, or a folder of them.
 
-    The neutral head is the file itself, or in a folder the one whose name says so.
+    The neutral head is the one whose name says so, or the file itself if its name is not a shape's.
 
     Raises:
         FileError: there is no OBJ file, or no neutral one.
@@ -62,7 +63,11 @@ def read_obj(path: Path) -> Character:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
-    neutral = _neutral(path, files) if path.is_dir() else path
+    if path.is_dir():
+        neutral = _neutral(path, files)
+    else:
+        is_shape = bool(match_channels([path.stem]).matched)
+        neutral = _neutral_beside(path, files) if is_shape else path
     others = [p for p in files if p != neutral]
     if len(others) > _MOST_FILES:
         raise FileError(path, f"has more than {_MOST_FILES} OBJ files", _REMEDY)
@@ -107,6 +112,16 @@ def _neutral(folder: Path, files: list[Path]) -> Path:
         if found:
             return min(found, key=lambda p: len(p.stem))
     raise FileError(folder, "has no OBJ file named neutral", _REMEDY)
+
+
+def _neutral_beside(shape: Path, files: list[Path]) -> Path:
+    """The neutral head of a file that is one of its shapes; the file itself if there is none."""
+    try:
+        neutral = _neutral(shape.parent, files)
+        same = _places(_read(neutral)).shape == _places(_read(shape)).shape
+    except (Damaged, FileError):
+        return shape
+    return neutral if same else shape
 
 
 def _read(path: Path) -> bytes:

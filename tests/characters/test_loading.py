@@ -105,6 +105,12 @@ def test_one_obj_takes_those_beside_it_for_its_shapes(tmp_path: Path) -> None:
     assert len(read_character(folder / "neutral.obj").targets) == 52
 
 
+def test_the_obj_of_a_shape_opens_the_head_that_it_belongs_to(tmp_path: Path) -> None:
+    folder = write_objs(tmp_path / "head")
+    character = read_character(folder / "jawOpen.obj")
+    assert set(character.targets) == set(read_character(folder).targets)
+
+
 def test_an_obj_with_other_vertices_is_left_out_and_said(tmp_path: Path) -> None:
     folder = write_objs(tmp_path / "head")
     (folder / "glasses.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")

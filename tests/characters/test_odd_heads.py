@@ -12,6 +12,7 @@ from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record
 from support.heads import JAW, small_head
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
+from faceedit_app.characters.registry import read_character
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
 _OBJECTS = ("SubDeformer", "Geometry")  # of a shape in an FBX
@@ -73,6 +74,29 @@ def test_teeth_on_both_sides_are_not_copies_of_each_other(tmp_path: Path) -> Non
     out.node(mesh=len(out.json["meshes"]) - 1, name="Eye", translation=[0.06, 0.0, 0.0])
     fitted = saved(out, tmp_path)
     assert len(fitted.character.parts) == 3
+
+
+@pytest.mark.parametrize("heads", [1, 2])
+def test_each_head_has_both_eyes_though_they_are_one_mesh(tmp_path: Path, heads: int) -> None:
+    """Eyes with shapes, as in an FBX that FaceEdit wrote, are not copies of each other."""
+    out = small_glb()
+    reach = 0.1  # m, about as long as the head
+    points = out.accessor(reach * 0.1 * np.eye(3), FLOAT)
+    moves = out.accessor(reach * 0.01 * np.eye(3), FLOAT)
+    eye = {"attributes": {"POSITION": points}, "targets": [{"POSITION": moves}]}
+    out.mesh([eye], ["eyeLookUpLeft"], name="Eye")
+    number = len(out.json["meshes"]) - 1
+    out.node(mesh=number, name="Eye.R", translation=[0.3 * reach, 0.0, 0.0])
+    if heads == 2:
+        out.node(mesh=0, name="Copy", translation=[3 * reach, 0.0, 0.0])
+        out.node(mesh=number, name="Eye.L2", translation=[3 * reach, 0.0, 0.0])
+        out.node(mesh=number, name="Eye.R2", translation=[3.3 * reach, 0.0, 0.0])
+    (tmp_path / "head.glb").write_bytes(out.content())
+    character = read_character(tmp_path / "head.glb")
+    assert len(character.parts) == 3
+    middles = [part.neutral.mean(axis=0)[0] for part in character.parts]
+    assert np.ptp(middles) < reach
+    assert ("Copy" in "".join(character.remarks)) == (heads == 2)
 
 
 def test_names_of_some_targets_are_used_though_others_lack_theirs(tmp_path: Path) -> None:
