@@ -81,7 +81,8 @@ def track(
 def webcam(
     output: Annotated[Path, typer.Argument(help="The new film: an MP4.")],
     name: Annotated[
-        str, typer.Option("--webcam", help="A part of its name; default: the system's choice.")
+        str,
+        typer.Option("--webcam", help="Part of the webcam's name; default: the system's choice."),
     ] = "",
     seconds: Annotated[
         Optional[float],  # noqa: UP045

@@ -43,7 +43,7 @@ def words(
     ] = None,
     sounds_like: Annotated[
         Optional[list[str]],  # noqa: UP045
-        typer.Option(help="WORD=SPELLING, for a word not in the dictionary; several times."),
+        typer.Option(help="WORD=SPELLING, for a word not in the dictionary; repeatable."),
     ] = None,
     save: Annotated[
         Optional[Path],  # noqa: UP045
