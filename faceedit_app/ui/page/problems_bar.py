@@ -311,7 +311,7 @@ class ProblemsHead(QWidget):
         self.count.clicked.connect(actions["list_problems"].trigger)
         self.setFixedWidth(style.HEADER_WIDTH)
         row = QHBoxLayout(self)
-        row.setContentsMargins(4, 0, 2, 0)
+        row.setContentsMargins(1, 0, 0, 0)  # room for “No problems” in any font
         row.setSpacing(0)
         row.addWidget(self.count, 1)
         for name in ("previous_problem", "next_problem"):
