@@ -65,8 +65,8 @@ def model_card(
 
 Written by `faceedit train` of FaceEdit {__version__}. For each face region a regressor (controls to
 blendshape weights) and a stacked denoising autoencoder, after Berson, Soladié, Barrielle and
-Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019). One ONNX file per
-region; only the operators of its graph are ever executed. The folder `completion` holds a small
+Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019). One ONNX file for each
+region; only the operators of its graph are executed. The folder `completion` holds a small
 network for a region whose curves are completed where the take breaks off inside an edit. The folder
 `holden`, if present, holds the baseline that the evaluation compares with; the application does
 not read it.
