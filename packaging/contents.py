@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import fnmatch
+import pkgutil
 import re
 import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
+
+import pygments.lexers
 
 from faceedit_app.formats.registry import offered_endings
 
@@ -29,6 +32,13 @@ UNUSED_SCIPY = [
     "stats",
 ]
 
+# rich, which prints the help, could colour the code of any language.
+UNUSED_LEXERS = [
+    lexer.name
+    for lexer in pkgutil.iter_modules(pygments.lexers.__path__)
+    if lexer.name not in ("_mapping", "python", "special")
+]
+
 EXCLUDED = [
     # The laboratory stays with pip: torch alone is twice the rest of the application.
     "torch",
@@ -42,6 +52,7 @@ EXCLUDED = [
     "onnxruntime.transformers",
     # FaceEdit and the parts of trimesh that it uses work without these.
     *(f"scipy.{part}" for part in UNUSED_SCIPY),
+    *(f"pygments.lexers.{name}" for name in UNUSED_LEXERS),
     # pyrender, trimesh, networkx and pyqtgraph use these if they are there; FaceEdit does not.
     "matplotlib",
     "IPython",
