@@ -84,6 +84,11 @@ class EditSession(EditHistory):
         return self._solver.engine is not None
 
     @property
+    def closed(self) -> float:
+        """Millimetres between the take's closed lips; no edit closes them further."""
+        return self._solver.shut
+
+    @property
     def limits(self) -> list[tuple[float, float]]:
         """The lowest and highest value of each control that a face, or this take, can have, mm."""
         return self._solver.limits

@@ -90,6 +90,25 @@ def test_the_lower_lip_pulled_down_opens_the_mouth(window: MainWindow) -> None:
     assert session.edits == ()
 
 
+@pytest.mark.parametrize(
+    ("by", "control"), [(QPoint(0, 30), "mouth_opening"), (QPoint(24, 4), "jaw_side")]
+)
+def test_the_chin_opens_the_mouth_downwards_and_moves_the_jaw_sideways(
+    window: MainWindow, by: QPoint, control: str
+) -> None:
+    trigger(window, "reset_camera")
+    run_events()
+    session, frame = session_of(window), window.timeline.frame
+    drag(window, "jaw_side", by)
+    (edit,) = session.edits
+    assert edit.controls == (control,)
+    assert edit.value > 0.5
+    assert edit.start == session.take.clip.times[frame]
+    assert window.timeline.frame == frame
+    trigger(window, "undo")
+    assert session.edits == ()
+
+
 def test_the_handle_stays_under_the_pointer(window: MainWindow) -> None:
     """As well as the face can follow: it is not pulled past where the hand is."""
     start = handles_of(window).places["mouth_opening"]

@@ -148,3 +148,12 @@ def test_mirror_swaps_left_and_right(window: MainWindow) -> None:
     right = CONTROL_INDEX["right_eyelid"]
     assert session.asked[frame, LEFT_EYE] == pytest.approx(session.tracked[frame, right], abs=0.1)
     assert {edit.op for edit in session.edits} == {Op.DRAW}
+
+
+def test_a_fix_at_the_first_frame_begins_at_the_first_frame(window: MainWindow) -> None:
+    """Its message gives no time before the take."""
+    said: list[str] = []
+    window.workspace.message.connect(said.append)
+    window.timeline.go_to_time(0.0)
+    trigger_enabled(window, "fix_close_lips")
+    assert said[-1].startswith("Close lips: 0.00 to ")

@@ -136,7 +136,8 @@ def _outcome(session: EditSession, trial: Trial, engine: Engine | None) -> Outco
     for edit in trial.edits:
         hold = edit.mask(times) >= 1.0
         columns = [CONTROL_INDEX[c] for c in edit.controls]
-        misses.append(np.abs(session.achieved - session.asked)[hold][:, columns].mean())
+        missed = np.abs(session.achieved - _within_reach(session))
+        misses.append(missed[hold][:, columns].mean())
     first = min(affected(edit)[0] for edit in trial.edits)
     last = max(affected(edit)[1] for edit in trial.edits)
     inside = (times >= first - 1e-9) & (times <= last + 1e-9)
@@ -156,6 +157,14 @@ def _outcome(session: EditSession, trial: Trial, engine: Engine | None) -> Outco
         clipped=clipped_share(before[inside][:, columns], after[inside][:, columns]),
         distance=_distance(session, engine, touched, inside),
     )
+
+
+def _within_reach(session: EditSession) -> Doubles:
+    """(T, C) mm, what is asked for; of lips no more than the take's own closed opening."""
+    asked, lips = session.asked.astype(np.float64), CONTROL_INDEX[LIP_OPENING]
+    closed = np.minimum(session.closed, session.tracked[:, lips])
+    asked[:, lips] = np.maximum(asked[:, lips], closed)
+    return asked
 
 
 def _distance(

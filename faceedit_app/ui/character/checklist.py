@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -51,7 +51,7 @@ class CharacterChecklist(QDialog):
         self.table = ShapeTable(self._model)
         self.only_noted = QCheckBox("Only channels with a note")
         self.only_noted.toggled.connect(self._refresh)
-        notes = QScrollArea()
+        self._notes_area = notes = QScrollArea()
         notes.setWidget(self._notes)
         notes.setWidgetResizable(True)
         notes.setFixedHeight(_NOTES_HEIGHT)
@@ -109,7 +109,16 @@ class CharacterChecklist(QDialog):
         lines = [_sentence(text) for text in (*check.doubts, *check.lost, *check.remarks)]
         if check.unknown:
             lines.append(f"Not used: {', '.join(check.unknown)}.")
-        self._notes.setText("\n".join(lines) or "Nothing else to note.")
+        self._notes.setText("\n".join(lines))
+        self._notes_area.setVisible(bool(lines))
+
+    def stand_left_of(self, face: QWidget) -> None:
+        """Move off the face, whose points are to be dragged, as far as the screen allows."""
+        room, corner = self.screen().availableGeometry(), face.mapToGlobal(QPoint(0, 0))
+        left = max(corner.x() - self.frameGeometry().width(), room.left())
+        self.move(
+            left, max(min(corner.y(), room.bottom() - self.frameGeometry().height()), room.top())
+        )
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Say that it was closed."""

@@ -167,6 +167,8 @@ class CharacterCommands:
             self._checklist.levelled.connect(self._set_level)
             self._checklist.save_asked.connect(self.save_map)
             self._checklist.closed.connect(self._hide_points)
+        if self._workspace.page is not None and not self._checklist.isVisible():
+            self._checklist.stand_left_of(self._workspace.page.face)
         self._checklist.show()
         self._checklist.raise_()
         self._refresh()

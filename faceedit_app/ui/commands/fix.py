@@ -77,7 +77,11 @@ class FixCommands:
             return
         presets = {preset.id: preset for preset in shipped_presets()}
         span = self._range_meant()
-        where = f"from {self._workspace.shown_range(*span)}" if span else "in the whole take"
+        where = "in the whole take"
+        if span:
+            line = self._timeline
+            is_moment = line.clip is not None and len(set(map(line.clip.frame_at, span))) == 1
+            where = "here" if is_moment else f"from {self._workspace.shown_range(*span)}"
         SliderDialog(
             self._workspace.window,
             self._document,

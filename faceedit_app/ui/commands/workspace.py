@@ -117,7 +117,7 @@ class Workspace(QObject):
             self.page.list_edits()
             self.page.edits.select_new(len(edits))
         last = float(self.timeline.clip.times[-1]) if self.timeline.clip is not None else 0.0
-        start, end = min(e.start for e in edits), min(max(e.end for e in edits), last)
+        start, end = max(min(e.start for e in edits), 0.0), min(max(e.end for e in edits), last)
         self.message.emit(
             f"{name}: {self.shown_range(start, end)}; set its strength above the list of edits"
         )

@@ -52,3 +52,7 @@ class FaceHand:
     def let_go(self) -> None:
         """Keep the edit."""
         self._mouse.let_go()
+
+    def cancel(self) -> None:
+        """Let go without an edit."""
+        self._mouse.cancel()

@@ -48,6 +48,9 @@ class Hand(Protocol):
     def let_go(self) -> None:
         """Keep the edit."""
 
+    def cancel(self) -> None:
+        """Let go without an edit."""
+
 
 class FaceHandles(QWidget):
     """Shows the handles while the pointer is on the face, and drags them.
@@ -152,6 +155,14 @@ class FaceHandles(QWidget):
             moved = at - self._from
             if np.hypot(moved.x(), moved.y()) <= _SLOP:
                 return
+            assert self._held is not None
+            is_down = abs(moved.y()) > abs(moved.x())
+            if is_down and control_named(self._held).sideways:  # a chin pulled down opens the mouth
+                hand.cancel()
+                self._held = LIP_OPENING
+                if not hand.grab(LIP_OPENING, False):
+                    self._drop()
+                    return
             self._way = self._find_way(hand)
         step = at - self._last
         self._last = at

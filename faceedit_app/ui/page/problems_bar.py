@@ -5,7 +5,15 @@ from __future__ import annotations
 import time
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import (
+    QHelpEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QPolygonF,
+    QShowEvent,
+)
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QToolTip, QWidget
 
 from faceedit_app.editing.help.confidence import confidence_of
@@ -23,7 +31,6 @@ from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 24
-_COUNT_WIDTH = 74  # pixels for the number of problems
 _SIZES = 3.0, 6.5  # pixels of the mark of the slightest and of the worst problem
 _WAIT_MS = 250  # after the last change
 _LONG = 20_000  # frames: longer takes are searched in the background, not to block the window
@@ -310,7 +317,7 @@ class ProblemsHead(QWidget):
         self.count.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.count.clicked.connect(actions["list_problems"].trigger)
         self.setFixedWidth(style.HEADER_WIDTH)
-        row = QHBoxLayout(self)
+        self._layout = row = QHBoxLayout(self)
         row.setContentsMargins(1, 0, 0, 0)  # room for “No problems” in any font
         row.setSpacing(0)
         row.addWidget(self.count, 1)
@@ -320,14 +327,20 @@ class ProblemsHead(QWidget):
         bar.found.connect(self.sync)
         self.sync()
 
+    def showEvent(self, event: QShowEvent) -> None:
+        """Its room is known now."""
+        super().showEvent(event)
+        self._layout.activate()
+        self.sync()
+
     def sync(self) -> None:
         """Show what was found."""
         count = len(self._bar.problems)
         words = "problem" if count == 1 else "problems"
         none = "No problems" if self._bar.is_searched else "Looking…"
         text = f"{count} {words}" if count else none
-        if self.count.fontMetrics().horizontalAdvance(text) > _COUNT_WIDTH:
-            text = str(count)
         self.count.setText(text)
+        if self.count.sizeHint().width() > self.count.width():
+            self.count.setText(str(count))
         self.count.setAccessibleName(f"{count} {words}")
         self.count.setToolTip(f"{self._bar.summary}\n{self._tip}".strip())
