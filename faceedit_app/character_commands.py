@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
     from faceedit_app.networks.engine import Engine
 
+_FITS_BADLY = 20.0  # mm from the scan, at the 95th percentile
+
 app = typer.Typer(help="Check or make a character of your own.", no_args_is_help=True)
 
 CharacterArgument = Annotated[
@@ -158,6 +160,12 @@ def make(
         say(f"{scan}: {sentence}", to=sys.stderr)
     if made.parted:
         say(f"{scan}: its lips are {made.parted:.1f} mm apart; they were closed", to=sys.stderr)
+    if most > _FITS_BADLY:
+        say(
+            f"{scan}: fits badly in places: look at the new character, or give control points "
+            "with --points",
+            to=sys.stderr,
+        )
     say(
         f"{output}: {len(landmarks.positions)} landmarks; the skin of the face is {middle:.2f} mm "
         f"from the scan (95 % within {most:.2f} mm)"

@@ -41,7 +41,7 @@ def convert(
         Optional[str],  # noqa: UP045  (typer reads the annotation at run time)
         typer.Option(
             "--format",
-            help="livelink, csv, audio2face, glb, fbx or usd; default: by the ending.",
+            help="livelink, csv, audio2face, glb, fbx, usd or usdz; default: by the ending.",
         ),
     ] = None,
     fps: Annotated[
@@ -59,7 +59,7 @@ def convert(
 ) -> None:
     """Write a take in another format, or at another frame rate.
 
-    A glb, fbx or usd holds a character that plays the take: yours with --character, or FaceEdit's.
+    glb, fbx, usd and usdz hold a character that plays the take: yours (--character) or FaceEdit's.
     """
     from faceedit_app.editing import exporting
     from faceedit_app.formats.opening import checked_rate
@@ -286,7 +286,7 @@ def record(
     ] = "",
     seconds: Annotated[
         Optional[float],  # noqa: UP045
-        typer.Option(help="Stop after so many seconds; default: at Ctrl+C."),
+        typer.Option(help="Stop after this many seconds; default: at Ctrl+C."),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -81,11 +81,12 @@ def track(
 def webcam(
     output: Annotated[Path, typer.Argument(help="The new film: an MP4.")],
     name: Annotated[
-        str, typer.Option("--webcam", help="A part of its name; default: the system's choice.")
+        str,
+        typer.Option("--webcam", help="Part of the webcam's name; default: the system's choice."),
     ] = "",
     seconds: Annotated[
         Optional[float],  # noqa: UP045
-        typer.Option(min=0.1, help="Stop after so many seconds; default: at Ctrl+C."),
+        typer.Option(min=0.1, help="Stop after this many seconds; default: at Ctrl+C."),
     ] = None,
     sound: Annotated[bool, typer.Option(help="Record the microphone.")] = True,
 ) -> None:
@@ -96,7 +97,7 @@ def webcam(
     from faceedit_app.media.webcam import WebcamRecorder, find_webcam
 
     if output.suffix.lower() != ".mp4":
-        raise FileError(output, "is no name for an MP4", "let it end in .mp4")
+        raise FileError(output, "does not end in .mp4", "choose a name that does")
     chosen = find_webcam(name)
     started, ended, errors = threading.Event(), threading.Event(), list[FaceEditError]()
 

@@ -43,7 +43,7 @@ def words(
     ] = None,
     sounds_like: Annotated[
         Optional[list[str]],  # noqa: UP045
-        typer.Option(help="WORD=SPELLING, for a word not in the dictionary; several times."),
+        typer.Option(help="WORD=SPELLING, for a word not in the dictionary; repeatable."),
     ] = None,
     save: Annotated[
         Optional[Path],  # noqa: UP045
@@ -87,13 +87,19 @@ def words(
     """
     from faceedit_app.media import is_media
     from faceedit_app.words.aligning import NOISY, Line
-    from faceedit_app.words.files import as_tables, read_words, write_words
+    from faceedit_app.words.files import READ_ENDINGS, as_tables, read_words, write_words
     from faceedit_app.words.imported import Imported
 
     if (text is None) == (file is None):
         raise FaceEditError("words needs what is said: --text TEXT, or --words FILE")
-    if (fix or retime_to is not None) != (output is not None):
-        raise FaceEditError("-o belongs to --fix or --retime-to: give both or neither")
+    if len((text or "").split()) == 1 and Path(text or "").suffix.lower() in READ_ENDINGS:
+        raise FaceEditError(f"--text {text}: is the name of a file; give it as --words {text}")
+    if output is not None and not (fix or retime_to is not None):
+        raise FaceEditError(
+            "-o writes the edited take: add --fix or --retime-to, or write the words with --save"
+        )
+    if output is None and (fix or retime_to is not None):
+        raise FaceEditError("--fix and --retime-to change the take: say with -o where to write it")
     if retime_to is None and (their_text is not None or their_start is not None):
         raise FaceEditError("--their-text and --their-start belong to --retime-to")
 

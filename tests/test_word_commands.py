@@ -115,6 +115,8 @@ def test_wrong_usage_and_bad_input_are_reported(
     assert "--text" in complaint(take)
     assert "--text" in complaint(take, "--text", "a", "--words", take)
     assert "-o" in complaint(take, "--text", "hello", "--fix")
+    assert "--fix" in complaint(take, "--text", "hello", "-o", tmp_path / "out.csv")
+    assert "--words said.srt" in complaint(take, "--text", "said.srt")
     assert "-o" in complaint(take, "--text", "hello", "-o", tmp_path / "out.csv")
     assert "is a sound" in complaint(sound, "--text", "a", "--fix", "-o", tmp_path / "out.csv")
     assert f"{take}: has no sound beside it" in complaint(take, "--text", "hello there")

@@ -75,6 +75,16 @@ class Landmarks:
             good &= error < 3.5 * np.median(error[good])
         return Landmarks(self.triangles[good], self.weights[good], self.positions[good])
 
+    def misfit(self, vertices: Doubles, faces: NDArray[np.integer]) -> float:
+        """Median distance between the two faces' landmarks, turned and scaled onto each other.
+
+        It is in the template's unit: some millimetres between any two faces, much more if what was
+        found is no face.
+        """
+        source = self.on(vertices, faces)
+        placed = procrustes(self.positions, source, reflection=False)[1]
+        return float(np.median(np.linalg.norm(placed - source, axis=1)))
+
 
 @dataclass(frozen=True)
 class Fitted:

@@ -19,6 +19,7 @@ from faceedit_app.core.errors import FileError
 _HEAD = 1 << 16  # bytes that show the kind of a file
 _LONGEST_JSON = 1 << 26
 _REMEDY = "choose a GLB, glTF, VRM, binary FBX or OBJ with blendshapes"
+SCAN_REMEDY = "use an OBJ, PLY, STL or GLB of a neutral face"
 # Files that people try, and how to convert them.
 _KNOWN = {
     ".blend": "a Blender file; in Blender, File > Export > glTF 2.0",
@@ -108,6 +109,8 @@ def read_character(path: Path | str, with_shapes: bool = True) -> Character:
     if known is not None:
         problem, _, remedy = known.partition("; ")
         raise FileError(path, f"is {problem}", remedy)
+    if not with_shapes:
+        raise FileError(path, "is not a scan that FaceEdit can read", SCAN_REMEDY)
     raise FileError(path, "is not a character file that FaceEdit can read", _REMEDY)
 
 

@@ -15,7 +15,7 @@ from faceedit_app.characters.bounded import MOST_TRIANGLES, MOST_VERTICES, finit
 from faceedit_app.characters.character import Character, Part, Surface, Texture
 from faceedit_app.characters.paint import Paint
 from faceedit_app.characters.pictures import read_textures
-from faceedit_app.characters.registry import read_character
+from faceedit_app.characters.registry import SCAN_REMEDY, read_character
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 
@@ -24,7 +24,6 @@ _ENOUGH = 120_000  # triangles; more would only slow the fit
 _FEWEST = 200
 _FINE = 20_000  # vertices; the colours of more are finer than those of our vertices
 _GREY = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
-_REMEDY = "use an OBJ, PLY, STL or GLB of a neutral face"
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ def read_scan(path: Path | str) -> Scan:
     is_plain = path.suffix.lower() in _PLAIN
     scan = _joined(_plain(path) if is_plain else read_character(path, with_shapes=False))
     if len(scan.faces) < _FEWEST:
-        raise FileError(path, f"has only {len(scan.faces)} triangles", _REMEDY)
+        raise FileError(path, f"has only {len(scan.faces)} triangles", SCAN_REMEDY)
     return _smaller(scan)
 
 
@@ -69,7 +68,7 @@ def _plain(path: Path) -> Character:
         vertices = finite(np.asarray(mesh.vertices, np.float64), "vertices")
         faces = np.asarray(mesh.faces, np.int32)
     except Exception as error:  # trimesh raises all kinds
-        raise FileError(path, "cannot be read as a mesh", _REMEDY) from error
+        raise FileError(path, "cannot be read as a mesh", SCAN_REMEDY) from error
     if len(vertices) > MOST_VERTICES or len(faces) > MOST_TRIANGLES:
         raise FileError(path, f"has {len(faces)} triangles", "export a smaller one")
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):

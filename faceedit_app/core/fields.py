@@ -228,7 +228,7 @@ class Fields:
 
     def _text(self, name: str, value: Any, longest: int) -> str:
         if not isinstance(value, str):
-            raise FieldError(f"{self._full(name)} is not a text")
+            raise FieldError(f"{self._full(name)} is not text")
         if len(value) > longest:
             raise FieldError(f"{self._full(name)} is longer than {longest:,} characters")
         if _SURROGATE.search(value):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -140,6 +141,17 @@ def ending_for(take: Take) -> str:
     endings = () if form is None else _endings(form)
     own = take.path.suffix.lower()
     return own if own in endings else next(iter(endings), ".csv")
+
+
+def free_name(path: Path) -> Path:
+    """The name for a new take, numbered if there is a take, sound or film of that name already."""
+    numbered = (path.with_stem(f"{path.stem}_{number}") for number in count(2))
+    endings = {path.suffix, ".wav", ".mp4", ".webm"}
+    return next(
+        one
+        for one in chain([path], numbered)
+        if not any(one.with_suffix(ending).exists() for ending in endings)
+    )
 
 
 def _endings(form: OutFormat) -> tuple[str, ...]:

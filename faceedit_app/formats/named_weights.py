@@ -85,7 +85,7 @@ def read_named(
     frames = next((found for layout in layouts if (found := layout(text, naming, rate))), None)
     if frames is None:
         if _DECIMAL_COMMA.search(content):
-            raise text.error("has texts with a comma for its numbers", "write 0.25 for 0,25")
+            raise text.error("writes its numbers as text, with a comma", "write 0.25 for 0,25")
         remedy = "export it with the weights of every frame, or as CSV"
         raise text.error("has no frames with the weights of ARKit channels", remedy)
     return json_take(text, form, frames, fps)

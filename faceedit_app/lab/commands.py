@@ -24,9 +24,7 @@ Paths = Optional[list[Path]]  # noqa: UP045
 Texts = Optional[list[str]]  # noqa: UP045
 Number = Optional[int]  # noqa: UP045
 
-DataOption = Annotated[
-    Paths, typer.Option("--data", help="A folder of takes; may be given several times.")
-]
+DataOption = Annotated[Paths, typer.Option("--data", help="A folder of takes; repeatable.")]
 FiguresOption = Annotated[
     OptionalPath, typer.Option("--json", help="Write all figures to this file.")
 ]
@@ -177,14 +175,14 @@ def evaluate_words(
 
 def evaluate_tracking(
     takes: Annotated[list[Path], typer.Argument(help="Takes, or folders of takes, to render.")],
-    seconds: Annotated[float, typer.Option(min=1.0, help="Of each take, the liveliest.")] = 6.0,
+    seconds: Annotated[
+        float, typer.Option(min=1.0, help="Length of the liveliest part of each take.")
+    ] = 6.0,
     exclude: ExcludeOption = None,
     output: FiguresOption = None,
     character: Annotated[
         Paths,
-        typer.Option(
-            "--character", help="Who plays the takes besides FaceEdit's own; several times."
-        ),
+        typer.Option("--character", help="A character that plays the takes too; repeatable."),
     ] = None,
 ) -> None:
     """Render films of takes, track them, and measure what was found."""
@@ -217,7 +215,7 @@ def experiment(
     ),
     data: DataOption = None,
     held_out: Annotated[
-        Paths, typer.Option("--held-out", help="Takes to measure on only; several times.")
+        Paths, typer.Option("--held-out", help="Takes to measure on only; repeatable.")
     ] = None,
     models: ModelsOption = None,
     epochs: Annotated[
@@ -244,7 +242,7 @@ def experiment(
 
 def synthesize(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the takes.")],
-    minutes: Annotated[float, typer.Option(min=0.05, help="Of performance in all.")] = 10.0,
+    minutes: Annotated[float, typer.Option(min=0.05, help="Length of all takes together.")] = 10.0,
     seed: Annotated[int, typer.Option(min=0, help="Same seed: same takes.")] = 1,
 ) -> None:
     """Write synthetic performances, spoken and acted, to train on."""

@@ -29,6 +29,8 @@ _FEWEST = 6
 _SIZE = 512  # pixels of the pictures
 _HEAD = 0.26  # metres; the assumed height of a scan
 _CLAY = np.array([0.5, 0.38, 0.33, 1.0], np.float32)
+_A_FACE = 4.0  # mm of misfit, below which no other orientation is tried
+_NO_FACE = 12.0  # mm, from which it is none
 _JITTER = 1.5  # pixels around a landmark; the frontmost hit counts, not one in a hole
 
 
@@ -74,16 +76,29 @@ def find_landmarks(
 
 
 def scan_landmarks(template: Template, scan: Scan, finder: FaceLandmarker) -> Landmarks | None:
-    """Find landmarks on both heads; None if no face is found in any orientation."""
+    """Find landmarks on both heads; None if no face is found in any orientation.
+
+    The crown of a painted head, or the folds of a neck, can look like a face to the networks: the
+    orientation counts in which the landmarks lie as on a face.
+    """
     own = seen_landmarks(template.rig, finder)
     if own is None:
         return None
+    best, least = None, _NO_FACE
     for axes in _axes():
         rig, to_scan = _posed(scan, axes)
         found = seen_landmarks(rig, finder)
-        if found is not None:
-            return _pairs(template, own, rig, found, to_scan)
-    return None
+        if found is None:
+            continue
+        pairs = _pairs(template, own, rig, found, to_scan)
+        if len(pairs.positions) < _FEWEST:
+            continue
+        misfit = pairs.misfit(template.vertices, template.faces)
+        if misfit < least:
+            best, least = pairs, misfit
+        if least < _A_FACE:
+            break
+    return best
 
 
 def _axes() -> Iterator[Doubles]:

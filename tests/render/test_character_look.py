@@ -10,6 +10,7 @@ import trimesh
 from support.faces import shipped_rig
 from support.renderers import opened_renderer
 
+from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS
 from faceedit_app.core.rig import MILLIMETRES, Rig
 from faceedit_app.render import Camera
@@ -84,9 +85,19 @@ def test_lashes_stay_rooted_in_the_lids(rig: Rig, closed: float, squint: float) 
     channels |= {"eyeSquintLeft": squint, "eyeSquintRight": squint}
     moved = rig.vertices(weights(rig, **channels)) - rig.neutral
     lid_moved = np.einsum("pc,pcx->px", shares, moved[lids])
-    strayed = np.linalg.norm(moved[lashes[rooted]] - lid_moved, axis=1) * MILLIMETRES
+    strayed = _mean_of_each_lash(rig, moved[lashes[rooted]] - lid_moved, lashes[rooted])
     assert np.median(strayed) < 0.1
     assert np.quantile(strayed, 0.95) < 0.7
+
+
+def _mean_of_each_lash(rig: Rig, moved: Doubles, roots: Indices) -> Doubles:
+    """How far (mm) each lash's root moves; lashes grow thin as lids close, about their middle."""
+    lashes = [m for m in rig.materials if m.name == "lashes"]
+    faces = np.concatenate([rig.faces[m.start : m.stop] for m in lashes])
+    edges = trimesh.geometry.faces_to_edges(faces)
+    lash = trimesh.graph.connected_component_labels(edges, node_count=len(rig.neutral))[roots]
+    means = [moved[lash == one].mean(axis=0) for one in np.unique(lash)]
+    return np.asarray(np.linalg.norm(means, axis=1) * MILLIMETRES, np.float64)
 
 
 def test_teeth_are_light_and_not_grey(renderer: FaceRenderer, rig: Rig) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from support.faces import shipped_rig
 from support.tracker import needs_tracker
 
@@ -14,8 +15,10 @@ from faceedit_app.characters.making import Template
 from faceedit_app.characters.points import POINTS
 from faceedit_app.characters.scans import Scan
 from faceedit_app.cli import main
+from faceedit_app.core.arrays import Doubles, Pixels
 from faceedit_app.core.errors import FileError
-from faceedit_app.scans.landmarks import find_landmarks, read_points
+from faceedit_app.scans.landmarks import find_landmarks, read_points, scan_landmarks
+from faceedit_app.tracking.landmarker import FaceLandmarker
 
 
 def test_points_are_read(tmp_path: Path) -> None:
@@ -63,3 +66,28 @@ def test_a_face_is_found_however_its_file_is_turned(tmp_path: Path) -> None:
     ours = marks.on(template.vertices, template.faces)
     theirs = marks.positions[:, [0, 2, 1]] * (25.0, 25.0, -25.0)
     assert np.median(np.linalg.norm(ours - theirs, axis=1)) < 2.0
+
+
+class Imagining(FaceLandmarker):
+    """Sees a face in every picture: where the networks see none, points all over the middle."""
+
+    def find(self, picture: Pixels) -> Doubles | None:
+        found = super().find(picture)
+        return np.random.default_rng(1).uniform(160, 350, (478, 2)) if found is None else found
+
+
+@needs_tracker
+def test_what_only_looks_like_a_face_is_passed_over() -> None:
+    rig, template = shipped_rig(), Template.of(shipped_rig())
+    turned = rig.neutral.astype(np.float64)[:, [0, 2, 1]] * (40.0, -40.0, 40.0)  # Z up
+    marks = scan_landmarks(template, Scan(turned, rig.faces, rig.colors), Imagining())
+    assert marks is not None
+    assert marks.misfit(template.vertices, template.faces) < 1.0
+
+
+@needs_tracker
+def test_a_head_without_a_face_has_no_landmarks() -> None:
+    template = Template.of(shipped_rig())
+    ball = trimesh.creation.icosphere(4)
+    scan = Scan(np.asarray(ball.vertices), np.asarray(ball.faces, np.int32), None)
+    assert scan_landmarks(template, scan, Imagining()) is None

@@ -88,3 +88,17 @@ def test_what_cannot_be_written_is_said_and_cancel_writes_nothing(
     qtbot.waitUntil(lambda: bool(bench.errors), timeout=15_000)
     assert "exists" in bench.errors[0]
     assert session_of(window).take.path == bench.take
+
+
+def test_the_name_that_is_suggested_is_free(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    window = bench.editing()
+    suggested: list[Path] = []
+    monkeypatch.setattr(dialogs, "ask_export", lambda _parent, path: suggested.append(path))
+    for taken in (None, f"{bench.take.stem}_shorter.csv", f"{bench.take.stem}_shorter_2.wav"):
+        if taken is not None:
+            (bench.take.parent / taken).touch()
+        window.timeline.select((0.5, 1.5))
+        trigger(window, "cut_shorter")
+        dialog_of(window).write.click()
+    stem = f"{bench.take.stem}_shorter"
+    assert [path.name for path in suggested] == [f"{stem}.csv", f"{stem}_2.csv", f"{stem}_3.csv"]

@@ -137,8 +137,8 @@ def statistics(setting: Setting) -> Path:
         "statistics",
         f"""# Synthesised and recorded performances
 
-Measured at 25 frames a second, by source. A dash: the source does not capture it, or never does
-it. `synthetic` is what `faceedit synthesize` writes; no person was recorded for it.
+Measured at 25 frames a second, by source. A dash means that the source does not capture it, or
+never does it. `synthetic` is what `faceedit synthesize` writes; no person was recorded for it.
 
 ```
 {table(figures).rstrip()}

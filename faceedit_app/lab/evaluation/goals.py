@@ -56,8 +56,8 @@ def _closures(figures: Figures) -> list[FigureGoal]:
         threshold, fpr = ours.fpr_at(TPR_WANTED)
         out.append(
             FigureGoal(
-                f"{WHAT[what]}: FPR at most {FPR_ALLOWED} (aim {FPR_AIM}) from where on the "
-                f"TPR is {TPR_WANTED}",
+                f"{WHAT[what]}: FPR at most {FPR_ALLOWED} (aim {FPR_AIM}) at the "
+                f"threshold from which the TPR is {TPR_WANTED}",
                 f"{cell(fpr, 2)} at {cell(threshold, 1)} mm",
                 bool(fpr <= FPR_ALLOWED),
             )

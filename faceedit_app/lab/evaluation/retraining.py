@@ -42,7 +42,7 @@ def table2(setting: Setting) -> Path:
     text = f"""# Table 2: training on one source, testing on another
 
 Full system, lower face, closures at {MOUTH_AT:g} mm. The sources stand in for the paper's two
-databases. Of each source the later half of each take is kept for testing. {_budget(setting)}
+databases. The later half of each take is kept for testing. {_budget(setting)}
 
 {markdown_table(titles, rows)}"""
     return setting.write("table2", text)
@@ -156,7 +156,7 @@ def _brows(setting: Setting) -> str:
         }
         for source, found in scores.items():
             rows.append([name, source, cell(found["regressor"].mse), cell(found["system"].mse)])
-    titles = ["the upper face hears", "tested on", "regressor, MSE", "full system, MSE"]
+    titles = ["the upper face listens to", "tested on", "regressor, MSE", "full system, MSE"]
     return markdown_table(titles, rows)
 
 

@@ -278,9 +278,9 @@ def report(figures: WordFigures) -> str:
         )
     lines += [
         "",
-        "Noise is white, the same in all channels, at so many dB below the words, with five seeds",
-        "for each take. Refused are sounds in which the words were not found. The start of the",
-        "first word is left out: its published time has silence in it.",
+        "The noise is white, the same in all channels, and that many dB below the words, with five",
+        "seeds for each take. Refused counts sounds in which the words were not found. The start",
+        "of the first word is left out: its published time includes silence.",
         "",
         "## Closures",
         "",
@@ -295,9 +295,9 @@ def report(figures: WordFigures) -> str:
         )
     lines += [
         "",
-        "Open means over 0.5 mm. False are fixes over 80 ms outside the published time of their",
+        "Open means over 0.5 mm. False counts fixes over 80 ms outside the published time of their",
         "word. Elsewhere is the most that a curve moved farther than 80 ms from every fix. In the",
-        "second row, the jaw was held open at every closure, as poor tracks do.",
+        "second row, the jaw was held open at every closure, as poor tracking leaves it.",
         "",
     ]
     return "\n".join(lines)

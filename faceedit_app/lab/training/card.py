@@ -65,11 +65,11 @@ def model_card(
 
 Written by `faceedit train` of FaceEdit {__version__}. For each face region a regressor (controls to
 blendshape weights) and a stacked denoising autoencoder, after Berson, Soladié, Barrielle and
-Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019). One ONNX file a region;
-nothing is ever executed but the operators of its graph. The folder `completion` holds a small
+Stoiber, "A Robust Interactive Facial Animation Editing System" (MIG 2019). One ONNX file for each
+region; only the operators of its graph are executed. The folder `completion` holds a small
 network for a region whose curves are completed where the take breaks off inside an edit. The folder
-`holden`, where it is there, holds the baseline that the evaluation compares with; the application
-does not read it.
+`holden`, if present, holds the baseline that the evaluation compares with; the application does
+not read it.
 
 They are made for the character {fitted[0].model.description.made_for.name}; FaceEdit refuses them
 with another one.

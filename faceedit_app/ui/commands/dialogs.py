@@ -140,9 +140,9 @@ def ask_record_name(
 
 def ask_stop_film(parent: QWidget) -> bool:
     """Whether to give up a film that is being written."""
-    box = _question(parent, "A film is still being written.", "If you stop it, there is no film.")
-    stop = box.addButton("Stop it", QMessageBox.ButtonRole.DestructiveRole)
-    go_on = box.addButton("Go on filming", QMessageBox.ButtonRole.RejectRole)
+    box = _question(parent, "A film is still being written.", "If you stop now, no film is kept.")
+    stop = box.addButton("Stop filming", QMessageBox.ButtonRole.DestructiveRole)
+    go_on = box.addButton("Keep filming", QMessageBox.ButtonRole.RejectRole)
     return _insists(box, stop, go_on)
 
 

@@ -98,12 +98,12 @@ class SpliceCommands(QObject):
         SpliceDialog(self._workspace.window, title, text, seconds, has, make).open()
 
     def _write(self, session: EditSession, wanted: Splice, has_film: bool) -> None:
-        from faceedit_app.editing.splicing import ending_for, write_spliced
+        from faceedit_app.editing.splicing import ending_for, free_name, write_spliced
         from faceedit_app.media.container import Abandoned
 
         tail = "_longer" if wanted.seconds else "_shorter"
         suggestion = self._workspace.suggest("export", tail, ending_for(session.take))
-        path = dialogs.ask_export(self._workspace.window, suggestion)
+        path = dialogs.ask_export(self._workspace.window, free_name(suggestion))
         if path is None:
             return
         self._workspace.document.work_off()

@@ -122,7 +122,7 @@ class Header(QWidget):
         self.setEnabled(not why)
         self.setToolTip(
             why
-            or f"{self.control.hint}\nDouble click: enlarge small movements.\n"
+            or f"{self.control.hint}\nDouble-click: enlarge small movements.\n"
             "Ctrl+click: choose several curves to edit together."
         )
 

@@ -21,7 +21,7 @@ HEIGHT = 17
 _TIP = (
     "Drag to select a time range; drag its middle to move it, or a handle to change it.\n"
     "The outer handles set the falloffs, over which an edit fades in and out; so does the wheel.\n"
-    "Shift: fine. Ctrl: snap to frames. Esc: cancel. Double click: clear the selection."
+    "Shift: fine. Ctrl: snap to frames. Esc: cancel. Double-click: clear the selection."
 )
 _HINT = "Drag here to select a time range"
 _HANDLE = 7.0  # greatest pixels from an edge to the side of its handle

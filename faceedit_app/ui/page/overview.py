@@ -18,7 +18,7 @@ _LEAST = 3.0  # pixels of an edit
 _GRASP = 5.0  # pixels around an end of the part in view
 _TIP = (
     "The whole take with its edits; the frame is what the curves show.\n"
-    "Drag it to move along the take, or an end of it to show more or less. Double click: show all."
+    "Drag it to move along the take, or an end of it to show more or less. Double-click: show all."
 )
 
 

@@ -318,7 +318,7 @@ class ProblemsHead(QWidget):
         self.count.clicked.connect(actions["list_problems"].trigger)
         self.setFixedWidth(style.HEADER_WIDTH)
         self._layout = row = QHBoxLayout(self)
-        row.setContentsMargins(4, 0, 2, 0)
+        row.setContentsMargins(1, 0, 0, 0)  # room for “No problems” in any font
         row.setSpacing(0)
         row.addWidget(self.count, 1)
         for name in ("previous_problem", "next_problem"):
@@ -340,7 +340,7 @@ class ProblemsHead(QWidget):
         none = "No problems" if self._bar.is_searched else "Looking…"
         text = f"{count} {words}" if count else none
         self.count.setText(text)
-        if self.count.sizeHint().width() > self.count.width():
+        if count and self.count.sizeHint().width() > self.count.width():
             self.count.setText(str(count))
         self.count.setAccessibleName(f"{count} {words}")
         self.count.setToolTip(f"{self._bar.summary}\n{self._tip}".strip())

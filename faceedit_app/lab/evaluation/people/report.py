@@ -241,9 +241,8 @@ def goals_part(figures: PeopleFigures) -> str:
     reached, count = goals_reached(figures)
     return "\n\n".join(
         [
-            f"{reached} of {count} goals are reached: what FaceEdit gives users, as it is set when "
-            "it starts. How each is measured, and what simple references reach: "
-            "`docs/evaluation/people.md`.",
+            f"{reached} of {count} goals are reached by FaceEdit as it is set when it starts. How "
+            "each is measured, and what simple references reach: `docs/evaluation/people.md`.",
             sources_table(figures),
             left_out(figures),
             *(f"Note: {note}." for note in figures.notes),
@@ -256,8 +255,8 @@ def left_out(figures: PeopleFigures) -> str:
     """How many takes do not count, in a sentence."""
     takes = "take was" if figures.synthesised == 1 else "takes were"
     return (
-        f"{figures.synthesised} synthesised {takes} left out: only people count. Of each source "
-        "the mean, and over several sources the median."
+        f"{figures.synthesised} synthesised {takes} left out: only people count. A figure is "
+        "the mean of a source, or over several sources the median of their means."
     )
 
 
@@ -271,7 +270,7 @@ the whole region from its curves, without reach. *Ridge regression* (quadratic, 
   take, times 1000 (JSON: not multiplied).
 - **In-painting.** Stretches of 0.5 to 2 s are lost, and filled from what is around them; FaceEdit
   by *Fill*, without sound. Change of velocity: of the curve with the largest, at the four frames of
-  both ends. The error alone favours what does not move: a straight line is near everything.
+  both ends. The error alone favours what does not move: a straight line is never far off.
 - **Real or edited.** A logistic regression on windows of 64 frames at 25 a second, half of them
   with a drag of one curve (or pair) by 1 to 2 times its spread in the take. It learns from the
   other sources; 50 % is chance, and with 240 windows of a source the standard error is 2 points.
