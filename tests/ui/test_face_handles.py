@@ -109,6 +109,19 @@ def test_the_chin_opens_the_mouth_downwards_and_moves_the_jaw_sideways(
     assert session.edits == ()
 
 
+def test_lips_that_first_close_on_the_character_still_open_when_pulled_down(
+    window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Near rest, closing on the user's character moves the lip up although more is asked for."""
+    handles = handles_of(window)
+    moved = handles._moved
+    monkeypatch.setattr(
+        handles, "_moved", lambda hand, mm: moved(hand, mm) * (-1.0 if mm < 2.0 else 1.0)
+    )
+    drag(window, "mouth_opening", QPoint(0, 30))
+    assert session_of(window).edits[0].value > 0.5
+
+
 def test_the_handle_stays_under_the_pointer(window: MainWindow) -> None:
     """As well as the face can follow: it is not pulled past where the hand is."""
     start = handles_of(window).places["mouth_opening"]

@@ -23,6 +23,7 @@ _SLOP = 3.0  # pixels that the pointer may move before a drag begins
 _FINE = 0.1  # with Shift
 _SIZE = 4.5  # pixels
 _PROBE = 1.0  # mm, to find out which way a handle goes
+_FAR_PROBE = 8.0  # mm, past lips that are shut
 _LEAST = 0.3  # pixels per mm: less cannot be dragged
 
 
@@ -174,18 +175,29 @@ class FaceHandles(QWidget):
     def _find_way(self, hand: Hand) -> Doubles:
         """(2,) pixels that the held handle moves per millimetre of its control."""
         assert self._held is not None
-        vertex = [self._vertex(self._held)]
-        before = self._viewport.project(vertex)
-        hand.probe(_PROBE)
-        after = self._viewport.project(vertex)
-        hand.end_probe()
-        if before is not None and after is not None:
-            way: Doubles = (after - before)[0, :2] / _PROBE
-            if np.hypot(*way) >= _LEAST:
-                return way
+        way = self._moved(hand, _PROBE)
+        if self._held == LIP_OPENING:
+            # Shut lips close on the user's character first, which can move them the other way.
+            far = self._moved(hand, _FAR_PROBE)
+            way = far if way @ far <= 0 else way
+        if np.hypot(*way) >= _LEAST:
+            return way
         if control_named(self._held).sideways:
             return np.array([1.0, 0.0])
         return np.array([0.0, 1.0 if self._held == LIP_OPENING else -1.0])
+
+    def _moved(self, hand: Hand, millimetres: float) -> Doubles:
+        """(2,) pixels per millimetre that a pull of this much moves the held handle."""
+        assert self._held is not None
+        vertex = [self._vertex(self._held)]
+        before = self._viewport.project(vertex)
+        hand.probe(millimetres)
+        after = self._viewport.project(vertex)
+        hand.end_probe()
+        if before is None or after is None:
+            return np.zeros(2)
+        way: Doubles = (after - before)[0, :2] / millimetres
+        return way
 
     def _drop(self) -> None:
         self._held, self._way = None, None

@@ -340,7 +340,7 @@ class ProblemsHead(QWidget):
         none = "No problems" if self._bar.is_searched else "Looking…"
         text = f"{count} {words}" if count else none
         self.count.setText(text)
-        if self.count.sizeHint().width() > self.count.width():
+        if count and self.count.sizeHint().width() > self.count.width():
             self.count.setText(str(count))
         self.count.setAccessibleName(f"{count} {words}")
         self.count.setToolTip(f"{self._bar.summary}\n{self._tip}".strip())
