@@ -29,6 +29,7 @@ NAMES = (
     *("key", "channel", "channelname", "curve", "parameter", "param", "target", "id", "k"),
 )
 _NUMBERS = ("score", "value", "weight", "val", "v", "w")
+_SIDES = ("left", "right")
 _FEW = 6  # entries of an object that holds one weight
 _LONGEST_KEY = 60
 _PLAIN = re.compile(r"\d+(?:\.\d+)?")
@@ -127,13 +128,16 @@ def _sets(entry: Any, naming: Naming, depth: int = 0) -> Iterator[Weights]:
 
 
 def _of_object(entry: Mapping[str, Any], naming: Naming) -> Weights:
-    """The numbers of `{"jawOpen": 0.1}`, or of `{"jawOpen": {"value": 0.1}}`."""
+    """The numbers of `{"jawOpen": 0.1}`, also as `{"value": 0.1}` or below "left" and "right"."""
     found = {n: v for n, v in entry.items() if v is None or isinstance(v, Place)}
     for name, value in entry.items():
         if isinstance(value, dict) and len(value) <= _FEW and naming(name):
             number = _number_of(value)
             if number is not None:
                 found[name] = number
+        elif isinstance(value, dict) and letters(name) in _SIDES:
+            sided = ((f"{inner}_{name}", one) for inner, one in value.items() if not naming(inner))
+            found |= {n: v for n, v in sided if naming(n) and isinstance(v, Place | None)}
     return found
 
 

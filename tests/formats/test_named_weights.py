@@ -119,6 +119,14 @@ LAYOUTS: dict[str, Any] = {
             "others": {c: v for c, v in w.items() if not c.startswith("eye")},
         }
     ),
+    "weights by side": rows(
+        lambda n, w: {
+            "time": n / 30,
+            **{c: v for c, v in w.items() if not c.endswith(("Left", "Right"))},
+            "left": {c[:-4]: v for c, v in w.items() if c.endswith("Left")},
+            "right": {c[:-5]: v for c, v in w.items() if c.endswith("Right")},
+        }
+    ),
     "frames by time": dict(rows(lambda n, w: (f"{n / 30:.4f}", w))),
     "frames by milliseconds": dict(rows(lambda n, w: (str(n * 100 // 3), w))),
     "frames by timecode": dict(rows(lambda n, w: (f"01:00:{n // 30:02d}:{n % 30:02d}", w))),
