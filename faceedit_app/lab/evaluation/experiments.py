@@ -56,7 +56,8 @@ def held_out(setting: Setting) -> Path:
         *closure_charts(figures, setting.output),
         "## Edits",
         "Each take: a spike of one frame, a smile over the whole take, conflicting corners, a wild "
-        "40 mm, and up to three lip closures and blinks, at places fixed by the take's name.",
+        "40 mm, and up to three lip closures and blinks, at places fixed by the take's name. Lips "
+        "count as closed where the take's own do.",
         edits_table(figures.outcomes),
         "Preserve mode at naturalness 1, by kind of edit:",
         kinds_table(figures.outcomes),
