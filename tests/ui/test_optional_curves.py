@@ -139,7 +139,10 @@ def test_a_drag_of_a_brow_with_left_and_right_moves_both(
 
 def test_the_head_is_no_window_of_its_own(window: MainWindow) -> None:
     """One would take the keyboard from the window."""
-    assert {w for w in QApplication.topLevelWidgets() if w.isVisible()} == {window}
+    assert window.isVisible()
+    visible = [widget for widget in QApplication.topLevelWidgets() if widget.isVisible()]
+    # The window of a test before this one may still be there.
+    assert all(isinstance(widget, MainWindow) for widget in visible)
 
 
 def test_a_value_below_zero_has_a_minus_sign_and_zero_has_none(
