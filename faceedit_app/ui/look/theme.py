@@ -64,7 +64,7 @@ QToolButton:focus, QPushButton:focus {{ border-color: {ACCENT}; }}
 QToolButton#icon {{ background: transparent; padding: 5px; }}
 QToolButton#icon:hover {{ background: {HOVER}; }}
 QToolButton#icon:checked {{ background: {ACCENT_DEEP}; }}
-QToolButton#tool {{ background: transparent; padding: 4px 6px; }}
+QToolButton#tool {{ background: transparent; padding: 4px; }}
 QToolButton#tool:hover {{ background: {HOVER}; }}
 QToolButton#tool:checked {{ background: {ACCENT_DEEP}; }}
 QToolButton#tool:disabled, QToolButton#small:disabled {{ background: transparent; }}

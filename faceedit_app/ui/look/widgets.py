@@ -132,7 +132,7 @@ def icon_button(
     """An action as an icon. It has a shortcut, so it does not take the focus."""
     button = kind()
     if text:  # under a style sheet Qt leaves a pixel or two between icon and text
-        action.setIconText(text if action.icon().isNull() else f"\N{EN SPACE}{text}")
+        action.setIconText(text if action.icon().isNull() else f"\N{FOUR-PER-EM SPACE}{text}")
     button.setObjectName(name)
     button.setDefaultAction(action)
     button.setIconSize(QSize(SIZE, SIZE))
