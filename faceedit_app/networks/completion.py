@@ -131,9 +131,8 @@ class CompletionNetwork:
         padded = np.zeros((length + -length % self.description.scale, width), np.float32)
         padded[:length] = features
         answer = self._session.run(["system"], {INPUT: padded})[0][:length].astype(np.float64)
-        if (
-            not np.abs(answer).max(initial=0.0) < LARGEST
-        ):  # a manipulated file: must not reach a take
+        # The answer of a manipulated file must not reach a take.
+        if not np.abs(answer).max(initial=0.0) < LARGEST:
             answer = np.nan_to_num(answer, nan=0.0).clip(-LARGEST, LARGEST)
         return answer[:, 0].clip(0.0, 1.0), answer[:, 1:]
 

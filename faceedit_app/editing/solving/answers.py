@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -71,9 +71,13 @@ class Answers:
             return self._engine.answer(region, curves, naturalness)
 
         return {
-            region: partial(self._recent.to, key, begun.get(region, partial(answer, region)))
+            region: partial(self.wait, key, begun.get(region, partial(answer, region)))
             for region, key in keys.items()
         }
+
+    def wait(self, key: Hashable, make: Callable[[], Doubles]) -> Doubles:
+        """A recent answer, or one that has been begun."""
+        return self._recent.to(key, make)
 
     def to_tracked(
         self, regions: Sequence[str], grid_range: GridRange, naturalness: float

@@ -16,6 +16,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving import solver as solve
+from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.lab.bench.clocks import Stages, Times, repeat
 from faceedit_app.lab.bench.desk import Desk, Heartbeat, long_take
 from faceedit_app.networks.engine import Engine
@@ -61,7 +62,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
         ("curves", solve.Solver, "solve"),
         ("window", Document, "_pass_on_preview"),  # what views do is not the session's time
         ("controls", solve, "request"),
-        ("networks", Engine, "answers"),
+        ("networks", Answers, "wait"),  # other cores answer while regions are solved
         ("plots", CurvesPanel, "refresh"),
         ("draw", FacePicture, "draw"),
         ("draw", FaceRenderer, "begin"),
