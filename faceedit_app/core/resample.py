@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,12 @@ def grid_length(times: Times) -> int:
 def to_grid(
     times: Times, values: NDArray[Any], start: int, stop: int, rate: float = GRID_RATE
 ) -> Doubles:
-    """Resample a signal to grid frames `start` to `stop` - 1.
+    """Resample a signal to grid frames `start` to `stop` - 1; see `OnGrid`."""
+    return OnGrid(times, start, stop, rate)(values)
+
+
+class OnGrid:
+    """Resamples signals at the same times to the same grid frames.
 
     Each grid value is the mean of the linearly interpolated signal over the grid frame's own time
     (40 ms at 25 fps), so that nothing is lost between grid frames, not even a spike of one frame
@@ -28,36 +34,39 @@ def to_grid(
 
     Args:
         times: (T,) seconds, increasing.
-        values: (T, C).
+        start, stop: the first grid frame, and the one after the last.
         rate: frames of the grid per second.
-
-    Returns:
-        (stop - start, C) float64.
     """
-    if len(times) == 1:
-        return np.repeat(values.astype(np.float64), stop - start, axis=0)
-    edges = (np.arange(start, stop + 1) - 0.5) / rate
-    steps = np.diff(times)[:, None]
-    areas = 0.5 * (values[1:] + values[:-1]) * steps
-    integral = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(areas, axis=0)])
-    # The integral of the linear interpolant, evaluated exactly at the edges.
-    inside = np.clip(edges, times[0], times[-1])
-    i = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, len(times) - 2)
-    into = (inside - times[i])[:, None]
-    slope = (values[i + 1] - values[i]) / steps[i]
-    at = integral[i] + into * (values[i] + 0.5 * slope * into)
-    at += np.minimum(edges - times[0], 0)[:, None] * values[0]
-    at += np.maximum(edges - times[-1], 0)[:, None] * values[-1]
-    grid: Doubles = np.diff(at, axis=0) * rate
-    return grid
 
+    def __init__(self, times: Times, start: int, stop: int, rate: float = GRID_RATE) -> None:
+        self._rate, self._count = rate, stop - start
+        self._is_still = len(times) == 1
+        if self._is_still:
+            return
+        edges = (np.arange(start, stop + 1) - 0.5) / rate
+        self._steps = np.diff(times)[:, None]
+        inside = np.clip(edges, times[0], times[-1])
+        i = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, len(times) - 2)
+        self._places, self._into = i, (inside - times[i])[:, None]
+        self._before = np.minimum(edges - times[0], 0)[:, None]
+        self._after = np.maximum(edges - times[-1], 0)[:, None]
 
-def from_grid(values: NDArray[np.floating[Any]], start: int, times: Times) -> Doubles:
-    """Interpolate grid frames `values` (N, C), the first of which is `start`, at `times` (T,).
-
-    See `OffGrid`.
-    """
-    return OffGrid(len(values), start, times)(values)
+    def __call__(self, values: NDArray[Any]) -> Doubles:
+        """(stop - start, C) float64, of values (T, C)."""
+        if self._is_still:
+            return np.repeat(values.astype(np.float64), self._count, axis=0)
+        i, into, steps = self._places, self._into, self._steps
+        areas = 0.5 * (values[1:] + values[:-1]) * steps
+        integral = np.zeros(values.shape)
+        np.cumsum(areas, axis=0, out=integral[1:])
+        # The integral of the linear interpolant, evaluated exactly at the edges.
+        before = values[i]
+        slope = (values[i + 1] - before) / steps[i]
+        at = integral[i] + into * (before + 0.5 * slope * into)
+        at += self._before * values[0]
+        at += self._after * values[-1]
+        grid: Doubles = np.diff(at, axis=0) * self._rate
+        return grid
 
 
 class OffGrid:
@@ -93,6 +102,31 @@ class OffGrid:
         for tap, places in self._taps:
             result += tap * values[places]
         return result
+
+
+class Resampling:
+    """From frames at the same times to the same grid frames, and back.
+
+    The places of one in the other are found once: with every step of a drag, several signals go
+    the same way.
+
+    Args:
+        times: (T,) seconds, increasing.
+        start, stop: the first grid frame, and the one after the last.
+    """
+
+    def __init__(self, times: Times, start: int, stop: int) -> None:
+        self._times, self._start, self._stop = times, start, stop
+
+    @cached_property
+    def to_grid(self) -> OnGrid:
+        """Resamples signals (T, C) to the grid frames."""
+        return OnGrid(self._times, self._start, self._stop)
+
+    @cached_property
+    def from_grid(self) -> OffGrid:
+        """Interpolates signals on the grid frames at the times."""
+        return OffGrid(self._stop - self._start, self._start, self._times)
 
 
 def at_rate(times: Times, values: NDArray[Any], rate: float, own_rate: float) -> Doubles:

@@ -78,12 +78,10 @@ def _helpers() -> ThreadPoolExecutor:
 
 
 def _begun(work: Mapping[str, Work]) -> dict[str, Work]:
-    """The same calls, the second and later of which other threads begin meanwhile."""
+    """The same calls, which other threads begin meanwhile."""
     if CORES == 1:
         return dict(work)
-    first, *others = work.items()
-    begun = {name: partial(_result, _helpers().submit(part), part) for name, part in others}
-    return dict([first]) | begun
+    return {name: partial(_result, _helpers().submit(part), part) for name, part in work.items()}
 
 
 def _result(other: Future[Doubles], part: Work) -> Doubles:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from faceedit_app.core.resample import GRID_RATE, from_grid, grid_length, to_grid
+from faceedit_app.core.resample import GRID_RATE, OffGrid, Resampling, grid_length, to_grid
 
 RATES = (12.0, 24.0, 25.0, 30.0, 59.94, 60.0, 120.0)
 
@@ -89,12 +89,12 @@ def test_part_of_the_grid_equals_the_whole() -> None:
 def test_single_frame_is_held_everywhere() -> None:
     grid = to_grid(np.zeros(1), np.array([[2.0, 3.0]], np.float32), -1, 4)
     np.testing.assert_array_equal(grid, np.tile([2.0, 3.0], (5, 1)))
-    np.testing.assert_array_equal(from_grid(grid[:1], 0, np.zeros(1)), [[2.0, 3.0]])
+    np.testing.assert_array_equal(OffGrid(1, 0, np.zeros(1))(grid[:1]), [[2.0, 3.0]])
 
 
 def test_from_grid_passes_through_the_grid_values() -> None:
     values = np.random.default_rng(2).normal(size=(30, 4))
-    read = from_grid(values, 7, (7 + np.arange(30)) / GRID_RATE)
+    read = OffGrid(len(values), 7, (7 + np.arange(30)) / GRID_RATE)(values)
     np.testing.assert_allclose(read, values, atol=1e-12)
 
 
@@ -102,7 +102,7 @@ def test_from_grid_shows_a_value_within_two_grid_frames_only() -> None:
     values = np.zeros((40, 1))
     values[20] = 1.0
     times = np.arange(0, 39 / GRID_RATE, 1 / 240)
-    shown = from_grid(values, 0, times)[:, 0]
+    shown = OffGrid(len(values), 0, times)(values)[:, 0]
     far = np.abs(times * GRID_RATE - 20) >= 2
     assert (shown[far] == 0.0).all()
     assert np.abs(shown[~far]).max() == pytest.approx(1.0, abs=0.01)
@@ -111,15 +111,18 @@ def test_from_grid_shows_a_value_within_two_grid_frames_only() -> None:
 def test_from_grid_follows_a_straight_line_and_holds_its_ends() -> None:
     values = np.arange(10.0)[:, None]
     inside = np.linspace(1, 8, 50) / GRID_RATE
-    np.testing.assert_allclose(from_grid(values, 0, inside)[:, 0], inside * GRID_RATE, atol=1e-12)
-    np.testing.assert_array_equal(from_grid(values, 0, np.array([-3.0, 9.0]))[:, 0], [0.0, 9.0])
+    shown = OffGrid(len(values), 0, inside)(values)[:, 0]
+    np.testing.assert_allclose(shown, inside * GRID_RATE, atol=1e-12)
+    beyond = OffGrid(len(values), 0, np.array([-3.0, 9.0]))(values)[:, 0]
+    np.testing.assert_array_equal(beyond, [0.0, 9.0])
 
 
 @pytest.mark.parametrize("rate", RATES)
 def test_two_movements_a_second_survive_the_round_trip(rate: float) -> None:
     times = np.arange(round(4 * rate)) / rate
     signal = np.sin(2 * np.pi * 2.0 * times)[:, None]
-    back = from_grid(to_grid(times, signal, 0, grid_length(times)), 0, times)
+    way = Resampling(times, 0, grid_length(times))
+    back = way.from_grid(way.to_grid(signal))
     inner = (times > 0.2) & (times < times[-1] - 0.2)
     # The straight lines between 12 frames a second cut the corners by 0.07 themselves.
     assert np.abs(back - signal)[inner].max() < (0.08 if rate < 20 else 0.04)

@@ -13,6 +13,7 @@ from support.sessions import engine, take_of
 from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.regions import LOWER
+from faceedit_app.core.resample import Resampling
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.editing.opening import open_session
@@ -23,6 +24,7 @@ from faceedit_app.networks.engine import Engine
 
 RATE, FRAMES = 25.0, 200
 TIMES = np.arange(FRAMES) / RATE
+WAY = Resampling(TIMES, 0, FRAMES)
 EDITED = slice(90, 110)
 OPENING = LOWER.own.index(LIP_OPENING)
 OTHERS = [i for i in range(COUNT) if i != OPENING]
@@ -54,7 +56,7 @@ def further(take: Doubles, network: Answering, by: float = 5.0) -> Doubles:
     change, given, hold = request(by)
     filled = known.fill(change, given)
     completing = Completing(known, network)
-    return completing.further(TIMES, (0, FRAMES), take, filled, given, hold)
+    return completing.further(TIMES, WAY, take, filled, given, hold)
 
 
 def broken() -> Doubles:
@@ -138,7 +140,7 @@ def test_the_network_sees_the_take_in_its_own_measures() -> None:
     known.spread = 3.0 * known_curves(curves()).spread
     change, given, hold = request(15.0)
     completing = Completing(known, larger)
-    completing.further(TIMES, (0, FRAMES), 3.0 * broken(), known.fill(change, given), given, hold)
+    completing.further(TIMES, WAY, 3.0 * broken(), known.fill(change, given), given, hold)
     np.testing.assert_allclose(network.seen[0], larger.seen[0], atol=0.05)
 
 

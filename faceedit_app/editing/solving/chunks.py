@@ -16,9 +16,10 @@ import numpy as np
 
 from faceedit_app.core.arrays import Bools, Indices, Times
 from faceedit_app.core.controls import CONTROL_IDS
-from faceedit_app.core.resample import GRID_RATE
+from faceedit_app.core.resample import GRID_RATE, Resampling
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import active, affected, smoothing_frames
 
 # Grid frames (8.3 s): long enough that the context on either side is not most of the work, short
@@ -28,6 +29,8 @@ CHUNK = 208
 SLACK = 1e-9
 # Edits whose frames are cached; a drag makes a new edit with each move of the mouse.
 REMEMBERED = 4096
+# Ways from frames to the grid and back that are kept: two for each chunk of a drag.
+REMEMBERED_WAYS = 8
 
 Rows = tuple[int, int]  # the first frame, and the one after the last
 # The frames (first and stop, n each) that a fill or retime makes ranges of frames from.
@@ -101,6 +104,7 @@ class Chunks:
         edges = (self.grid_ranges + np.array([-1, 0])) / GRID_RATE
         self._near = np.clip(np.searchsorted(times, edges) + np.array([-1, 1]), 0, len(times))
         self._spans: dict[Edit, Span] = {}
+        self._ways = Recent[Resampling](REMEMBERED_WAYS)
 
     def __len__(self) -> int:
         return len(self.grid_ranges)
@@ -118,6 +122,15 @@ class Chunks:
     def slice(self, chunk: int) -> slice:
         """A chunk's frames."""
         return slice(int(self.rows[chunk]), int(self.rows[chunk + 1]))
+
+    def resampling(self, chunk: int, rows: Rows) -> Resampling:
+        """From some frames to the grid frames that the networks answer for a chunk, and back."""
+
+        def found() -> Resampling:
+            first, last = (int(i) for i in self.grid_ranges[chunk])
+            return Resampling(self._times[slice(*rows)], first, last)
+
+        return self._ways.to((chunk, rows), found)
 
     def tasks(
         self, edits: Sequence[Edit], settings: Settings, listening: Mapping[str, Iterable[str]]

@@ -17,6 +17,9 @@ from faceedit_app.editing.solving.reach import Goal, Reach
 from faceedit_app.editing.solving.take_statistics import WAKES
 
 Rows = slice | Indices
+# (N, K) what the networks add to (preserve) or replace (resynthesize); and (N, K) by which the
+# residual of the pose changes, see `residual.py`.
+Answer = tuple[Doubles, Doubles]
 
 # How much a calmed curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 1.0
@@ -37,8 +40,6 @@ class RegionRequest:
     Attributes:
         settings: how edits are answered.
         layer: the take's own last layer; None without networks, or to resynthesize.
-        answer: (N, K) what the networks add to (preserve) or replace (resynthesize).
-        exchange: (N, K) by which the pose's residual changes, see `residual.py`.
         unlike: (N,) in 0..1, how unlike the take this request is.
         influence: (N, K) in 0..1, where each channel may answer.
         slow: (N, H) mm, the slow part of the change of the curves that the networks listen to.
@@ -51,8 +52,6 @@ class RegionRequest:
 
     settings: Settings
     layer: LastLayer | None
-    answer: Doubles
-    exchange: Doubles
     unlike: Doubles
     influence: Doubles
     slow: Doubles
@@ -87,17 +86,24 @@ class Combining:
     def __init__(self, part: Part, shut: float, quick: float) -> None:
         self._part, self._shut, self._quick = part, shut, quick
         self._known: tuple[LastLayer, Doubles, Doubles] | None = None
+        self._corrected: tuple[LastLayer, Doubles, Doubles, Doubles] | None = None
         self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
         opening = [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]
         jaw = np.flatnonzero(np.isin(part.columns[part.have], opening))
         self._jaw = None if part.is_complete or self._lips is None else jaw
 
-    def __call__(self, weights: Doubles, asked: RegionRequest) -> Doubles:
+    def prepare(self, asked: RegionRequest) -> None:
+        """Compute what needs no answer, while other cores compute the networks'."""
+        if asked.layer is not None and asked.settings.mode is Mode.PRESERVE:
+            self._correction(asked.layer, asked.before, asked.slow)
+
+    def __call__(self, weights: Doubles, asked: RegionRequest, answer: Answer) -> Doubles:
         """(N, K) weights of the channels that the take has.
 
         Args:
             weights: (N, 52) as tracked, and as solved for regions before this one.
             asked: what is asked for.
+            answer: what the networks answer to it.
         """
         part = self._part
         result, columns = weights.copy(), part.columns[part.have]
@@ -105,7 +111,7 @@ class Combining:
             self._least(weights[:, columns], asked),
             self._most(weights[:, columns], asked),
         )
-        room = self._combine(result, asked, least, most)
+        room = self._combine(result, asked, answer, least, most)
         if part.reach is not None and asked.settings.reach > 0:
             held = asked.hold.any(axis=1)
             # All rows as a slice, the usual case, are not copied.
@@ -152,7 +158,12 @@ class Combining:
         return most
 
     def _combine(
-        self, weights: Doubles, asked: RegionRequest, least: Doubles, most: Doubles
+        self,
+        weights: Doubles,
+        asked: RegionRequest,
+        answered: Answer,
+        least: Doubles,
+        most: Doubles,
     ) -> Doubles:
         """Combine the networks' answer with the weights (N, 52), in place.
 
@@ -161,15 +172,14 @@ class Combining:
         """
         part = self._part
         columns, influence = part.columns[part.have], asked.influence[:, part.have]
-        old, answer = weights[:, columns], asked.answer
+        old, (answer, exchange) = weights[:, columns], answered
         room = np.full_like(old, np.inf)
         if asked.settings.mode is Mode.PRESERVE:
             unlike = asked.unlike[:, None]
             answer = part.whole(answer, unlike)
             if asked.layer is not None:
-                known = self._correction(asked.layer, asked.before)
-                answer += asked.layer.change(asked.before, asked.before + asked.slow, known)
-            answer += asked.exchange
+                answer += self._correction(asked.layer, asked.before, asked.slow)
+            answer += exchange
             if part.reach is not None:
                 answer += asked.settings.reach * (asked.quick @ part.quick)
             answer[:, part.idle] *= unlike
@@ -186,12 +196,22 @@ class Combining:
             _couple(weights, old, columns, influence.max(axis=1) > 0)
         return room
 
-    def _correction(self, layer: LastLayer, curves: Doubles) -> Doubles:
-        """(N, K) the last layer's correction for tracked curves; a drag asks for the same again."""
-        known = self._known
-        if known is None or known[0] is not layer or not np.array_equal(known[1], curves):
-            known = self._known = layer, curves, layer(curves)
-        return known[2]
+    def _correction(self, layer: LastLayer, curves: Doubles, slow: Doubles) -> Doubles:
+        """(N, K) how the last layer's correction changes with the curves (N, C), by `slow`.
+
+        A drag asks for the correction of the same tracked curves again, and for the same changes
+        of the regions that it does not move.
+        """
+        kept = self._corrected
+        if kept is None or not (
+            kept[0] is layer and np.array_equal(kept[1], curves) and np.array_equal(kept[2], slow)
+        ):
+            known = self._known
+            if known is None or known[0] is not layer or not np.array_equal(known[1], curves):
+                known = self._known = layer, curves, layer(curves)
+            change = layer.change(curves, curves + slow, known[2])
+            kept = self._corrected = layer, curves, slow, change
+        return kept[3]
 
     def _awake(self, change: Doubles, weights: Doubles) -> tuple[Doubles, Doubles]:
         """What a change (N, K) of weights (N, 52) leaves at rest.

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Indices, Times
-from faceedit_app.core.resample import GRID_RATE, from_grid, to_grid
+from faceedit_app.core.resample import GRID_RATE, Resampling
 from faceedit_app.editing.solving.expectation import Expectation
 
 if TYPE_CHECKING:  # the window is there before the networks
@@ -164,7 +164,7 @@ class Completing:
     def further(
         self,
         times: Times,
-        grid_range: tuple[int, int],
+        resampling: Resampling,
         curves: Doubles,
         change: Doubles,
         given: Bools,
@@ -174,7 +174,7 @@ class Completing:
 
         Args:
             times: (N,) seconds.
-            grid_range: the first grid frame to look at, and the one after the last.
+            resampling: from them to the grid frames to look at, and back.
             curves: (N, C) mm, as tracked.
             change: (N, C) mm, what is asked for, with the most probable change of the others.
             given: (N, C) the curves whose change is given, see `Expectation.given`.
@@ -191,7 +191,7 @@ class Completing:
         # All in one go: the places of the grid frames are the same.
         firmly = np.where(hold.any(axis=1), hold.max(axis=1), edited)
         signals = [curves, change, firmly[:, None], *(hold * each for each in rows)]
-        grid = to_grid(times, np.concatenate(signals, axis=1, dtype=np.float64), *grid_range)
+        grid = resampling.to_grid(np.concatenate(signals, axis=1, dtype=np.float64))
         size = curves.shape[1]
         trusted = grid[:, 2 * size] < FIRM
         holds = np.split(grid[:, 2 * size + 1 :], len(patterns), axis=1)
@@ -200,7 +200,7 @@ class Completing:
             on_grid = grid[:, :size], grid[:, size : 2 * size]
             away = self._away(ask(self._expectation, known, *on_grid, firm, trusted), known)
             if away is not None:
-                by = from_grid(away, grid_range[0], times)
+                by = resampling.from_grid(away)
                 added += np.where(where & ~known, by, 0.0)
         if len(patterns) > 1:
             added *= _apart(times, given)

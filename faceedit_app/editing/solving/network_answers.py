@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.resample import OffGrid, to_grid
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.resample import OffGrid, OnGrid
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
@@ -32,7 +32,6 @@ class NetworkAnswers:
 
     Args:
         engine: the networks; None = there are none yet, and nothing is answered.
-        times: (T,) seconds of the take's frames.
         grid: (M, C) mm: the take's controls as tracked, on the networks' grid.
         chunks: the take's chunks.
         parts: what is known about each region, by its id.
@@ -42,14 +41,13 @@ class NetworkAnswers:
     def __init__(
         self,
         engine: Engine | None,
-        times: Times,
         grid: Doubles,
         chunks: Chunks,
         parts: Mapping[str, Part],
         sampled: Sequence[int],
         sample: Sample,
     ) -> None:
-        self._engine, self._times, self._grid, self._chunks = engine, times, grid, chunks
+        self._engine, self._grid, self._chunks = engine, grid, chunks
         self._parts, self._sampled, self._sample = parts, sampled, sample
         self._answers = Answers(engine, grid) if engine else None
         self._layers: dict[tuple[str, float], LastLayer] = {}
@@ -88,70 +86,97 @@ class NetworkAnswers:
         regions: tuple[str, ...],
         begin: Start,
         change: Doubles,
-    ) -> Callable[[str], tuple[Doubles, Doubles]]:
-        """Begin to answer a chunk: other cores go on while the first regions are used.
+    ) -> BegunAnswers:
+        """Begin to answer a chunk: other cores go on while the regions are prepared and solved.
 
         Args:
             regions: in the order in which their answers will be needed.
             begin: what the edits start from, on the N' frames near the task.
             change: (N', C) mm by which the controls that are asked for differ from it.
-
-        Returns:
-            What gives for a region, once, (N, M) what the networks add to (preserve) or replace
-            (resynthesize), and (N, K) how the pose's residual changes, see `residual.py`.
         """
         rows, settings = self._chunks.slice(task.chunk), task.settings
         near = task.near[0]
         before = begin.weights[rows.start - near : rows.stop - near].astype(np.float64)
+        begun = BegunAnswers(self._parts, before, settings.mode)
         heard = tuple(name for name in regions if not self._parts[name].is_optional)
         if self._answers is None or not heard:
-            return partial(self._unanswered, before=before, mode=settings.mode)
+            return begun
         first, last = (int(i) for i in self._chunks.grid_ranges[task.chunk])
-        times, grid_range = self._times[slice(*task.near)], (first, last)
-        start = begin.curves
-        on_grid = self._grid[first:last] if begin.as_tracked else to_grid(times, start, first, last)
-        edited = on_grid + to_grid(times, change, first, last)
+        to_grid = self._chunks.resampling(task.chunk, task.near).to_grid
+        on_grid = self._grid[first:last] if begin.as_tracked else to_grid(begin.curves)
+        edited = on_grid + to_grid(change)
         naturalness = settings.naturalness
-        begun = self._answers.begin(heard, grid_range, edited, naturalness)
-        off_grid = OffGrid(last - first, first, self._times[rows])
-        unedited: dict[str, Doubles] = {}
-        if settings.mode is Mode.PRESERVE:
-            unedited = (
-                self._answers.to_tracked(heard, grid_range, naturalness)
-                if begin.as_tracked
-                else self._answers.to(heard, grid_range, on_grid, naturalness)
-            )
-
-        def answer(name: str) -> tuple[Doubles, Doubles]:
-            lone, still = self._unanswered(name, before, settings.mode)
-            if name not in begun:
-                return lone, still
-            if name not in unedited:
-                found = off_grid(begun[name]())
-                lone[:, : found.shape[1]] = found
-                return lone, still
+        begun.edited = self._answers.begin(heard, (first, last), edited, naturalness)
+        begun.from_grid = self._chunks.resampling(task.chunk, (rows.start, rows.stop)).from_grid
+        if settings.mode is not Mode.PRESERVE:
+            return begun
+        if begin.as_tracked:
+            begun.unedited = self._answers.to_tracked(heard, (first, last), naturalness)
+        else:
+            begun.unedited = self._answers.to(heard, (first, last), on_grid, naturalness)
+        for name in heard:
             part, layer = self._parts[name], self.last_layer(name, settings)
-            if layer is None or not len(part.own):
-                return off_grid(begun[name]() - unedited[name]), still
+            if layer is not None and len(part.own):
+                key = (task.chunk, name, naturalness) if begin.as_tracked else None
+                moved = on_grid[:, part.layer_columns], (edited - on_grid)[:, part.layer_columns]
+                lacking = partial(_lacking, part, to_grid, begin, begun.unedited[name])
+                begun.exchanges[name] = self._residuals.exchange(key, layer, lacking, *moved)
+        return begun
 
-            def lacking() -> Doubles:
-                weights = to_grid(times, begin.weights[:, part.columns], first, last)
-                return weights - part.whole(unedited[name])
 
-            key = (task.chunk, name, naturalness) if begin.as_tracked else None
-            now = on_grid[:, part.layer_columns]
-            by = (edited - on_grid)[:, part.layer_columns]
-            exchange = self._residuals.exchange(key, layer, lacking, now, by)
-            added = begun[name]() - unedited[name]
-            both = off_grid(np.concatenate([added, exchange], axis=1))
-            return both[:, : added.shape[1]], both[:, added.shape[1] :]
+def _lacking(part: Part, to_grid: OnGrid, begin: Start, unedited: Doubles) -> Doubles:
+    """(M, K) the weights on the grid less the networks' answer to their curves."""
+    return to_grid(begin.weights[:, part.columns]) - part.whole(unedited)
 
-        return answer
 
-    def _unanswered(self, name: str, before: Doubles, mode: Mode) -> tuple[Doubles, Doubles]:
-        """What stands in for the networks' answer if there is none; see `begin`."""
+class BegunAnswers:
+    """The networks' answers to one chunk, which other cores may still be computing.
+
+    Args:
+        parts: what is known about each region, by its id.
+        before: (N, 52) the weights that the edits start from.
+        mode: how the edits are answered.
+
+    Attributes:
+        edited: by region, what waits for the answer to the edited curves on the grid.
+        unedited: by region, (M, K) the answer to the curves before the edits; in preserve mode.
+        exchanges: by region, (M, K) by which the poses' residuals change, see `residual.py`.
+        from_grid: interpolates them at the chunk's frames.
+    """
+
+    from_grid: OffGrid
+
+    def __init__(self, parts: Mapping[str, Part], before: Doubles, mode: Mode) -> None:
+        self._parts, self._before, self._mode = parts, before, mode
+        self.edited: dict[str, Callable[[], Doubles]] = {}
+        self.unedited: dict[str, Doubles] = {}
+        self.exchanges: dict[str, Doubles] = {}
+
+    def wait(self, name: str) -> tuple[Doubles, Doubles]:
+        """A region's answer, once.
+
+        Returns:
+            (N, M) what the networks add to (preserve) or replace (resynthesize), and (N, K) how
+            the poses' residuals change.
+        """
+        lone, still = self._unanswered(name)
+        if name not in self.edited:
+            return lone, still
+        answer = self.edited[name]()
+        if name not in self.unedited:
+            found = self.from_grid(answer)
+            lone[:, : found.shape[1]] = found
+            return lone, still
+        added = answer - self.unedited[name]
+        if name not in self.exchanges:
+            return self.from_grid(added), still
+        both = self.from_grid(np.concatenate([added, self.exchanges[name]], axis=1))
+        return both[:, : added.shape[1]], both[:, added.shape[1] :]
+
+    def _unanswered(self, name: str) -> tuple[Doubles, Doubles]:
+        """What stands in for the networks' answer if there is none; see `wait`."""
         part = self._parts[name]
-        still = np.zeros((len(before), len(part.columns)))
-        if mode is Mode.RESYNTHESIZE and not part.is_optional:
-            return before[:, part.columns], still
-        return np.zeros((len(before), len(part.region.channels))), still
+        still = np.zeros((len(self._before), len(part.columns)))
+        if self._mode is Mode.RESYNTHESIZE and not part.is_optional:
+            return self._before[:, part.columns], still
+        return np.zeros((len(self._before), len(part.region.channels))), still

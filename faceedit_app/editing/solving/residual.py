@@ -39,6 +39,7 @@ class Residuals:
 
     def __init__(self) -> None:
         self._recent = Recent[Doubles](RECENT)
+        self._exchanged = Recent[Doubles](RECENT)
 
     def exchange(
         self,
@@ -57,15 +58,20 @@ class Residuals:
             curves: (M, C) mm, as tracked.
             change: (M, C) mm, what is asked for.
         """
-        share = kept(layer.distance(change))
-        if (share == 1.0).all():
-            return np.zeros((len(curves), len(layer.constant)))
 
         def measured() -> Doubles:
             return lacking() - layer(curves)
 
-        residual = measured() if key is None else self._recent.to(key, measured)
-        return exchange(residual, share)
+        def exchanged() -> Doubles:
+            share = kept(layer.distance(change))
+            if (share == 1.0).all():
+                return np.zeros((len(curves), len(layer.constant)))
+            residual = measured() if key is None else self._recent.to(key, measured)
+            return exchange(residual, share)
+
+        if key is None:
+            return exchanged()
+        return self._exchanged.to((key, change.tobytes()), exchanged)
 
 
 def kept(distance: Doubles) -> Doubles:

@@ -31,7 +31,7 @@ from faceedit_app.editing.solving.answerable import find_lacks, without
 from faceedit_app.editing.solving.channel_edits import ChannelEdits, ChannelTask, Task
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
-from faceedit_app.editing.solving.combining import Combining, RegionRequest
+from faceedit_app.editing.solving.combining import Answer, Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
@@ -136,9 +136,9 @@ class Solver:
             name: Combining(part, self.shut, QUICK * clip.rate)
             for name, part in self._parts.items()
         }
-        self._solved: dict[tuple[int, str], tuple[RegionRequest, Doubles, Doubles]] = {}
+        self._solved: dict[tuple[int, str], _Solved] = {}
         self._networks = NetworkAnswers(
-            engine, clip.times, self.grid, self.chunks, self._parts, self._sampled, self._sample
+            engine, self.grid, self.chunks, self._parts, self._sampled, self._sample
         )
         self.limits = self._limits()
         self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
@@ -280,18 +280,16 @@ class Solver:
             change = self._wanted_change(asked, tracked, task)
             change = start.without_twitches(change, asked.calm, rate)
             slow = smoothed(change, QUICK * rate)
-            answer_of = self._networks.begin(task, tuple(influences), start, slow)
+            answers = self._networks.begin(task, tuple(influences), start, slow)
             change, slow = change[inner], slow[inner]
             self._sideways.move(weights, change, mine.hold)
+            requests = {}
             for name, influence in influences.items():
                 part = self._parts[name]
                 heard, own = part.layer_columns, part.own_columns
-                answer, exchange = answer_of(name)
-                wanted = RegionRequest(
+                requests[name] = RegionRequest(
                     settings=part.answered_by(settings),
                     layer=self._networks.last_layer(name, settings),
-                    answer=answer,
-                    exchange=exchange,
                     unlike=part.unlike(change[:, own]),
                     influence=influence,
                     slow=slow[:, heard],
@@ -302,7 +300,9 @@ class Solver:
                     hold=mine.hold[:, own],
                     calm=mine.calm[:, own],
                 )
-                self._solve_region(task.chunk, name, weights, wanted)
+                self._combining[name].prepare(requests[name])
+            for name, wanted in requests.items():
+                self._solve_region(task.chunk, name, weights, wanted, answers.wait(name))
             if settings.mode is Mode.PRESERVE:
                 for each in self._across:
                     each.join(weights, before, mine.hold, mine.calm)
@@ -342,11 +342,13 @@ class Solver:
         if part.completing is None or task.settings.mode is not Mode.PRESERVE or not hold.any():
             return filled
         firm = np.maximum(hold - asked.calm[:, own].max(axis=1, keepdims=True), 0.0)
-        first, last = (int(i) for i in self.chunks.grid_ranges[task.chunk])
         times, given = self.clip.times[slice(*task.near)], part.expectation.given(change, hold > 0)
-        return filled + part.completing.further(times, (first, last), tracked, filled, given, firm)
+        way = self.chunks.resampling(task.chunk, task.near)
+        return filled + part.completing.further(times, way, tracked, filled, given, firm)
 
-    def _solve_region(self, chunk: int, name: str, weights: Doubles, asked: RegionRequest) -> None:
+    def _solve_region(
+        self, chunk: int, name: str, weights: Doubles, asked: RegionRequest, answer: Answer
+    ) -> None:
         """Put a region's weights into those of a chunk (N, 52).
 
         The last result is kept: a drag changes one region, and the others ask for the same again.
@@ -354,9 +356,31 @@ class Solver:
         part = self._parts[name]
         seen = weights[:, part.sees]
         known = self._solved.pop((chunk, name), None)
-        if known is None or not (np.array_equal(known[1], seen) and known[0].equals(asked)):
-            known = asked, seen, self._combining[name](weights, asked)
+        if known is None or not known.answers(asked, answer, seen):
+            result = self._combining[name](weights, asked, answer)
+            known = _Solved(asked, answer, seen, result)
         self._solved[chunk, name] = known
         while len(self._solved) > REMEMBERED:
             del self._solved[next(iter(self._solved))]  # the least recently used
-        weights[:, part.columns[part.have]] = known[2]
+        weights[:, part.columns[part.have]] = known.result
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """A region's result, with all that it depends on.
+
+    Attributes:
+        asked, answer: what was asked for, and what the networks answered.
+        seen: (N, S) the weights that it depends on.
+        result: (N, K) the weights of its channels.
+    """
+
+    asked: RegionRequest
+    answer: Answer
+    seen: Doubles
+    result: Doubles
+
+    def answers(self, asked: RegionRequest, answer: Answer, seen: Doubles) -> bool:
+        """Whether it is the result for exactly this."""
+        pairs = zip((*self.answer, self.seen), (*answer, seen), strict=True)
+        return all(np.array_equal(*pair) for pair in pairs) and self.asked.equals(asked)
