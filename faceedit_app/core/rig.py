@@ -287,17 +287,21 @@ class Distances:
 
     def lengths(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Lengths (..., C), mm, of `vectors` (..., C, 3); negative once a pair has passed."""
-        x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
-        plain: NDArray[Any] = np.sqrt(x * x + y * y + z * z)
+        squares = vectors * vectors
+        plain: NDArray[Any] = squares[..., 0] + squares[..., 1]
+        plain += squares[..., 2]
+        np.sqrt(plain, out=plain)
         if self.measures_sideways:
-            plain[..., self.sideways] = x[..., self.sideways]
-        if not self._may_pass:
+            plain[..., self.sideways] = vectors[..., self.sideways, 0]
+        if not self.may_pass:
             return plain
-        lengths: NDArray[Any] = np.where(self.shuts & (y * self.offsets[:, 1] < 0), -plain, plain)
+        height = vectors[..., 1] * self.offsets[:, 1]
+        lengths: NDArray[Any] = np.where(self.shuts & (height < 0), -plain, plain)
         return lengths
 
     @cached_property
-    def _may_pass(self) -> bool:
+    def may_pass(self) -> bool:
+        """Whether any of the pairs can pass each other."""
         return bool(self.shuts.any())
 
     @cached_property

@@ -175,4 +175,4 @@ class Engine:
         heard = curves[:, model.columns].astype(np.float32, order="C")
         if missing := -len(curves) % model.description.scale:
             heard = np.concatenate([heard, np.repeat(heard[-1:], missing, axis=0)])
-        return model(heard, naturalness)[: len(curves)].astype(np.float64)
+        return model(heard, naturalness)[: len(curves)].astype(np.float64, order="F")

@@ -103,8 +103,9 @@ class LastLayer:
     def __call__(self, curves: Doubles) -> Doubles:
         """(N, K) the correction for curves (N, C)."""
         within = np.minimum(np.maximum((curves - self.mean) / self.spread, self.low), self.high)
-        answer: Doubles = _functions(within, self.poses) @ self.coefficients + self.constant
-        return answer
+        answer: Doubles = self.coefficients.T @ _functions(within, self.poses).T
+        answer += self.constant[:, None]
+        return answer.T
 
     def change(self, curves: Doubles, to: Doubles, known: Doubles | None = None) -> Doubles:
         """(N, K) how the correction changes from curves (N, C) to others.
@@ -112,10 +113,12 @@ class LastLayer:
         Args:
             known: (N, K) the correction for `curves`; None = not known yet.
         """
-        change = np.zeros((len(curves), len(self.constant)))
-        moved = np.flatnonzero((curves != to).any(axis=1))
-        if len(moved):
-            known = self(curves) if known is None else known
+        known = self(curves) if known is None else known
+        moved = (curves != to).any(axis=1)
+        if moved.all():
+            return self(to) - known
+        change = np.zeros_like(known)
+        if moved.any():
             change[moved] = self(to[moved]) - known[moved]
         return change
 
@@ -133,16 +136,20 @@ def _pairs(curves: int) -> tuple[Indices, Indices]:
 
 
 def _functions(standard: Doubles, poses: Doubles) -> Doubles:
-    """(N, C) -> (N, F): the curves, their products, and how near they are to poses (P, C)."""
+    """(N, C) -> (N, F): the curves, their products, and how near they are to poses (P, C).
+
+    Column by column in memory, as curves are.
+    """
     first, second = _pairs(standard.shape[1])
     size, pairs = standard.shape[1], len(first)
-    functions = np.empty((len(standard), size + pairs + len(poses)))
-    functions[:, :size] = standard
-    np.multiply(standard[:, first], standard[:, second], out=functions[:, size : size + pairs])
+    rows = np.ascontiguousarray(standard.T)
+    functions = np.empty((size + pairs + len(poses), len(standard)))
+    functions[:size] = rows
+    np.multiply(rows[first], rows[second], out=functions[size : size + pairs])
     # exp(-|x - p|² / 2 R²), with the square multiplied out.
     narrow = REACHES**-2
-    near = standard @ (narrow * poses.T)
-    near -= 0.5 * narrow * (standard**2).sum(axis=1)[:, None]
-    near -= 0.5 * narrow * (poses**2).sum(axis=1)
-    np.exp(np.minimum(near, 0.0, out=near), out=functions[:, size + pairs :])
-    return functions
+    near = (narrow * poses) @ rows
+    near -= 0.5 * narrow * (rows**2).sum(axis=0)
+    near -= 0.5 * narrow * (poses**2).sum(axis=1)[:, None]
+    np.exp(np.minimum(near, 0.0, out=near), out=functions[size + pairs :])
+    return functions.T

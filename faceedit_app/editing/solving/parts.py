@@ -142,6 +142,7 @@ class Part:
         )
         self._sides = self._own_sides(distances)
         self._range = sample.shortest[self.own_columns], sample.longest[self.own_columns]
+        self._far = self._far_beyond()
         self.expectation = self._expectation(slopes, sample)
         network = engine.completions.get(region.id) if engine else None
         whole = network is not None and network.description.controls == self.own
@@ -270,15 +271,24 @@ class Part:
             wanted: (N, C) mm of its own controls.
             hold: (N, C) in 0..1, how firmly they are asked for.
         """
+        if not len(self.own):
+            return np.zeros(len(wanted))
+        low, high = self._range
+        excess = np.maximum(low - wanted, wanted - high)
+        excess /= self._far
+        excess[hold <= 0] = 0.0
+        beyond: Doubles = np.minimum(np.maximum(excess.max(axis=1), 0.0), 1.0)
+        return beyond
+
+    def _far_beyond(self) -> Doubles:
+        """(C,) mm: how far beyond the take's range a request may use all that a face can do."""
         low, high = self._range
         far = _FAR * np.maximum(high - low, 10.0)
         if self._model is not None:
             places = [i for i, c in enumerate(self._model.controls) if c in self.own]
             names = [self.own.index(self._model.controls[i]) for i in places]
             far[names] = _FAR * (self._model.high - self._model.low)[places]
-        excess = np.maximum(low - wanted, wanted - high) / far
-        beyond: Doubles = np.where(hold > 0, excess, 0.0).max(axis=1, initial=0.0).clip(0.0, 1.0)
-        return beyond
+        return far
 
     def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
         """The smallest and largest weights (N, K) of the channels that it has."""
@@ -318,7 +328,7 @@ class Part:
         count = len(self.region.channels)
         even = 0.5 * (answer + answer[:, self.mirror[:count]])
         even *= self._use + unlike * (1.0 - self._use)
-        return np.concatenate([even, even @ self._follow], axis=1)
+        return np.concatenate([even.T, self._follow.T @ even.T]).T
 
     def unlike(self, change: Doubles) -> Doubles:
         """(N,) in 0..1: how unlike the take changes (N, C) of its own curves are, mm."""

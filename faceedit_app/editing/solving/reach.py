@@ -130,9 +130,9 @@ class Reach:
         vectors = self._distances.vectors(weights) if vectors is None else vectors
         lengths = self._distances.lengths(vectors)
         targets = goal.targets_from(np.maximum(lengths, 0.0))
-        # Vertices that have passed each other come apart little by little.
-        targets += np.minimum(lengths, 0.0) * np.clip(1.0 - targets / APART_MM, 0.0, 1.0)
-        noise = np.where(goal.asked, ASKED_MM, FREE_MM) ** 2 + np.square(goal.tolerance)
+        if self._distances.may_pass:  # such vertices come apart little by little
+            targets += np.minimum(lengths, 0.0) * np.clip(1.0 - targets / APART_MM, 0.0, 1.0)
+        noise = np.where(goal.asked, ASKED_MM**2, FREE_MM**2) + np.square(goal.tolerance)
         lower = np.minimum(start, 0.0 if lower is None else lower)
         longest = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
         limit = np.full(len(start), longest)
@@ -140,7 +140,7 @@ class Reach:
             limit[exempt] = np.inf
         share = np.zeros(len(start)) if share is None else share
         frames = _Frames(start, lower, upper, vectors, targets, noise, limit, share)
-        change, lengths = self._search(frames)
+        change, lengths = self._search(frames, lengths)
         # Pressed lips may have passed each other: opening them then begins with what seems to
         # close them.
         missed = np.flatnonzero(np.any(goal.asked & (targets - lengths > MISSED_MM), axis=1))
@@ -152,16 +152,19 @@ class Reach:
         # Rounding leaves weights such as -1e-17.
         return np.clip(start + change, frames.lower, np.maximum(start, upper))
 
-    def _search(self, frames: _Frames, passed: bool = False) -> tuple[Doubles, Doubles]:
+    def _search(
+        self, frames: _Frames, lengths: Doubles | None = None, passed: bool = False
+    ) -> tuple[Doubles, Doubles]:
         """The change of the channels (N, K), and the resulting lengths (N, C), mm.
 
         Args:
+            lengths: (N, C) mm, those of the vectors that it starts from; None = not known.
             passed: start as if each pair of vertices had passed each other.
         """
         found, there = np.empty_like(frames.start), np.empty_like(frames.targets)
         rows: slice | Indices = slice(None)  # the frames that are not done yet
         change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
-        here = self._place(frames, frames.vectors)
+        here = self._place(frames, frames.vectors, lengths)
         for iteration in range(self._iterations):
             slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
             aim = self._step(frames, slopes, wanted, change, frozen)
@@ -184,18 +187,22 @@ class Reach:
                 change, frozen = change[going], frozen[going]
         return found, np.maximum(there, 0.0)
 
-    def _place(self, frames: _Frames, vectors: Doubles) -> _Place:
-        lengths: Doubles = self._distances.lengths(vectors)
-        return _Place(vectors, lengths, frames.cost(lengths))
+    def _place(
+        self, frames: _Frames, vectors: Doubles, lengths: Doubles | None = None
+    ) -> _Place:
+        found: Doubles = self._distances.lengths(vectors) if lengths is None else lengths
+        return _Place(vectors, found, frames.cost(found))
 
     def _linear(
         self, frames: _Frames, here: _Place, change: Doubles, passed: bool
     ) -> tuple[Doubles, Doubles]:
-        """The slopes J (N, C, K) at `change`, and the wanted product of J and the change (N, C)."""
+        """The slopes J (C, N, K) at `change`, and the wanted product of J and the change (N, C)."""
         directions = self._distances.directions(here.vectors, here.lengths, passed)
-        by_control = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
-        slopes = np.ascontiguousarray(by_control.transpose(1, 0, 2))
-        return slopes, frames.targets - here.lengths + np.einsum("nck,nk->nc", slopes, change)
+        slopes = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
+        wanted = frames.targets - here.lengths
+        if here.vectors is not frames.vectors:  # else nothing has changed yet
+            wanted += np.einsum("cnk,nk->nc", slopes, change)
+        return slopes, wanted
 
     def _step(
         self, frames: _Frames, slopes: Doubles, wanted: Doubles, change: Doubles, frozen: Bools
@@ -204,17 +211,17 @@ class Reach:
         rest, free, held = wanted, slopes, change
         if frozen.any():
             held = np.where(frozen, change, 0.0)
-            rest = wanted - np.einsum("nck,nk->nc", slopes, held)
-            free = np.where(frozen[:, None, :], 0.0, slopes)
+            rest = wanted - np.einsum("cnk,nk->nc", slopes, held)
+            free = np.where(frozen, 0.0, slopes)
         spread = (free.reshape(-1, len(self._covariance)) @ self._covariance).reshape(free.shape)
         if self._more is not None and frames.share.any():
             wide = np.flatnonzero(frames.share)
-            spread[wide] += frames.share[wide, None, None] * (free[wide] @ self._more)
-        system = spread @ free.transpose(0, 2, 1)
+            spread[:, wide] += frames.share[wide, None] * (free[:, wide] @ self._more)
+        system = spread.transpose(1, 0, 2) @ free.transpose(1, 2, 0)  # (N, C, C)
         diagonal = np.arange(system.shape[1])
         system[:, diagonal, diagonal] += frames.noise
         solved = np.linalg.solve(system, rest[:, :, None])  # (N, C, 1)
-        moved: Doubles = (solved.transpose(0, 2, 1) @ spread)[:, 0]
+        moved: Doubles = (solved.transpose(0, 2, 1) @ spread.transpose(1, 0, 2))[:, 0]
         return np.where(frozen, held, moved)
 
     def _shortening(self, change: Doubles, limit: Doubles) -> Doubles:

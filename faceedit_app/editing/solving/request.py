@@ -87,7 +87,7 @@ def request(
     goal = recorded = tracked if recorded is None else recorded
     filled = np.zeros(tracked.shape, np.bool_)
     acting = active(edits)
-    curves = tracked.astype(np.float64, copy=True)
+    curves = tracked.astype(np.float64, order="F", copy=True)
     hold, influence, claimed, calm = (np.zeros_like(curves) for _ in range(4))
     for i, edit in enumerate(acting):
         if edit.op in OF_THE_TAKE:

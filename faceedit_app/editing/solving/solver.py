@@ -265,8 +265,8 @@ class Solver:
         started = start.curves[inner].astype(np.float32)
         start = self._starts.calmed(start, task, regions)
         tracked = start.curves
-        before = start.weights[inner].astype(np.float64)
-        weights = before.copy()
+        before = start.weights[inner].astype(np.float64, order="F")
+        weights = before.copy(order="F")
         influences = {}
         for name, part in self._in_order:
             if part.is_optional and not mine.influence[:, part.own_columns].any():

@@ -77,9 +77,10 @@ class Starts:
         near = slice(*task.near)
         tracked, controls = self._tracked[near], self._controls[near]
         if not any(edit.op in OF_THE_TAKE for edit in task.edits):
-            return Start(tracked, controls.astype(np.float64), as_tracked=True)
+            return Start(tracked, controls.astype(np.float64, order="F"), as_tracked=True)
         weights = self._fills.applied(task.edits, near)
-        return Start(weights, self.measured(weights, tracked, controls).astype(np.float64))
+        curves = self.measured(weights, tracked, controls).astype(np.float64, order="F")
+        return Start(weights, curves)
 
     def calmed(self, start: Start, task: ChunkTask, regions: Iterable[Calmed]) -> Start:
         """The same with smooths of all curves of a region, see `calming.py`.
@@ -94,7 +95,7 @@ class Starts:
         if weights is start.weights:
             return start
         known = start.curves.astype(np.float32)
-        curves = self.measured(weights, start.weights, known).astype(np.float64)
+        curves = self.measured(weights, start.weights, known).astype(np.float64, order="F")
         return Start(weights, curves, calm - curves)
 
     def measured(self, weights: Floats, known: Floats, controls: Floats) -> Floats:
