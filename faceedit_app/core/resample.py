@@ -44,29 +44,29 @@ class OnGrid:
         if self._is_still:
             return
         edges = (np.arange(start, stop + 1) - 0.5) / rate
-        self._steps = np.diff(times)[:, None]
+        self._steps = np.diff(times)
         inside = np.clip(edges, times[0], times[-1])
         i = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, len(times) - 2)
-        self._places, self._into = i, (inside - times[i])[:, None]
-        self._before = np.minimum(edges - times[0], 0)[:, None]
-        self._after = np.maximum(edges - times[-1], 0)[:, None]
+        self._places, self._into = i, inside - times[i]
+        self._before = np.minimum(edges - times[0], 0)
+        self._after = np.maximum(edges - times[-1], 0)
 
     def __call__(self, values: NDArray[Any]) -> Doubles:
-        """(stop - start, C) float64, of values (T, C)."""
+        """(stop - start, C) float64, of values (T, C); column by column in memory."""
         if self._is_still:
             return np.repeat(values.astype(np.float64), self._count, axis=0)
-        i, into, steps = self._places, self._into, self._steps
-        areas = 0.5 * (values[1:] + values[:-1]) * steps
-        integral = np.zeros(values.shape)
-        np.cumsum(areas, axis=0, out=integral[1:])
+        i, into, steps, rows = self._places, self._into, self._steps, values.T
+        areas = 0.5 * (rows[:, 1:] + rows[:, :-1]) * steps
+        integral = np.zeros(rows.shape)
+        np.cumsum(areas, axis=1, out=integral[:, 1:])
         # The integral of the linear interpolant, evaluated exactly at the edges.
-        before = values[i]
-        slope = (values[i + 1] - before) / steps[i]
-        at = integral[i] + into * (before + 0.5 * slope * into)
-        at += self._before * values[0]
-        at += self._after * values[-1]
-        grid: Doubles = np.diff(at, axis=0) * self._rate
-        return grid
+        before = rows.take(i, axis=1)
+        slope = (rows.take(i + 1, axis=1) - before) / steps[i]
+        at = integral.take(i, axis=1) + into * (before + 0.5 * slope * into)
+        at += self._before * rows[:, :1]
+        at += self._after * rows[:, -1:]
+        grid: Doubles = np.diff(at, axis=1) * self._rate
+        return grid.T
 
 
 class OffGrid:
@@ -84,7 +84,7 @@ class OffGrid:
     def __init__(self, count: int, start: int, times: Times) -> None:
         position = np.clip(times * GRID_RATE - start, 0, count - 1)
         i = np.minimum(position.astype(np.int64), max(count - 2, 0))
-        u = (position - i)[:, None]
+        u = position - i
         square, cube = u * u, u * u * u
         taps = (
             -0.5 * u + square - 0.5 * cube,
@@ -97,11 +97,12 @@ class OffGrid:
         ]
 
     def __call__(self, values: NDArray[np.floating[Any]]) -> Doubles:
-        """(T, C) of grid frames (N, C)."""
-        result: Doubles = np.zeros((len(self._taps[0][0]), values.shape[1]))
+        """(T, C) of grid frames (N, C); column by column in memory."""
+        rows = values.T
+        result: Doubles = np.zeros((len(rows), len(self._taps[0][0])))
         for tap, places in self._taps:
-            result += tap * values[places]
-        return result
+            result += tap * rows.take(places, axis=1)
+        return result.T
 
 
 class Resampling:

@@ -29,6 +29,7 @@ CALM_MM = 0.25
 MISSING_MM = 0.2
 # mm by which lips have to close until a frown may not rise at all.
 _CLOSING_MM = 0.5
+_CLOSE, _JAW = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
 # How far the jaw may go, as a weight, for curves that a take's channels answer only in part.
 _JAW_PAYS = 0.15
 
@@ -88,8 +89,8 @@ class Combining:
         self._known: tuple[LastLayer, Doubles, Doubles] | None = None
         self._corrected: tuple[LastLayer, Doubles, Doubles, Doubles] | None = None
         self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
-        opening = [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]
-        jaw = np.flatnonzero(np.isin(part.columns[part.have], opening))
+        jaw = np.flatnonzero(np.isin(part.have_columns, [_JAW, _CLOSE]))
+        self._others = [i for i in range(len(part.own)) if i != self._lips]
         self._jaw = None if part.is_complete or self._lips is None else jaw
 
     def prepare(self, asked: RegionRequest) -> None:
@@ -106,7 +107,7 @@ class Combining:
             answer: what the networks answer to it.
         """
         part = self._part
-        result, columns = weights.copy(), part.columns[part.have]
+        result, columns = weights.copy(order="K"), part.have_columns
         least, most = (
             self._least(weights[:, columns], asked),
             self._most(weights[:, columns], asked),
@@ -122,7 +123,7 @@ class Combining:
 
     def _least(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
         """(N, K) the smallest weights that any answer may give; see `_jaw_pays`."""
-        least = np.full(tracked.shape, -np.inf)
+        least = np.full(tracked.shape, -np.inf, order="F")
         if self._jaw is not None:
             least[:, self._jaw] = tracked[:, self._jaw] - self._jaw_pays(asked)
         return least
@@ -143,13 +144,14 @@ class Combining:
         are asked to close do not frown, unless the corners of the mouth are asked for as well.
         """
         part = self._part
-        most: Doubles = 1.0 + np.maximum(tracked - 1.0, 0.0) * (1.0 - asked.influence[:, part.have])
+        beyond = np.maximum(tracked - 1.0, 0.0)
+        most: Doubles = 1.0 + beyond * (1.0 - part.of_take(asked.influence))
         if self._jaw is not None:
             pays = self._jaw_pays(asked)
             most[:, self._jaw] = np.minimum(most[:, self._jaw], tracked[:, self._jaw] + pays)
         if self._lips is not None and len(part.frowns) and asked.settings.mode is Mode.PRESERVE:
             closing = (asked.tracked - asked.wanted)[:, self._lips] / _CLOSING_MM
-            alone = ~(np.delete(asked.hold, self._lips, axis=1) > 0).any(axis=1)
+            alone = ~(asked.hold[:, self._others] > 0).any(axis=1)
             firm = np.clip(closing, 0.0, 1.0) * alone
             frowns = tracked[:, part.frowns]
             most[:, part.frowns] = np.maximum(
@@ -171,7 +173,7 @@ class Combining:
             (N, K) how much further channels may rise without leaving their rest.
         """
         part = self._part
-        columns, influence = part.columns[part.have], asked.influence[:, part.have]
+        columns, influence = part.have_columns, part.of_take(asked.influence)
         old, (answer, exchange) = weights[:, columns], answered
         room = np.full_like(old, np.inf)
         if asked.settings.mode is Mode.PRESERVE:
@@ -183,17 +185,19 @@ class Combining:
             if part.reach is not None:
                 answer += asked.settings.reach * (asked.quick @ part.quick)
             answer[:, part.idle] *= unlike
-            awake, room = self._awake(answer[:, part.have], weights)
+            awake, room = self._awake(part.of_take(answer), weights)
             beyond = np.maximum(part.beyond(asked.wanted, asked.hold), asked.unlike)
             lower, upper = part.bounds(beyond)
-            within = np.clip(old + awake, np.minimum(old, lower), np.maximum(old, upper))
+            within = np.maximum(old + awake, np.minimum(old, lower))
+            within = np.minimum(within, np.maximum(old, upper))
             answer = old + influence * (within - old)
         else:
-            answer = answer[:, part.have]
-        new = np.clip(answer, np.maximum(np.minimum(old, 0.0), least), most)
+            answer = part.of_take(answer)
+        new = np.minimum(np.maximum(answer, np.maximum(np.minimum(old, 0.0), least)), most)
+        slack = np.maximum(weights[:, _CLOSE] - weights[:, _JAW], 0.0)
         weights[:, columns] = np.where(influence > 0, new, old)
         if "mouthClose" in part.region.channels:
-            _couple(weights, old, columns, influence.max(axis=1) > 0)
+            _couple(weights, slack, influence.max(axis=1) > 0)
         return room
 
     def _correction(self, layer: LastLayer, curves: Doubles, slow: Doubles) -> Doubles:
@@ -223,7 +227,7 @@ class Combining:
             The change of channels that leave their rest; and how much further each may rise.
         """
         part = self._part
-        rest = part.at_rest(weights[:, part.columns])[:, part.have]
+        rest = part.of_take(part.at_rest(weights[:, part.columns]))
         awake = np.maximum(change - WAKES * rest, np.minimum(change, 0.0))
         return awake, np.where(rest > 0, np.maximum(awake, 0.0) + (1.0 - rest), np.inf)
 
@@ -244,7 +248,7 @@ class Combining:
         """
         least, most, room = limits
         part, naturalness = self._part, asked.settings.naturalness
-        columns = part.columns[part.have]
+        columns = part.have_columns
         vectors = part.vectors(weights)
         lengths = part.lengths(vectors)
         hold, wanted, calm = asked.hold[where], asked.wanted[where], asked.calm[where]
@@ -259,14 +263,14 @@ class Combining:
             here=weights[where],
             vectors=vectors[where],
             goal=Goal(wanted, asked.settings.reach * strength, mask, tolerance),
-            still=asked.influence[where][:, part.have] == 0,
+            still=part.of_take(asked.influence[where]) == 0,
             least=least[where],
             most=most[where],
             closed=self._are_closures(wanted, mask),
             share=asked.unlike[where],
         )
         beyond = np.maximum(part.beyond(wanted, hold), aim.share)
-        found = aim.here.copy()
+        found = aim.here.copy(order="K")
         quiet = np.minimum(aim.most, aim.here[:, columns] + room[where])
         found[:, columns] = replace(aim, most=quiet).solve(
             reach, columns, part.bounds(beyond), naturalness
@@ -347,14 +351,13 @@ class _Aim:
         return reach(self.here, self.goal, upper, naturalness, lower, self.closed, share, vectors)
 
 
-def _couple(weights: Doubles, old: Doubles, columns: Indices, where: Bools) -> None:
+def _couple(weights: Doubles, slack: Doubles, where: Bools) -> None:
     """Keep mouthClose <= jawOpen, in place: mouthClose is a corrective, which tears any rig alone.
 
-    If the take itself exceeds this, the same excess is allowed.
+    Args:
+        weights: (N, 52).
+        slack: (N,) by how much the take itself exceeds this, which is allowed.
+        where: (N,) the frames.
     """
-    close, jaw = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
-    before = weights.copy()
-    before[:, columns] = old
-    slack = np.maximum(before[:, close] - before[:, jaw], 0.0)
-    limit = np.minimum(weights[:, close], weights[:, jaw] + slack)
-    weights[where, close] = limit[where]
+    limit = np.minimum(weights[:, _CLOSE], weights[:, _JAW] + slack)
+    weights[where, _CLOSE] = limit[where]

@@ -87,7 +87,7 @@ class Expectation:
         """The change with that of the curves that are not known filled in from the others."""
         if not known.any() or known.all():
             return change
-        filled = change.copy()
+        filled = change.copy(order="K")
         filled[:, ~known] = within[:, known] @ self.gain(known)
         return filled
 

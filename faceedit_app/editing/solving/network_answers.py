@@ -96,7 +96,7 @@ class NetworkAnswers:
         """
         rows, settings = self._chunks.slice(task.chunk), task.settings
         near = task.near[0]
-        before = begin.weights[rows.start - near : rows.stop - near].astype(np.float64)
+        before = begin.weights[rows.start - near : rows.stop - near].astype(np.float64, order="F")
         begun = BegunAnswers(self._parts, before, settings.mode)
         heard = tuple(name for name in regions if not self._parts[name].is_optional)
         if self._answers is None or not heard:
@@ -176,7 +176,7 @@ class BegunAnswers:
     def _unanswered(self, name: str) -> tuple[Doubles, Doubles]:
         """What stands in for the networks' answer if there is none; see `wait`."""
         part = self._parts[name]
-        still = np.zeros((len(self._before), len(part.columns)))
+        still = np.zeros((len(self._before), len(part.columns)), order="F")
         if self._mode is Mode.RESYNTHESIZE and not part.is_optional:
             return self._before[:, part.columns], still
-        return np.zeros((len(self._before), len(part.region.channels))), still
+        return np.zeros((len(self._before), len(part.region.channels)), order="F"), still

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
 from faceedit_app.core.arrays import Bools, Doubles, Indices
@@ -85,6 +86,7 @@ class Part:
         columns: (K,) its channels among the 52: first those of the networks, then accompanying
             ones that the take uses.
         have: positions of the channels that may change, because the take has them.
+        have_columns: their columns among the 52.
         is_complete: whether the take has all channels of the networks.
         mirror: (K,) the position of each channel's mirror image.
         sees: columns among the 52 that its result depends on.
@@ -121,6 +123,8 @@ class Part:
         self.channels = (*region.channels, *more)
         self.columns = np.array([ARKIT_INDEX[c] for c in self.channels], np.intp)
         self.have = np.array([i for i, c in enumerate(self.channels) if c in may], np.intp)
+        self.have_columns = self.columns[self.have]
+        self._has_all = len(self.have) == len(self.columns)
         self.is_complete = may.issuperset(region.channels)
         self.mirror = np.array(
             [self._place(mirrored_channel(c), c) for c in self.channels], np.intp
@@ -200,9 +204,9 @@ class Part:
         """
         heard = influence[:, self.heard_columns]
         if self._sides is None:
-            return np.repeat(heard.max(axis=1)[:, None], len(self.columns), axis=1)
-        spread: Doubles = np.where(self._sides, heard[:, None], 1.0).min(axis=2)
-        return spread
+            return np.repeat(heard.max(axis=1)[None], len(self.columns), axis=0).T
+        spread: Doubles = np.where(self._sides.T[..., None], heard.T[:, None], 1.0).min(axis=0)
+        return spread.T
 
     def _expectation(self, slopes: Doubles, sample: Sample) -> Expectation:
         curves = np.concatenate(sample.curves)[:, self.own_columns]
@@ -217,7 +221,7 @@ class Part:
         both = {"mouthClose", "jawOpen"} <= set(names)
         coupled = (names.index("mouthClose"), names.index("jawOpen")) if both else None
         have = np.ix_(self.have, self.have)
-        columns = self.columns[self.have]
+        columns = self.have_columns
         own, wide = self._statistics.covariance[have], self._statistics.wide[have]
         return Reach(self._distances, columns, own, coupled, self._prior[have], wide)
 
@@ -291,9 +295,13 @@ class Part:
         return far
 
     def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
-        """The smallest and largest weights (N, K) of the channels that it has."""
+        """The smallest and largest weights of the channels that it has, (N, K) or (1, K) each."""
         lower, upper = self._statistics.bounds(beyond)
-        return lower[:, self.have], upper[:, self.have]
+        return self.of_take(lower), self.of_take(upper)
+
+    def of_take(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values (N, K) of all its channels -> those of the channels that it has."""
+        return values if self._has_all else values[:, self.have]
 
     def vectors(self, weights: Doubles) -> Doubles:
         """(N, C, 3) mm: its own controls with weights (N, 52), see `Distances.vectors`."""
@@ -301,13 +309,13 @@ class Part:
 
     def lengths(self, vectors: Doubles) -> Doubles:
         """(N, C) mm: its own controls, of vectors (N, C, 3)."""
-        lengths: Doubles = np.maximum(self._distances.lengths(vectors), 0.0)
-        return lengths
+        lengths = np.asfortranarray(self._distances.lengths(vectors))
+        return np.maximum(lengths, 0.0, out=lengths)
 
     def calmed(self, mute: Collection[str]) -> Calmed:
         """Its answer to smooths; `mute`: controls that edits cannot ask for."""
         own = tuple(c for c in self.own if c not in mute)
-        return Calmed(own, self.columns[self.have])
+        return Calmed(own, self.have_columns)
 
     def at_rest(self, weights: Doubles) -> Doubles:
         """(N, K) see `TakeStatistics.at_rest`, of weights (N, K) of all its channels."""
@@ -327,7 +335,7 @@ class Part:
         """
         count = len(self.region.channels)
         even = 0.5 * (answer + answer[:, self.mirror[:count]])
-        even *= self._use + unlike * (1.0 - self._use)
+        even *= self._use + unlike * (1.0 - self._use) if np.any(unlike) else self._use
         return np.concatenate([even.T, self._follow.T @ even.T]).T
 
     def unlike(self, change: Doubles) -> Doubles:

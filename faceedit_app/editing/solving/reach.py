@@ -70,6 +70,8 @@ class Goal:
 class Reach:
     """Brings the controls of one region to a goal, each frame by itself.
 
+    It is fastest with arrays that lie column by column in memory.
+
     Args:
         distances: the region's C controls as a function of all 52 weights.
         channels: (K,) columns that may change.
@@ -128,7 +130,7 @@ class Reach:
         """
         start = weights[:, self._channels]
         vectors = self._distances.vectors(weights) if vectors is None else vectors
-        lengths = self._distances.lengths(vectors)
+        lengths = np.asfortranarray(self._distances.lengths(vectors))
         targets = goal.targets_from(np.maximum(lengths, 0.0))
         if self._distances.may_pass:  # such vertices come apart little by little
             targets += np.minimum(lengths, 0.0) * np.clip(1.0 - targets / APART_MM, 0.0, 1.0)
@@ -191,6 +193,8 @@ class Reach:
         self, frames: _Frames, vectors: Doubles, lengths: Doubles | None = None
     ) -> _Place:
         found: Doubles = self._distances.lengths(vectors) if lengths is None else lengths
+        if found.ndim == 2:
+            found = np.asfortranarray(found)
         return _Place(vectors, found, frames.cost(found))
 
     def _linear(
@@ -209,10 +213,11 @@ class Reach:
     ) -> Doubles:
         """The most probable change with slopes x change = wanted; frozen channels keep theirs."""
         rest, free, held = wanted, slopes, change
-        if frozen.any():
+        if are_some := bool(frozen.any()):
             held = np.where(frozen, change, 0.0)
             rest = wanted - np.einsum("cnk,nk->nc", slopes, held)
-            free = np.where(frozen, 0.0, slopes)
+            free = slopes.copy()
+            np.copyto(free, 0.0, where=frozen)
         spread = (free.reshape(-1, len(self._covariance)) @ self._covariance).reshape(free.shape)
         if self._more is not None and frames.share.any():
             wide = np.flatnonzero(frames.share)
@@ -221,8 +226,10 @@ class Reach:
         diagonal = np.arange(system.shape[1])
         system[:, diagonal, diagonal] += frames.noise
         solved = np.linalg.solve(system, rest[:, :, None])  # (N, C, 1)
-        moved: Doubles = (solved.transpose(0, 2, 1) @ spread.transpose(1, 0, 2))[:, 0]
-        return np.where(frozen, held, moved)
+        moved = np.asfortranarray((solved.transpose(0, 2, 1) @ spread.transpose(1, 0, 2))[:, 0])
+        if are_some:
+            np.copyto(moved, held, where=frozen)
+        return moved
 
     def _shortening(self, change: Doubles, limit: Doubles) -> Doubles:
         """(N, 1) factors that limit the length of each frame's change."""

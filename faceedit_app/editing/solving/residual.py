@@ -88,10 +88,10 @@ def exchange(residual: Doubles, share: Doubles) -> Doubles:
         share: (M,) in 0..1, see `kept`.
     """
     # Poses that are edited themselves say little about what is around them.
-    near, trust = _resemblance(len(residual)), share**2
-    around = near @ (trust[:, None] * residual) / ((near @ trust)[:, None] + NOTHING)
-    added: Doubles = (1.0 - share[:, None]) * (around - residual)
-    return added
+    near, trust, rows = _resemblance(len(residual)), share**2, residual.T
+    around = (rows * trust) @ near / (near @ trust + NOTHING)
+    added: Doubles = (1.0 - share) * (around - rows)
+    return added.T
 
 
 @lru_cache(maxsize=4)

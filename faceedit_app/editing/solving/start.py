@@ -103,7 +103,7 @@ class Starts:
 
         The last bits of a matrix product depend on the number of frames.
         """
-        measured = self._distances.measure(weights)
+        measured = self._distances.measure(np.ascontiguousarray(weights))
         same = (weights == known).all(axis=1)
         measured[same] = controls[same]
         return measured

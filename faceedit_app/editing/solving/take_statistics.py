@@ -110,17 +110,19 @@ class TakeStatistics:
         return at_rest
 
     def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
-        """The smallest and largest weights (N, K) for requests on N frames.
+        """The smallest and largest weights for requests on N frames, (N, K) or (1, K) each.
 
         Args:
             beyond: (N,) in 0..1: how far a request leaves what the take itself does. At 0 the
                 channels keep to the take's range, at 1 to what a face can do.
         """
-        more = beyond[:, None]
         high = np.maximum(self.high, np.minimum(self.high + MARGIN, 1.0))
-        upper = high + more * np.maximum(1.0 - high, 0.0)
-        lower = self.low - more * np.maximum(self.low, 0.0)
-        return lower, upper
+        if not beyond.any():
+            return self.low[None], high[None]
+        more = beyond[:, None].T
+        upper = high[:, None] + np.maximum(1.0 - high, 0.0)[:, None] * more
+        lower = self.low[:, None] - np.maximum(self.low, 0.0)[:, None] * more
+        return lower.T, upper.T
 
 
 def _covariance(weights: Doubles) -> Doubles:
