@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -309,7 +310,7 @@ class Part:
 
     def lengths(self, vectors: Doubles) -> Doubles:
         """(N, C) mm: its own controls, of vectors (N, C, 3)."""
-        lengths = np.asfortranarray(self._distances.lengths(vectors))
+        lengths: Doubles = np.asfortranarray(self._distances.lengths(vectors))
         return np.maximum(lengths, 0.0, out=lengths)
 
     def calmed(self, mute: Collection[str]) -> Calmed:
@@ -318,10 +319,10 @@ class Part:
         return Calmed(own, self.have_columns)
 
     def at_rest(self, weights: Doubles) -> Doubles:
-        """(N, K) see `TakeStatistics.at_rest`, of weights (N, K) of all its channels."""
-        return self._statistics.at_rest(weights)
+        """(N, K) see `TakeStatistics.at_rest`, of the channels that it has."""
+        return self._statistics.at_rest(weights, slice(None) if self._has_all else self.have)
 
-    @property
+    @cached_property
     def idle(self) -> Indices:
         """Positions of channels that stay still, because the take never uses them."""
         return np.flatnonzero(~self._statistics.used)

@@ -303,7 +303,9 @@ class Solver:
                     hold=mine.hold[:, own],
                     calm=mine.calm[:, own],
                 )
-                self._combining[name].prepare(requests[name])
+                solved = self._solved.get((task.chunk, name))
+                if solved is None or not solved.asked.equals(requests[name]):
+                    self._combining[name].prepare(weights, requests[name])
             for name, wanted in requests.items():
                 self._solve_region(task.chunk, name, weights, wanted, answers.wait(name))
             if settings.mode is Mode.PRESERVE:

@@ -103,10 +103,11 @@ class TakeStatistics:
         rests = still.mean(axis=0) > OFTEN
         return cls(low, high, used, rests, covariance * live, wide, fast * live)
 
-    def at_rest(self, weights: Doubles) -> Doubles:
-        """(N, K) in 0..1: how far channels that rest are at rest in weights (N, K)."""
-        away = (weights - self.low) / WAKES
-        at_rest: Doubles = np.where(self.rests, np.clip(1.0 - away, 0.0, 1.0), 0.0)
+    def at_rest(self, weights: Doubles, channels: Indices | slice) -> Doubles:
+        """(N, M) in 0..1: how far channels that rest are at rest, in weights (N, M) of some."""
+        away = (weights - self.low[channels]) / WAKES
+        at_rest: Doubles = np.minimum(np.maximum(1.0 - away, 0.0), 1.0)
+        at_rest[:, ~self.rests[channels]] = 0.0
         return at_rest
 
     def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
