@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
-from PySide6.QtCore import QPoint, QRect, QRectF, Qt, Signal
+from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
     QFont,
@@ -52,6 +53,12 @@ class Layout:
     share: QRectF | None
     note: QRectF | None
     is_low: bool = False
+
+    @cached_property
+    def value_at(self) -> QPointF:
+        """Where the value begins, on its base line: text at a point is not laid out in lines."""
+        ascent = QFontMetricsF(self.value_font).ascent()
+        return QPointF(self.value.left(), self.value.top() + ascent)
 
     @property
     def readout(self) -> QRect:
@@ -192,13 +199,13 @@ class Header(QWidget):
                 where = _MIDDLE if layout.is_low else _LEFT
                 painter.drawText(layout.name, where, self.control.label)
             painter.setPen(style.color(style.MUTED))
-            if layout.share is not None:
+            if layout.share is not None and self.share:
                 painter.drawText(layout.share, _RIGHT_TOP, self.share)
-            if layout.note is not None:
+            if layout.note is not None and self.note:
                 painter.drawText(layout.note, _LEFT, self.note)
             painter.setFont(layout.value_font)
             painter.setPen(style.color(style.TEXT))
             if layout.is_low:
                 painter.drawText(layout.value, _RIGHT, self.value.removesuffix(UNIT))
             else:
-                painter.drawText(layout.value, _LEFT, self.value)
+                painter.drawText(layout.value_at, self.value)

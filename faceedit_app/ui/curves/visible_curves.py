@@ -149,10 +149,10 @@ class VisibleCurves:
             self._gaps = Gaps.of(session.rig), Gaps.of(session.shown_rig)
         ours, theirs = (gaps.measure(session.weights[self._rows]) for gaps in self._gaps)
         wider = theirs - ours
-        shown = _widened(np.abs(wider) > WIDER)
+        shown = _widened((np.abs(wider) > WIDER).T)
         y = self._live.achieved[self._rows][:, CLOSING_COLUMNS] + wider
         return {
-            curve: run_of(self._x, y[:, i], shown[:, i], False)
+            curve: run_of(self._x, y[:, i], shown[i], False)
             for i, curve in enumerate(CLOSING_COLUMNS)
         }
 
@@ -161,15 +161,15 @@ class VisibleCurves:
         if self._extremes is not None:
             for rows in changed:
                 self._extremes.update(*rows)
-        low, high = self._read_bins()
-        y = low if low is high else _alternating(low, high)
-        c = self._curves
-        self._y = np.ascontiguousarray(y[:, : _LINES * c].T).reshape(_LINES, c, -1)
-        # Neighbours of differing frames are drawn too, so that runs join the line beside them.
-        near = _widened(high[:, _LINES * c :] > SAME)
-        if low is not high:
-            near = near.repeat(2, axis=0)
-        self._near = near.T.reshape(2, c, -1)
+        if self._size == 1:
+            self._y, apart = self._read_frames(self._rows)
+            self._near = _widened(apart > SAME)
+            return
+        low, high = (values.T.reshape(_LINES + 2, self._curves, -1) for values in self._read_bins())
+        # Each bin's lowest, then its highest.
+        pairs = np.stack([low[:_LINES], high[:_LINES]], axis=-1)
+        self._y = pairs.reshape(_LINES, self._curves, -1)
+        self._near = _widened(high[_LINES:] > SAME).repeat(2, axis=-1)
 
     def lines(self, curve: int) -> Lines:
         """The lines of a curve; empty if it is not read."""
@@ -202,14 +202,18 @@ class VisibleCurves:
         slack = _SLACK * (high - low)
         return min(max(value, low - slack), high + slack)
 
-    def _read(self, rows: slice) -> Values:
-        """(N, 5 C): the three lines, and the differences of face and asked for from tracked."""
+    def _read_frames(self, rows: slice) -> tuple[Values, Values]:
+        """(3, C, N): the lines; (2, C, N): the differences of face and asked for from tracked."""
         live = self._live
-        tracked, face, asked = (
-            array[rows][:, self._columns] for array in (live.tracked, live.achieved, live.asked)
+        lines = np.stack(
+            [array[rows].T[self._columns] for array in (live.tracked, live.achieved, live.asked)]
         )
-        apart = np.abs(face - tracked), np.abs(asked - tracked)
-        return np.concatenate([tracked, face, asked, *apart], axis=1)
+        return lines, np.abs(lines[1:] - lines[0])
+
+    def _read(self, rows: slice) -> Values:
+        """(N, 5 C): the same, one after the other."""
+        both = np.concatenate(self._read_frames(rows))
+        return both.reshape(-1, both.shape[-1]).T
 
     @property
     def _bins(self) -> tuple[int, int]:
@@ -229,11 +233,8 @@ class VisibleCurves:
         return middles
 
     def _read_bins(self) -> tuple[Values, Values]:
-        """Lowest and highest values (N, 5 C) of each bin; equal for single frames."""
+        """Lowest and highest values (N, 5 C) of each bin."""
         size, frames, (first, last) = self._size, len(self._times), self._bins
-        if size == 1:
-            values = self._read(self._rows)
-            return values, values
         if size < BASE:
             values = self._read(slice(first * size, min(last * size, frames)))
             return lowest(values, size), highest(values, size)
@@ -264,15 +265,12 @@ def run_of(x: Values, y: Values, shown: Mask, thinned: bool) -> Polyline:
     return Polyline(x[shown], y[shown], None if every else joined, thinned)
 
 
-def _alternating(low: Values, high: Values) -> Values:
-    """(N, C) and (N, C) -> (2 N, C): each bin's lowest, then its highest."""
-    pairs: Values = np.stack([low, high], axis=1).reshape(-1, low.shape[1])
-    return pairs
-
-
 def _widened(mask: Mask) -> Mask:
-    """(N, C) mask, extended by neighbours in time."""
+    """(..., N) mask, extended by neighbours in time.
+
+    Neighbours of differing frames are drawn too, so that runs join the line beside them.
+    """
     wide = mask.copy()
-    wide[1:] |= mask[:-1]
-    wide[:-1] |= mask[1:]
+    wide[..., 1:] |= mask[..., :-1]
+    wide[..., :-1] |= mask[..., 1:]
     return wide
