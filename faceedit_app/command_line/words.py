@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
-from faceedit_app import character_commands
-from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.texts import say
-from faceedit_app.options import (
+from faceedit_app.command_line.opening import rig_of
+from faceedit_app.command_line.options import (
     CharacterOption,
     FpsOption,
     JsonOption,
     ModelsOption,
     OverwriteOption,
 )
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.editing.help.dubbing import Match
@@ -115,7 +115,7 @@ def words(
         session, transcript = _words_of_take(source, said, spellings, fps)
         seconds = session.take.clip.duration
         if character is not None:
-            session.use_character(character_commands.rig_of(character))
+            session.use_character(rig_of(character))
         if retime_to is not None:
             found = _match(session, transcript, retime_to, their_text, spellings, their_start)
             report = {"retime": _matched(found)}

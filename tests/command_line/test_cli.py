@@ -15,7 +15,6 @@ from support.networks import write_models
 from support.takes import make_livelink_csv
 
 from faceedit_app.cli import main
-from faceedit_app.commands import app
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.edit import from_json as edit_from_json
@@ -169,11 +168,6 @@ def test_render_draws_the_frame_at_a_time(take: Path, capfd: pytest.CaptureFixtu
     with Image.open(out) as picture:
         assert picture.size == (160, 120)
         assert np.asarray(picture).std() > 5
-
-
-def test_a_command_leaves_the_table_of_commands_as_it_is() -> None:
-    counts = {(main(["--version"]), len(app.registered_commands)) for _ in range(3)}
-    assert len(counts) == 1
 
 
 def test_version_and_help_end_well(capfd: pytest.CaptureFixture[str]) -> None:
