@@ -131,7 +131,7 @@ def test_the_dialogs_say_where(qtbot: QtBot) -> None:
     assert not record.form.isRowVisible(record.address)
     record.protocol_choice.setCurrentIndex(2)
     assert record.form.isRowVisible(record.address)
-    assert "This computer’s address is" in record.hint.text()
+    assert "This computer's address is" in record.hint.text()
 
 
 @pytest.mark.parametrize("kind", [LiveDialog, RecordDialog])
