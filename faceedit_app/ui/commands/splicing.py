@@ -64,7 +64,7 @@ class SpliceCommands:
         at = self._timeline.time
         self._ask(
             "Insert time and lengthen",
-            f"At {at:.2f} s the face rests, without sound; all that follows becomes later.",
+            f"At {at:.2f} s the face rests, without sound; everything after it moves later.",
             (_FIRST, LONGEST_INSERT),
             lambda seconds: Splice(at, at, seconds),
         )
