@@ -1,4 +1,4 @@
-"""`faceedit`: opens the window, or runs a command (`commands.py`)."""
+"""`faceedit`: opens the window, or runs a command (`command_line`)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def main(arguments: list[str] | None = None) -> int:
         multiprocessing.freeze_support()
     try:
         if _is_command(given):
-            from faceedit_app.commands import run_command
+            from faceedit_app.command_line.app import run_command
 
             return run_command(given)
         return _open_window(given)

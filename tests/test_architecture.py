@@ -91,7 +91,7 @@ def test_every_library_that_is_imported_is_declared() -> None:
 
 
 def test_only_the_document_passes_on_what_the_session_announces() -> None:
-    """Whoever changes the session says nothing to the views: they would hear it twice, or not."""
+    """Code that changes the session says nothing to the views: they would hear it twice, or not."""
     says = re.compile(r"document\.(previewed|changed)\.emit")
     files = [path for room in ("faceedit_app", "tests") for path in (ROOT / room).rglob("*.py")]
     assert files

@@ -17,11 +17,13 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+import typer
 from support.faces import random_engine
 from support.windows import Bench
 
 import faceedit_app
 from faceedit_app.cli import main
+from faceedit_app.command_line.app import build_app
 from faceedit_app.core import optional
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.core.optional import require
@@ -153,7 +155,9 @@ def _imports(path: Path) -> set[str]:
 
 def test_the_bundle_leaves_out_nothing_that_the_application_imports(tool: Tool) -> None:
     excluded = set(tool("contents").EXCLUDED)
-    guarded = {ROOT / "faceedit_app" / "commands.py"}
+    guarded = {
+        ROOT / "faceedit_app" / "command_line" / name for name in ("laboratory.py", "attacks.py")
+    }
     for path in (ROOT / "faceedit_app").rglob("*.py"):
         inside = path.relative_to(ROOT / "faceedit_app").as_posix()
         if not inside.startswith("lab/") and path not in guarded:
@@ -336,6 +340,18 @@ def test_a_missing_part_is_one_line_with_the_remedy(
         line = capsys.readouterr().err
         assert line.count("\n") == 1
         assert 'needs torch, which is not installed; pip install "faceedit[training]"' in line
+
+
+def test_an_application_without_the_laboratory_says_how_to_get_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = typer.main.get_command(build_app(has_laboratory=False))
+    monkeypatch.setattr(optional, "find_spec", lambda _name: None)
     monkeypatch.setattr(sys, "frozen", True, raising=False)
-    assert main(["synthesize", "-o", "takes"]) == 2
-    assert "The installed application leaves training out" in capsys.readouterr().err
+    for given in (["train", "--data", "takes"], ["evaluate-words", "a.csv"], ["fuzz"]):
+        with pytest.raises(Unavailable, match="leaves training out"):
+            command(given, standalone_mode=False)
+    command(["--help"], standalone_mode=False)
+    out = capsys.readouterr().out
+    assert "convert" in out
+    assert "evaluate" not in out

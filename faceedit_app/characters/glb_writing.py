@@ -16,7 +16,7 @@ from faceedit_app.characters.turning import HEAD_JOINT, Turning
 from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROL_IDS
-from faceedit_app.core.rig import Rig
+from faceedit_app.core.rig import Material, Rig
 
 _FLOAT, _UINT, _UBYTE = gltf.FLOAT, gltf.UNSIGNED_INT, gltf.UNSIGNED_BYTE
 
@@ -107,17 +107,26 @@ def rig_content(
         turning: adds the joint `HEAD_JOINT`, about which the head can turn.
     """
     out = _Writer()
-    attributes = gltf.Attributes(
-        POSITION=out.add(rig.neutral.astype("<f4"), "VEC3", _FLOAT, gltf.ARRAY_BUFFER),
-        COLOR_0=out.add(rig.colors.clip(0, 1).astype("<f4"), "VEC4", _FLOAT, gltf.ARRAY_BUFFER),
-    )
-    if rig.uv is not None:
-        attributes.TEXCOORD_0 = out.add(rig.uv.astype("<f4"), "VEC2", _FLOAT, gltf.ARRAY_BUFFER)
-    if rig.shade is not None:
-        shade = out.add(rig.shade.astype("<f4"), "SCALAR", _FLOAT, gltf.ARRAY_BUFFER)
-        setattr(attributes, SHADE, shade)
+    document = out.document
+    document.meshes = [_mesh(out, rig, shapes or rig.channels, turning)]
+    document.nodes = [gltf.Node(name=rig.name, mesh=0)]
+    document.scenes = [gltf.Scene(nodes=[0])]
     if turning is not None:
-        _add_skin(out, attributes, turning)
+        document.nodes[0].skin = 0
+        document.nodes += [
+            gltf.Node(name="body", children=[2]),
+            gltf.Node(name=HEAD_JOINT, translation=turning.pivot.tolist()),
+        ]
+        document.scenes[0].nodes = [0, 1]
+    document.scene = 0
+    document.buffers = [gltf.Buffer(byteLength=len(out.blob))]
+    document.set_binary_blob(bytes(out.blob))
+    return b"".join(document.save_to_bytes())
+
+
+def _mesh(out: _Writer, rig: Rig, shapes: Sequence[str], turning: Turning | None) -> gltf.Mesh:
+    """Add a rig's vertices, faces and materials; returns its mesh."""
+    attributes = _attributes(out, rig, turning)
     for picture in rig.textures:
         out.add_texture(picture)
     targets = [{"POSITION": out.add_sparse(d.astype("<f4"))} for d in rig.deltas]
@@ -132,48 +141,49 @@ def rig_content(
                 targets=targets,
             )
         )
-        out.document.materials.append(
-            gltf.Material(
-                name=material.name,
-                doubleSided=True,
-                alphaMode="MASK" if material.cutoff > 0 else "OPAQUE",
-                alphaCutoff=material.cutoff if material.cutoff > 0 else None,
-                pbrMetallicRoughness=gltf.PbrMetallicRoughness(
-                    roughnessFactor=material.roughness,
-                    metallicFactor=material.metallic,
-                    baseColorTexture=None
-                    if material.texture is None
-                    else gltf.TextureInfo(index=material.texture),
-                ),
-            )
-        )
+        out.document.materials.append(_material(material))
     pairs = zip(CONTROL_IDS, rig.control_pairs.tolist(), rig.has_control, strict=True)
-    controls = {name: pair for name, pair, has in pairs if has}
-    mesh = gltf.Mesh(
+    return gltf.Mesh(
         name=rig.name,
         primitives=primitives,
         weights=[0.0] * len(rig.channels),
         extras={
-            "targetNames": list(shapes or rig.channels),
-            "controls": controls,
+            "targetNames": list(shapes),
+            "controls": {name: pair for name, pair, has in pairs if has},
             "attribution": rig.attribution,
         },
     )
-    document = out.document
-    document.meshes = [mesh]
-    document.nodes = [gltf.Node(name=rig.name, mesh=0)]
-    document.scenes = [gltf.Scene(nodes=[0])]
+
+
+def _attributes(out: _Writer, rig: Rig, turning: Turning | None) -> gltf.Attributes:
+    """Add what each vertex has."""
+    attributes = gltf.Attributes(
+        POSITION=out.add(rig.neutral.astype("<f4"), "VEC3", _FLOAT, gltf.ARRAY_BUFFER),
+        COLOR_0=out.add(rig.colors.clip(0, 1).astype("<f4"), "VEC4", _FLOAT, gltf.ARRAY_BUFFER),
+    )
+    if rig.uv is not None:
+        attributes.TEXCOORD_0 = out.add(rig.uv.astype("<f4"), "VEC2", _FLOAT, gltf.ARRAY_BUFFER)
+    if rig.shade is not None:
+        shade = out.add(rig.shade.astype("<f4"), "SCALAR", _FLOAT, gltf.ARRAY_BUFFER)
+        setattr(attributes, SHADE, shade)
     if turning is not None:
-        document.nodes[0].skin = 0
-        document.nodes += [
-            gltf.Node(name="body", children=[2]),
-            gltf.Node(name=HEAD_JOINT, translation=turning.pivot.tolist()),
-        ]
-        document.scenes[0].nodes = [0, 1]
-    document.scene = 0
-    document.buffers = [gltf.Buffer(byteLength=len(out.blob))]
-    document.set_binary_blob(bytes(out.blob))
-    return b"".join(document.save_to_bytes())
+        _add_skin(out, attributes, turning)
+    return attributes
+
+
+def _material(material: Material) -> gltf.Material:
+    texture = None if material.texture is None else gltf.TextureInfo(index=material.texture)
+    return gltf.Material(
+        name=material.name,
+        doubleSided=True,
+        alphaMode="MASK" if material.cutoff > 0 else "OPAQUE",
+        alphaCutoff=material.cutoff if material.cutoff > 0 else None,
+        pbrMetallicRoughness=gltf.PbrMetallicRoughness(
+            roughnessFactor=material.roughness,
+            metallicFactor=material.metallic,
+            baseColorTexture=texture,
+        ),
+    )
 
 
 def _add_skin(out: _Writer, attributes: gltf.Attributes, turning: Turning) -> None:

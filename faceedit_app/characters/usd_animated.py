@@ -8,7 +8,7 @@ textures; text has their colours at the vertices, as the display colour.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from faceedit_app.characters.base_colors import png_of, vertex_colors
 from faceedit_app.characters.scene import Scene
 from faceedit_app.characters.usd_materials import materials, package, picture_path, subsets
 from faceedit_app.characters.usd_turning import joints, numbers, skin, turns
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.rig import Rig
 
 _STILL = 1e-7  # metres
@@ -40,21 +40,11 @@ def scene_usda(scene: Scene, name: str, packed: bool = False) -> bytes:
         name: of the animation, for the file's comment.
         packed: whether the textures are beside it in a package.
     """
-    rig = scene.rig
-    surfaces = _identifiers(material.name for material in rig.materials)
-    tokens = _identifiers(scene.shapes)
     codes = scene.times * scene.rate
     whole = np.round(codes)
     codes = np.where(np.abs(codes - whole) < 1e-3, whole, codes)
-    shapes = "\n".join(
-        _blend_shape(token, moves) for token, moves in zip(tokens, rig.deltas, strict=True)
-    )
-    samples = "\n".join(
-        f"                    {code:.10g}: [{numbers(row)}],"
-        for code, row in zip(codes.tolist(), scene.weights, strict=True)
-    )
-    quoted = ", ".join(f'"{token}"' for token in tokens)
-    targets = ", ".join(f"</Face/Head/{token}>" for token in tokens)
+    surfaces = _identifiers(material.name for material in scene.rig.materials)
+    tokens = _identifiers(scene.shapes)
     text = f"""#usda 1.0
 (
     defaultPrim = "Face"
@@ -69,7 +59,21 @@ def scene_usda(scene: Scene, name: str, packed: bool = False) -> bytes:
 
 def SkelRoot "Face"
 {{
-    def Mesh "Head" (
+{_head(scene, tokens, surfaces)}
+{materials(scene.rig, surfaces, packed)}
+{_skeleton(scene, tokens, codes)}}}
+"""
+    return text.encode()
+
+
+def _head(scene: Scene, tokens: Sequence[str], surfaces: list[str]) -> str:
+    """The mesh with its blendshapes."""
+    rig = scene.rig
+    targets = ", ".join(f"</Face/Head/{token}>" for token in tokens)
+    shapes = "\n".join(
+        _blend_shape(token, moves) for token, moves in zip(tokens, rig.deltas, strict=True)
+    )
+    return f"""    def Mesh "Head" (
         prepend apiSchemas = ["SkelBindingAPI"]
     )
     {{
@@ -83,16 +87,23 @@ def SkelRoot "Face"
             interpolation = "vertex"
         )
 {_texture_coordinates(rig)}        uniform token subsetFamily:materialBind:familyType = "partition"
-        uniform token[] skel:blendShapes = [{quoted}]
+        uniform token[] skel:blendShapes = [{_listed(tokens)}]
         rel skel:blendShapeTargets = [{targets}]
         rel skel:skeleton = </Face/Skeleton>
 {skin(scene.turning)}
 {shapes}
 {subsets(rig, surfaces)}
     }}
+"""
 
-{materials(rig, surfaces, packed)}
-    def Skeleton "Skeleton" (
+
+def _skeleton(scene: Scene, tokens: Sequence[str], codes: Times) -> str:
+    """The joints, and the animation of weights and head at time codes (T,)."""
+    samples = "\n".join(
+        f"                    {code:.10g}: [{numbers(row)}],"
+        for code, row in zip(codes.tolist(), scene.weights, strict=True)
+    )
+    return f"""    def Skeleton "Skeleton" (
         prepend apiSchemas = ["SkelBindingAPI"]
     )
     {{
@@ -101,16 +112,18 @@ def SkelRoot "Face"
 
         def SkelAnimation "Animation"
         {{
-            uniform token[] blendShapes = [{quoted}]
+            uniform token[] blendShapes = [{_listed(tokens)}]
             float[] blendShapeWeights.timeSamples = {{
 {samples}
             }}
 {turns(scene.turning, codes)}
         }}
     }}
-}}
 """
-    return text.encode()
+
+
+def _listed(tokens: Sequence[str]) -> str:
+    return ", ".join(f'"{token}"' for token in tokens)
 
 
 def _texture_coordinates(rig: Rig) -> str:

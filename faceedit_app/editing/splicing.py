@@ -7,6 +7,7 @@ copy of the take as it is shown, beside which the cut sound and film lie under i
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from pathlib import Path
@@ -96,43 +97,38 @@ def write_spliced(
         Abandoned: `progress` said so.
     """
     made = splice(shown, splices)
-    own = form = own_format(take)
-    if form is None or path.suffix.lower() not in _endings(form):
-        form = choose(path)
+    form, remarks = _form_for(take, path)
     film = media.film if has_film else None
     sound = None if media.sound is None else read_sound(media.sound.path)
     paths = path.with_suffix(".wav"), path.with_suffix(".mp4")
     _check_room(path, paths, sound is not None, film is not None)
-    begun: list[Path] = []
-    remarks: list[str] = []
-    if own is not None and not _endings(own):
-        remarks.append(f"no new take can be {own.name}, so it is written as {form.name}")
-    try:
+    with ExitStack() as undo:  # of what was written, if anything fails
         if sound is not None and media.sound is not None:
             samples = spliced_sound(sound, media.sound.offset, made)
             write_atomically(paths[0], wav(samples, sound.rate))
-            begun.append(paths[0])
+            undo.callback(paths[0].unlink, missing_ok=True)
         if film is not None:
             try:
-                begun.append(_write_film(film, made, paths, sound is not None, progress))
+                _write_film(film, made, paths, sound is not None, progress)
+                undo.callback(paths[1].unlink, missing_ok=True)
             except Unavailable as error:
                 remarks.append(f"the film is left out: {error}")
                 film = None
         # Of no kind: its own format would be written into the old file's rows.
-        new = replace(take, clip=made.clip, kind="")
-        exported = export_take(new, made.clip, path, form)
-    except BaseException:
-        for file in begun:
-            file.unlink(missing_ok=True)
-        raise
-    return Written(
-        path,
-        made.clip,
-        paths[0] if sound is not None else None,
-        begun[-1] if film is not None else None,
-        made,
-        (*exported.remarks, *remarks),
-    )
+        exported = export_take(replace(take, clip=made.clip, kind=""), made.clip, path, form)
+        undo.pop_all()
+    written = (paths[0] if sound is not None else None), (paths[1] if film is not None else None)
+    return Written(path, made.clip, *written, made, (*exported.remarks, *remarks))
+
+
+def _form_for(take: Take, path: Path) -> tuple[OutFormat, list[str]]:
+    """The format of a new take, and why it is not that of the old one, if it cannot be."""
+    own = form = own_format(take)
+    if form is None or path.suffix.lower() not in _endings(form):
+        form = choose(path)
+    if own is not None and not _endings(own):
+        return form, [f"no new take can be {own.name}, so it is written as {form.name}"]
+    return form, []
 
 
 def ending_for(take: Take) -> str:
@@ -206,8 +202,8 @@ def _write_film(
     paths: tuple[Path, Path],
     has_sound: bool,
     progress: Callable[[float], bool],
-) -> Path:
-    """Write the film with the same splices; returns its file."""
+) -> None:
+    """Write the film with the same splices."""
     from faceedit_app.media.film import Film
     from faceedit_app.media.film_writer import Soundtrack, film_format, writing
 
@@ -229,4 +225,3 @@ def _write_film(
                 out.add(np.ascontiguousarray(picture))
     finally:
         source.close()
-    return paths[1]

@@ -1,4 +1,4 @@
-"""Characters in GLB files: what is written is read again, and bad files are told in one line."""
+"""Characters in GLB files: what is written is read again, and bad files end in one line."""
 
 from __future__ import annotations
 
@@ -82,18 +82,18 @@ def test_names_in_other_scripts_survive(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"glTF", PNG, b"solid cube", bytes(400)])
-def test_what_is_no_glb_is_told_so(tmp_path: Path, content: bytes) -> None:
+def test_what_is_no_glb_is_reported(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "face.glb"
     path.write_bytes(content)
     complaint(path)
 
 
-def test_missing_file_and_folder_are_told_so(tmp_path: Path) -> None:
+def test_missing_file_and_folder_are_reported(tmp_path: Path) -> None:
     complaint(tmp_path / "none.glb")
     complaint(tmp_path)
 
 
-def test_truncated_file_is_told_so_wherever_it_ends(tmp_path: Path) -> None:
+def test_truncated_file_is_reported_wherever_it_ends(tmp_path: Path) -> None:
     write_rig(tmp_path / "whole.glb", random_rig(4, ("jawOpen", "eyeBlinkLeft")))
     content = (tmp_path / "whole.glb").read_bytes()
     cut = tmp_path / "cut.glb"
@@ -144,7 +144,7 @@ DAMAGES: dict[str, Callable[[dict[str, Any]], Any]] = {
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_glb_without_a_part_of_the_character_is_told_so(tmp_path: Path, damage: str) -> None:
+def test_glb_without_a_part_of_the_character_is_reported(tmp_path: Path, damage: str) -> None:
     write_rig(tmp_path / "face.glb", random_rig(4))
     content = (tmp_path / "face.glb").read_bytes()
     (tmp_path / "face.glb").write_bytes(edit_json(content, DAMAGES[damage]))
@@ -176,7 +176,7 @@ def test_character_without_a_control_opens_and_says_which_curve_it_lacks(tmp_pat
     assert read_rig(tmp_path / "again.glb").missing_controls == ("upper_lip",)
 
 
-def test_triangle_that_names_no_vertex_is_told_so(tmp_path: Path) -> None:
+def test_triangle_that_names_no_vertex_is_reported(tmp_path: Path) -> None:
     rig = random_rig(4)
     write_rig(tmp_path / "face.glb", replace(rig, faces=np.full_like(rig.faces, 24)))
     complaint(tmp_path / "face.glb")

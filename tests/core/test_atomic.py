@@ -52,7 +52,7 @@ def test_a_failure_leaves_the_old_file_and_says_so_in_one_line(
     assert [p.name for p in tmp_path.iterdir()] == ["take.csv"]
 
 
-def test_a_missing_folder_is_told(tmp_path: Path) -> None:
+def test_a_missing_folder_is_reported(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="cannot be written"):
         write_atomically(tmp_path / "nowhere" / "take.csv", b"")
 

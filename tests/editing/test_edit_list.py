@@ -108,7 +108,7 @@ def test_what_changes_nothing_is_no_step(session: EditSession, name: str) -> Non
     assert session.edits == ()
 
 
-def test_what_floats_is_shown_and_heard_of_by_nobody(session: EditSession) -> None:
+def test_a_preview_is_shown_and_is_no_step(session: EditSession) -> None:
     heard: list[EditState] = []
     session.stepped.connect(heard.append)
     before = session.asked.copy()
@@ -182,7 +182,7 @@ def test_falloffs_may_differ() -> None:
     assert hard.mask(np.array([0.99, 1.0, 1.5, 1.51])).tolist() == [0, 1, 1, 0]
 
 
-def test_a_name_computes_nothing_anew() -> None:
+def test_a_name_computes_nothing_again() -> None:
     assert replace(A, name="x").effect == A
     assert A.effect is A
 

@@ -1,4 +1,4 @@
-"""Edits in files: what is saved is read again, and what is wrong is told in one line."""
+"""Edits in files: what is saved is read again, and what is wrong is reported in one line."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
 
 
 @pytest.mark.parametrize("name", BAD_EDITS)
-def test_bad_edit_is_told_with_its_number(tmp_path: Path, name: str) -> None:
+def test_bad_edit_is_reported_with_its_number(tmp_path: Path, name: str) -> None:
     entry, reason = BAD_EDITS[name]
     text = complaint(saved(tmp_path / "edits.json", GOOD, entry, GOOD))
     assert "edit 2: " in text
@@ -146,12 +146,12 @@ BAD_FILES: dict[str, tuple[bytes, str]] = {
 
 
 @pytest.mark.parametrize("name", BAD_FILES)
-def test_file_that_lists_no_edits_is_told_so(tmp_path: Path, name: str) -> None:
+def test_file_that_lists_no_edits_is_reported(tmp_path: Path, name: str) -> None:
     content, reason = BAD_FILES[name]
     (tmp_path / "edits.json").write_bytes(content)
     assert reason in complaint(tmp_path / "edits.json")
 
 
-def test_missing_file_and_folder_are_told_so(tmp_path: Path) -> None:
+def test_missing_file_and_folder_are_reported(tmp_path: Path) -> None:
     assert "cannot be read" in complaint(tmp_path / "none.json")
     assert "cannot be read" in complaint(tmp_path)

@@ -174,7 +174,7 @@ def test_presets_of_the_user_can_be_replaced_and_deleted(tmp_path: Path) -> None
         delete_preset(preset("smile"))
 
 
-def test_nothing_to_save_is_told(tmp_path: Path) -> None:
+def test_nothing_to_save_is_reported(tmp_path: Path) -> None:
     with pytest.raises(FaceEditError, match="no edit in the selection"):
         save_preset("Mine", EDITS, 8.0 + 1.5, 10.0, tmp_path)
     with pytest.raises(FaceEditError, match="no name"):
@@ -204,7 +204,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_damaged_preset_is_told_in_one_line_and_the_others_are_there(
+def test_damaged_preset_is_reported_in_one_line_and_the_others_are_there(
     name: str, tmp_path: Path
 ) -> None:
     (tmp_path / "bad.json").write_text(BAD[name], encoding="utf-8")

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.faces import random_engine, shipped_rig
+from support.sessions import demo_take
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, MOUTH_WIDTH
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
@@ -17,7 +17,6 @@ from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.editing.help.problems import find_problems
 from faceedit_app.editing.session import EditSession
-from faceedit_app.formats.opening import open_take
 
 
 def rig_without(*controls: str) -> Rig:
@@ -28,8 +27,8 @@ def rig_without(*controls: str) -> Rig:
 
 
 def session_without(*controls: str, engine: bool = True) -> EditSession:
-    rig, take = rig_without(*controls), open_take(shipped("assets/demo_take.csv"))
-    return EditSession(take, rig, random_engine(rig=rig) if engine else None)
+    rig = rig_without(*controls)
+    return EditSession(demo_take(), rig, random_engine(rig=rig) if engine else None)
 
 
 def raised(*controls: str) -> Edit:

@@ -128,7 +128,7 @@ def test_shaking_curve_is_found_and_steadied() -> None:
     assert edit.op is Op.SMOOTH
 
 
-def test_lost_frames_are_told_and_those_close_together_as_one() -> None:
+def test_lost_frames_are_reported_and_those_close_together_as_one() -> None:
     clip = replace(still_clip(), gaps=(Gap(100, 1), Gap(104, 2), Gap(200, 1)))
     first, second = find(clip)
     assert (first.kind, first.message, first.fix) == (Kind.DROPPED, "3 frames are missing", ())
@@ -146,7 +146,7 @@ def test_a_jump_over_lost_frames_is_filled() -> None:
     assert problem.fix[0].op is Op.FILL
 
 
-def test_gap_at_the_very_end_is_told() -> None:
+def test_gap_at_the_very_end_is_reported() -> None:
     clip = still_clip()
     assert len(find(replace(clip, gaps=(Gap(len(clip) - 1, 5),)))) == 1
 

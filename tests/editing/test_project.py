@@ -179,7 +179,7 @@ BAD: dict[str, tuple[Any, str]] = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_project_is_told_in_one_line(tmp_path: Path, name: str) -> None:
+def test_bad_project_is_reported_in_one_line(tmp_path: Path, name: str) -> None:
     document, reason = BAD[name]
     path = tmp_path / "p.faceedit"
     path.write_text(json.dumps(document), encoding="utf-8")
@@ -192,7 +192,7 @@ def test_bad_project_is_told_in_one_line(tmp_path: Path, name: str) -> None:
     assert "; " in text, "no remedy"
 
 
-def test_project_cut_off_anywhere_is_told(take: Path, tmp_path: Path) -> None:
+def test_project_cut_off_anywhere_is_reported(take: Path, tmp_path: Path) -> None:
     path = tmp_path / "p.faceedit"
     write_project(path, project_of(take))
     content = path.read_bytes().rstrip()
@@ -238,7 +238,7 @@ def test_the_copy_of_the_same_name_is_preferred(take: Path, tmp_path: Path) -> N
     assert locate_take(project, path).path == tmp_path / "shoot" / "take 1.csv"
 
 
-def test_changed_take_is_told_and_the_old_one_offered(take: Path, tmp_path: Path) -> None:
+def test_changed_take_is_reported_and_the_old_one_offered(take: Path, tmp_path: Path) -> None:
     project, path = saved(take, tmp_path)
     shutil.copy(take, take.with_name("old.csv"))
     take.write_text("another\n")
@@ -250,7 +250,7 @@ def test_changed_take_is_told_and_the_old_one_offered(take: Path, tmp_path: Path
     assert locate_take(project, path).others == ()
 
 
-def test_missing_take_is_told_and_files_of_its_name_offered(take: Path, tmp_path: Path) -> None:
+def test_missing_take_is_reported_and_files_of_its_name_offered(take: Path, tmp_path: Path) -> None:
     project, path = saved(take, tmp_path)
     take.unlink()
     located = locate_take(project, path)
@@ -291,7 +291,7 @@ def test_fingerprint_of_an_open_take_is_that_of_the_file_it_was(tmp_path: Path) 
         assert session.fingerprint == was
 
 
-def test_unreadable_take_is_told(take: Path, tmp_path: Path) -> None:
+def test_unreadable_take_is_reported(take: Path, tmp_path: Path) -> None:
     with pytest.raises(FileError, match="cannot be read"):
         fingerprint(tmp_path)
     if os.geteuid() != 0:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 from dataclasses import replace
 from functools import lru_cache
@@ -20,6 +19,7 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from support.chance import TIMES
 from support.edits import pins
 from support.faces import shipped_rig
 from support.sessions import engine, strengthen
@@ -48,7 +48,7 @@ from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
 
-ACTIONS = int(os.environ.get("FACEEDIT_ACTIONS", "200"))
+ACTIONS = 200
 SECONDS = 1.5
 PRESETS = load_presets(Path("nowhere"))[0]
 
@@ -326,7 +326,7 @@ def test_undo_then_redo_of_200_random_actions_exports_the_same_bytes(
     run_state_machine_as_test(
         machine,
         settings=settings(
-            max_examples=5,
+            max_examples=3 * TIMES,
             stateful_step_count=ACTIONS,
             deadline=None,
             derandomize=True,

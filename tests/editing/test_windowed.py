@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import numpy as np
 import pytest
+from support.chance import seeds
 from support.faces import shipped_rig, talking_clip
 from support.sessions import engine, session_by_networks, shipped_engine
 
@@ -69,7 +70,7 @@ def whole(solver: Solver, edits: tuple[Edit, ...], settings: Settings) -> list[n
     ]
 
 
-@pytest.mark.parametrize("seed", range(120))
+@pytest.mark.parametrize("seed", seeds(40))
 def test_what_is_shown_is_the_whole_take_computed(seed: int) -> None:
     random = np.random.default_rng(seed)
     clip = random_clip(random)
@@ -96,7 +97,7 @@ def share_what_is_known(whole: Solver, part: Solver) -> None:
     part._networks._layers = whole._networks._layers
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(20))
 def test_what_lies_far_away_does_not_matter(seed: int) -> None:
     """The start of a long take is answered as that start alone: same bytes."""
     random = np.random.default_rng(1000 + seed)
@@ -137,7 +138,7 @@ def test_chunks_answer_as_the_networks_do_over_the_whole_take(
             )
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(10))
 def test_what_waits_comes_out_as_what_was_computed_at_once(seed: int) -> None:
     """Visible part first, the rest in slices, other edits in between: nothing of it shows."""
     random = np.random.default_rng(2000 + seed)

@@ -46,7 +46,7 @@ def test_the_rate_comes_from_rounded_times(tmp_path: Path, rate: int) -> None:
     assert np.allclose(np.diff(clip.times), 1 / rate, rtol=0, atol=1e-9)
 
 
-def test_a_broadcast_rate_is_told_from_its_neighbour(tmp_path: Path) -> None:
+def test_a_broadcast_rate_is_distinguished_from_its_neighbour(tmp_path: Path) -> None:
     path = make_plain_csv(tmp_path / "take.csv", seconds=20, rate=30000 / 1001)
     assert open_take(path).clip.rate == pytest.approx(29.97003)
 
@@ -313,7 +313,7 @@ def test_a_single_frame_opens(tmp_path: Path) -> None:
         ("time_s,jawOpen\n0,\n1,\n", None, "no row with a tracked face"),
     ],
 )
-def test_a_bad_file_is_told_in_one_line(
+def test_a_bad_file_is_reported_in_one_line(
     tmp_path: Path, text: str, line: int | None, says: str
 ) -> None:
     with pytest.raises(FileError) as caught:

@@ -245,7 +245,7 @@ def test_random_edits_change_their_cells_and_no_other(
         ),
     ],
 )
-def test_a_bad_file_is_told_in_one_line_with_a_remedy(
+def test_a_bad_file_is_reported_in_one_line_with_a_remedy(
     tmp_path: Path, content: bytes, line: int | None, says: str
 ) -> None:
     path = table(tmp_path, content)
@@ -260,7 +260,7 @@ def test_a_bad_file_is_told_in_one_line_with_a_remedy(
     assert len(text) < len(str(path)) + 200
 
 
-def test_what_is_no_file_is_told_too(tmp_path: Path) -> None:
+def test_what_is_no_file_is_reported_too(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="is a folder"):
         open_take(tmp_path)
     with pytest.raises(FileError, match="does not exist"):
@@ -269,7 +269,7 @@ def test_what_is_no_file_is_told_too(tmp_path: Path) -> None:
         open_take(tmp_path / ("x" * 400))
 
 
-def test_a_file_that_may_not_be_read_is_told(
+def test_a_file_that_may_not_be_read_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(path: Path) -> bytes:
@@ -283,7 +283,7 @@ def test_a_file_that_may_not_be_read_is_told(
 
 @settings(STEADY, max_examples=80)
 @given(position=st.integers(0, 800), junk=st.binary(max_size=12), cut=st.booleans())
-def test_damage_anywhere_opens_or_is_told_and_never_crashes(
+def test_damage_anywhere_opens_or_is_reported_and_never_crashes(
     tmp_path: Path, position: int, junk: bytes, cut: bool
 ) -> None:
     whole = HEADER + ROWS * 3
@@ -354,7 +354,7 @@ def test_the_summary_tells_what_a_user_asks_about_a_take(tmp_path: Path) -> None
     assert "30 fps on a 60 fps timecode" in text
 
 
-def test_the_format_is_told_by_content(tmp_path: Path) -> None:
+def test_the_format_is_recognised_by_content(tmp_path: Path) -> None:
     assert open_take(make_livelink_csv(tmp_path / "a.csv")).format == "Live Link Face CSV"
     assert open_take(make_plain_csv(tmp_path / "b.csv")).format == "CSV with times in seconds"
 

@@ -82,7 +82,7 @@ def test_takes_of_our_synthesiser_are_recognised_by_name(path: str, tmp_path: Pa
     assert sources_of([found])[1] == [found]
 
 
-def test_trackers_are_told_by_format_and_by_what_never_moves(tmp_path: Path) -> None:
+def test_trackers_are_recognised_by_format_and_by_what_never_moves(tmp_path: Path) -> None:
     def saved(name: str, *moving: str) -> Path:
         file = make_plain_csv(tmp_path / f"{name}__take.csv", seconds=3.0)
         if moving:

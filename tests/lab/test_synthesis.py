@@ -243,7 +243,7 @@ def test_without_espeak_one_line_says_what_to_do(monkeypatch: pytest.MonkeyPatch
     assert "\n" not in str(caught.value)
 
 
-def test_a_file_in_place_of_the_folder_is_told(tmp_path: Path) -> None:
+def test_a_file_in_place_of_the_folder_is_reported(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("")
     with pytest.raises(FileError, match="cannot be made"):
         synthesis.write_performances(tmp_path / "x", 0.1, seed=0)

@@ -1,4 +1,4 @@
-"""What networks learn from: stretches, windows, and takes that are played anew."""
+"""What networks learn from: stretches, windows, and takes that are played in other ways."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_tempo_keeps_ends_and_changes_length(tempo: float) -> None:
     np.testing.assert_allclose(played[[0, -1]], weights[[0, -1]], atol=1e-6)
 
 
-def test_take_played_anew_is_still_a_face() -> None:
+def test_take_played_again_is_still_a_face() -> None:
     from dataclasses import replace
 
     captured = np.ones(52, bool)
@@ -141,7 +141,7 @@ def test_recorded_takes_are_natural_and_wild_ones_are_not() -> None:
     assert natural.distance(wild)[100] > natural.limit
 
 
-def test_too_little_data_is_told_in_one_line() -> None:
+def test_too_little_data_is_reported_in_one_line() -> None:
     with pytest.raises(FileError, match="too little for the lower face"):
         Examples(LOWER, [performance(3.0)], RIG, tiny())
 

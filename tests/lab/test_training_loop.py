@@ -78,7 +78,7 @@ def test_checkpoint_of_another_training_is_not_used(tmp_path: Path) -> None:
     assert same(result.model, fit_region(EYELIDS, TAKES, RIG, other).model)
 
 
-def test_damaged_checkpoint_means_starting_anew(tmp_path: Path) -> None:
+def test_damaged_checkpoint_means_starting_again(tmp_path: Path) -> None:
     whole = fit_region(EYELIDS, TAKES, RIG, tiny(), checkpoints=tmp_path)
     kept = list(tmp_path.iterdir())
     assert kept

@@ -221,7 +221,9 @@ def test_without_opengl_the_user_reads_one_line(monkeypatch: pytest.MonkeyPatch,
     assert "\n" not in str(caught.value)
 
 
-def test_a_failing_driver_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
+def test_a_failing_driver_is_reported_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, rig: Rig
+) -> None:
     def fail(*_: object) -> None:
         raise RuntimeError("eglInitialize\nfailed")
 

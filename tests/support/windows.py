@@ -76,7 +76,7 @@ class FakeRenderer:
 
 
 class Bench:
-    """Opens windows, and knows how the user answers and what the user is told.
+    """Opens windows, and knows how the user answers and what is shown to the user.
 
     Attributes:
         errors: what `show_error` said.

@@ -52,10 +52,10 @@ def test_the_table_is_sound() -> None:
 
 
 def test_the_help_names_every_shortcut(bench: Bench, window: MainWindow) -> None:
-    told = " ".join(keys for _, keys, _ in help_rows())
+    shown = " ".join(keys for _, keys, _ in help_rows())
     for command in COMMANDS:
         for keys in command.keys:
-            assert shown_keys(keys) in told
+            assert shown_keys(keys) in shown
     dialog = shortcuts_dialog(window, help_rows())
     text = words_of(dialog)
     assert "Ctrl+Z" in text

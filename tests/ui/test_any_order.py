@@ -16,7 +16,7 @@ STEPS = 200
 
 
 def exported(window: MainWindow) -> bytes:
-    """What the take would be as a file; the window is not told."""
+    """What the take would be as a file; the window does not notice."""
     session = window.document.session
     assert session is not None
     session.live.work(None)

@@ -1,4 +1,4 @@
-"""Full disks, read-only folders and vanished drives, met through the window: told, nothing lost."""
+"""Full disks, read-only folders and vanished drives, met in the window: nothing is lost."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def trouble(
     }[request.param]
 
 
-def told(bench: Bench, path: Path, reason: str) -> None:
+def reported(bench: Bench, path: Path, reason: str) -> None:
     """One line that names the file, what is wrong, and what to do."""
     (line,) = bench.errors
     bench.errors.clear()
@@ -126,7 +126,7 @@ def ready(bench: Bench, folder: Path) -> MainWindow:
 
 
 @pytest.mark.parametrize(("command", "name"), [("export", "out.csv"), ("save", "p.faceedit")])
-def test_a_file_that_cannot_be_written_is_told_and_can_go_elsewhere(
+def test_a_file_that_cannot_be_written_is_reported_and_can_go_elsewhere(
     bench: Bench, drive: Path, trouble: tuple[Trouble, str], command: str, name: str
 ) -> None:
     bring, reason = trouble
@@ -138,7 +138,7 @@ def test_a_file_that_cannot_be_written_is_told_and_can_go_elsewhere(
     before = {path: path.read_bytes() for path in drive.glob("*")}
     bench.answers[question] = old
     trigger(window, command)
-    told(bench, old, reason)
+    reported(bench, old, reason)
     assert {path: path.read_bytes() for path in drive.glob("*")} == before
     assert window.isWindowModified()
     bench.answers[question] = bench.folder / name
@@ -163,10 +163,10 @@ def test_a_project_whose_drive_fails_can_be_saved_elsewhere(
     drag_curve(window, 0, 0.2, 30)
     bring()
     trigger(window, "save")
-    told(bench, drive / "p.faceedit", reason)
+    reported(bench, drive / "p.faceedit", reason)
     bench.answers["unsaved"] = dialogs.Unsaved.SAVE
     assert not window.close(), "closing cannot save either, so the window stays"
-    told(bench, drive / "p.faceedit", reason)
+    reported(bench, drive / "p.faceedit", reason)
     bench.answers["save_project"] = bench.folder / "p.faceedit"
     trigger(window, "save_as")
     assert not window.isWindowModified()
@@ -177,7 +177,7 @@ def test_a_project_whose_drive_fails_can_be_saved_elsewhere(
     assert (bench.folder / "out.csv").is_file()
 
 
-def test_a_journal_that_cannot_be_written_is_told_until_it_can(
+def test_a_journal_that_cannot_be_written_is_reported_until_it_can(
     bench: Bench, drive: Path, trouble: tuple[Trouble, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     bring, reason = trouble
@@ -200,10 +200,10 @@ def test_a_journal_that_cannot_be_written_is_told_until_it_can(
     assert text.endswith(f": {journals}); save often")
     window.banner.dismiss()
     drag_curve(window, 0, 1.0, 20)
-    assert not window.banner.isVisible(), "told once"
+    assert not window.banner.isVisible(), "reported once"
 
 
-def test_a_journal_whose_folder_vanishes_begins_anew(bench: Bench) -> None:
+def test_a_journal_whose_folder_vanishes_begins_again(bench: Bench) -> None:
     window = ready(bench, bench.folder)
     journals = bench.folder / "journals"
     shutil.rmtree(journals)
@@ -239,7 +239,7 @@ def test_a_journal_that_can_be_written_again_says_nothing_more(
     assert pending_journals(path.parent)[0].state == state
 
 
-def test_settings_that_cannot_be_kept_are_told(
+def test_settings_that_cannot_be_kept_are_reported(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     in_the_way = bench.folder / "config"

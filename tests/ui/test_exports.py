@@ -210,7 +210,7 @@ def test_closing_asks_about_a_film_that_is_being_written(
     gate.set()
 
 
-def test_a_film_that_cannot_be_written_is_told(bench: Bench) -> None:
+def test_a_film_that_cannot_be_written_is_reported(bench: Bench) -> None:
     window = bench.editing()
     film(bench, window, bench.folder / "nowhere" / "face.mp4", Shot(size=(64, 64)))
     bench.qtbot.waitUntil(lambda: bool(bench.errors), timeout=20_000)

@@ -40,7 +40,7 @@ def test_headless_says_where_it_cannot_write(qtbot: QtBot, tmp_path: Path) -> No
         run_headless(tmp_path / "file")
 
 
-def test_an_unexpected_error_is_told_and_written_down(
+def test_an_unexpected_error_is_reported_and_written_down(
     qtbot: QtBot,
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,

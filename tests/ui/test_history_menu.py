@@ -97,7 +97,7 @@ def test_the_shortcuts_keep_the_plain_names(window: MainWindow) -> None:
 # --- the one way from the session to the views ---------------------------------------------------
 
 
-def test_whoever_changes_the_session_is_seen_everywhere(bench: Bench) -> None:
+def test_any_change_of_the_session_is_seen_everywhere(bench: Bench) -> None:
     window = bench.editing()
     session, editor = session_of(window), editor_of(window)
     add_edit(window)

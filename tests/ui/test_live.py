@@ -89,7 +89,7 @@ def test_nothing_is_sent_until_it_is_asked_for(bench: Bench, receiver: Receiver)
     assert not window.commands.file.live.is_on
 
 
-def test_a_wrong_address_is_told(bench: Bench) -> None:
+def test_a_wrong_address_is_reported(bench: Bench) -> None:
     window = bench.editing()
     bench.answers["live"] = (LIVELINK, "no such host", 1)
     trigger(window, "live")
@@ -131,7 +131,7 @@ def test_the_dialogs_say_where(qtbot: QtBot) -> None:
     assert not record.form.isRowVisible(record.address)
     record.protocol_choice.setCurrentIndex(2)
     assert record.form.isRowVisible(record.address)
-    assert "This computer’s address is" in record.hint.text()
+    assert "This computer's address is" in record.hint.text()
 
 
 @pytest.mark.parametrize("kind", [LiveDialog, RecordDialog])

@@ -213,7 +213,7 @@ def test_picture_and_sound_repeat_together(
     assert len(voice.starts) == 1
 
 
-def test_the_sound_begins_anew_where_the_playhead_is_put(
+def test_the_sound_begins_again_where_the_playhead_is_put(
     playback: Playback, clock: Clock, voice: FakeVoice
 ) -> None:
     playback.play()

@@ -88,7 +88,7 @@ def test_closing_asks_to_save_the_project(bench: Bench) -> None:
     assert path.read_bytes() != before
 
 
-def test_a_moved_take_is_found_and_told(bench: Bench) -> None:
+def test_a_moved_take_is_found_and_reported(bench: Bench) -> None:
     path = saved_project(bench)
     (bench.folder / "renamed").mkdir()
     bench.take.rename(bench.folder / "renamed" / "take.csv")

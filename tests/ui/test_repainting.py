@@ -1,4 +1,4 @@
-"""Only what changed is painted anew: the screen must look as if everything were."""
+"""Only what changed is painted again: the screen must look as if everything were."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ def test_without_a_take_the_window_says_what_to_do(bench: Bench) -> None:
     assert window.windowTitle() == "FaceEdit"
 
 
-def test_missing_networks_are_told_without_being_in_the_way(bench: Bench) -> None:
+def test_missing_networks_are_reported_without_being_in_the_way(bench: Bench) -> None:
     window = bench.editing()
     assert window.banner.isVisible()
     assert "face model could not be loaded" in window.banner.text.text()

@@ -95,7 +95,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("text", "unit"), BAD)
-def test_what_is_no_time_is_told_in_a_line(text: str, unit: Unit) -> None:
+def test_what_is_no_time_is_reported_in_a_line(text: str, unit: Unit) -> None:
     with pytest.raises(ValueError, match=r"^(Type|The take) [^\n]{5,90}$"):
         typed_frame(TAKE, text, unit, 0)
 

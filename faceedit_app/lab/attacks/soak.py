@@ -100,22 +100,14 @@ def soak(
         window, collector = open_window(take, folder, character), Collector()
         collector.begin()
         try:
-            chance, began = random.Random(seed), time.monotonic()
-            monkey = Monkey(window, chance)
+            began, monkey = time.monotonic(), Monkey(window, random.Random(seed))
             dog = watch.enter_context(Watchdog(lambda: f"seed {seed}, after {monkey.said}"))
-            while not soaked.problems and time.monotonic() - began < seconds:
-                for _ in range(BURST):
-                    monkey.act()
-                    QCoreApplication.processEvents()
-                    soaked.gestures += 1
-                    dog.step()
-                    if unexpected or refused:
-                        said = [*unexpected, *refused][0]
-                        soaked.problems.append(f"{said}, after {monkey.said}")
-                        break
-                    if time.monotonic() - began > seconds:
-                        break
-                else:
+
+            def is_over() -> bool:
+                return time.monotonic() - began > seconds
+
+            while not soaked.problems and not is_over():
+                if _burst(monkey, soaked, dog, lambda: [*unexpected, *refused], is_over):
                     _check(window, monkey, folder, soaked, dog)
                     dog.step()
                 advance(time.monotonic() - began)
@@ -132,6 +124,27 @@ def soak(
     if soaked.growth > MOST_GROWTH:
         soaked.problems.append(f"the memory has grown by {soaked.growth:.1%}")
     return soaked
+
+
+def _burst(
+    monkey: Monkey,
+    soaked: Soaked,
+    dog: Watchdog,
+    complaints: Callable[[], list[str]],
+    is_over: Callable[[], bool],
+) -> bool:
+    """Make the gestures between two checks; False if time is up or something went wrong."""
+    for _ in range(BURST):
+        monkey.act()
+        QCoreApplication.processEvents()
+        soaked.gestures += 1
+        dog.step()
+        if found := complaints():
+            soaked.problems.append(f"{found[0]}, after {monkey.said}")
+            return False
+        if is_over():
+            return False
+    return True
 
 
 def _check(window: MainWindow, monkey: Monkey, folder: Path, soaked: Soaked, dog: Watchdog) -> None:

@@ -35,32 +35,6 @@ def model_card(
         folder: where the model files are.
         command: the command line that made them.
     """
-    seconds: dict[str, float] = defaultdict(float)
-    takes: dict[str, int] = defaultdict(int)
-    for take in performances:
-        seconds[take.source] += take.seconds
-        takes[take.source] += 1
-    sources = "\n".join(f"| `{name}` | {takes[name]} | {seconds[name]:.0f} |" for name in seconds)
-    rows = "\n".join(
-        f"| {result.model.description.region} | "
-        f"{len(result.model.description.controls)} → {len(result.model.description.channels)} | "
-        f"{result.windows[0]} / {result.windows[1]} | "
-        + " | ".join(
-            f"{result.mse[k]:.4f}, {result.control_mm[k]:.2f}" for k in ("regressor", "system")
-        )
-        + " |"
-        for result in fitted
-    )
-    hashes = "\n".join(
-        f"    {hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder)}"
-        for path in sorted(folder.rglob(f"*{ENDING}"))
-    )
-    numbers = "\n".join(f"- {name}: {value}" for name, value in as_json(settings).items())
-    licences = (
-        f" Who made the sources and their licences: [{LICENCES}]({LICENCES})."
-        if (folder / LICENCES).exists()
-        else ""
-    )
     return f"""# The networks
 
 Written by `faceedit train` of FaceEdit {__version__}. For each face region a regressor (controls to
@@ -86,9 +60,9 @@ differently.
 
 | source | takes | seconds |
 |---|---|---|
-{sources}
+{_source_rows(performances)}
 
-Channels that a source does not capture are left out of the loss.{licences}
+Channels that a source does not capture are left out of the loss.{_licences_text(folder)}
 
 ## Figures on people and trackers that were not trained on
 
@@ -103,16 +77,60 @@ people are the same. Losses by epoch: [losses.svg](losses.svg).
 
 | region | controls → channels | windows (an epoch / held out) | regressor | full system |
 |---|---|---|---|---|
-{rows}
+{_figure_rows(fitted)}
 {_completion_text(fitted)}
 ## Settings
 
-{numbers}
+{_settings_list(settings)}
 
 ## Files (SHA-256)
 
-{hashes}
+{_hashes(folder)}
 """
+
+
+def _source_rows(performances: Sequence[Performance]) -> str:
+    seconds: dict[str, float] = defaultdict(float)
+    takes: dict[str, int] = defaultdict(int)
+    for take in performances:
+        seconds[take.source] += take.seconds
+        takes[take.source] += 1
+    return "\n".join(f"| `{name}` | {takes[name]} | {seconds[name]:.0f} |" for name in seconds)
+
+
+def _licences_text(folder: Path) -> str:
+    if not (folder / LICENCES).exists():
+        return ""
+    return f" Who made the sources and their licences: [{LICENCES}]({LICENCES})."
+
+
+def _figure_rows(fitted: Sequence[Fitted]) -> str:
+    rows = []
+    for result in fitted:
+        made = result.model.description
+        figures = [
+            f"{result.mse[stage]:.4f}, {result.control_mm[stage]:.2f}"
+            for stage in ("regressor", "system")
+        ]
+        cells = (
+            made.region,
+            f"{len(made.controls)} → {len(made.channels)}",
+            f"{result.windows[0]} / {result.windows[1]}",
+            *figures,
+        )
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def _settings_list(settings: FitSettings) -> str:
+    return "\n".join(f"- {name}: {value}" for name, value in as_json(settings).items())
+
+
+def _hashes(folder: Path) -> str:
+    return "\n".join(
+        f"    {hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(folder)}"
+        for path in sorted(folder.rglob(f"*{ENDING}"))
+    )
 
 
 def _completion_text(fitted: Sequence[Fitted]) -> str:

@@ -17,6 +17,7 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#00
 WIDTH, HEIGHT = 640, 300
 LEFT, RIGHT, TOP, BOTTOM = 58, 14, 30, 44
 LEGEND_ROW = 16
+_FLOOR = HEIGHT - BOTTOM  # pixels from the top, where the horizontal axis lies
 
 
 @dataclass(frozen=True)
@@ -55,59 +56,86 @@ def chart(
     drawn = [(line, line.color or COLORS[i % len(COLORS)]) for i, line in enumerate(lines)]
     xs = _finite([x for line in lines for x in line.xs])
     ys = _finite([y for line in lines for y in line.ys if not log_y or y > 0])
-    x0, x1 = _span(xs, None, None)
     y0, y1 = _span(np.log10(ys) if log_y else ys, y_from, y_to)
     room = 0.04 * (y1 - y0)
-    y0, y1 = y0 - room * (y_from is None), y1 + room * (y_to is None)
-    bottom = HEIGHT - BOTTOM
-
-    def to_x(value: float) -> float:
-        return LEFT + (value - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT)
-
-    def to_y(value: float) -> float:
-        level = np.clip(np.log10(value) if log_y else value, y0, y1)
-        return float(bottom - (level - y0) / (y1 - y0) * (bottom - TOP))
-
-    rows = -(-len(drawn) // 3)
-    height = HEIGHT + rows * LEGEND_ROW
+    ends = y0 - room * (y_from is None), y1 + room * (y_to is None)
+    area = _Area(_span(xs, None, None), ends, log_y)
+    height = HEIGHT + -(-len(drawn) // 3) * LEGEND_ROW
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" '
         f'width="{WIDTH}" height="{height}" font-family="sans-serif" font-size="11">',
         f'<rect width="{WIDTH}" height="{height}" fill="#ffffff"/>',
         f'<text x="{LEFT}" y="18" font-size="13" font-weight="bold">{escape(title)}</text>',
+        *_axes(area, x_label, y_label),
     ]
-    for tick in _ticks(x0, x1):
-        x = to_x(tick)
-        out.append(f'<path d="M{x:.1f} {TOP}V{bottom}" stroke="#e8e8e8"/>')
-        out.append(f'<text x="{x:.1f}" y="{bottom + 15}" text-anchor="middle">{tick:g}</text>')
-    for tick in _ticks(y0, y1):
-        value = 10.0**tick if log_y else tick
-        y = to_y(value)
+    for line, color in drawn:
+        path = _path(line, area.x, area.y, log_y)
+        if path:
+            out.append(
+                f'<path d="{path}" fill="none" stroke="{color}" stroke-width="1.6"{_dashes(line)}/>'
+            )
+    return "\n".join([*out, *_legend(drawn), "</svg>\n"])
+
+
+@dataclass(frozen=True)
+class _Area:
+    """Where values lie on a chart.
+
+    Attributes:
+        xs, ys: the ends of the axes; those of a logarithmic value axis are logarithms.
+        log_y: whether it is one.
+    """
+
+    xs: tuple[float, float]
+    ys: tuple[float, float]
+    log_y: bool
+
+    def x(self, value: float) -> float:
+        """Pixels from the left."""
+        low, high = self.xs
+        return LEFT + (value - low) / (high - low) * (WIDTH - LEFT - RIGHT)
+
+    def y(self, value: float) -> float:
+        """Pixels from the top; values beyond the ends lie on them."""
+        low, high = self.ys
+        level = np.clip(np.log10(value) if self.log_y else value, low, high)
+        return float(_FLOOR - (level - low) / (high - low) * (_FLOOR - TOP))
+
+
+def _axes(area: _Area, x_label: str, y_label: str) -> list[str]:
+    out = []
+    for tick in _ticks(*area.xs):
+        x = area.x(tick)
+        out.append(f'<path d="M{x:.1f} {TOP}V{_FLOOR}" stroke="#e8e8e8"/>')
+        out.append(f'<text x="{x:.1f}" y="{_FLOOR + 15}" text-anchor="middle">{tick:g}</text>')
+    for tick in _ticks(*area.ys):
+        value = 10.0**tick if area.log_y else tick
+        y = area.y(value)
         out.append(f'<path d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}" stroke="#e8e8e8"/>')
         out.append(f'<text x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{value:.3g}</text>')
-    out.append(f'<path d="M{LEFT} {TOP}V{bottom}H{WIDTH - RIGHT}" fill="none" stroke="#888888"/>')
+    out.append(f'<path d="M{LEFT} {TOP}V{_FLOOR}H{WIDTH - RIGHT}" fill="none" stroke="#888888"/>')
     out.append(
-        f'<text x="{(LEFT + WIDTH - RIGHT) / 2:.0f}" y="{bottom + 32}" '
+        f'<text x="{(LEFT + WIDTH - RIGHT) / 2:.0f}" y="{_FLOOR + 32}" '
         f'text-anchor="middle">{escape(x_label)}</text>'
     )
     out.append(
-        f'<text transform="translate(14 {(TOP + bottom) / 2:.0f}) rotate(-90)" '
+        f'<text transform="translate(14 {(TOP + _FLOOR) / 2:.0f}) rotate(-90)" '
         f'text-anchor="middle">{escape(y_label)}</text>'
     )
-    for line, color in drawn:
-        path = _path(line, to_x, to_y, log_y)
-        dashes = ' stroke-dasharray="5 3"' if line.dashed else ""
-        if path:
-            out.append(
-                f'<path d="{path}" fill="none" stroke="{color}" stroke-width="1.6"{dashes}/>'
-            )
+    return out
+
+
+def _legend(drawn: Sequence[tuple[Line, str]]) -> list[str]:
+    out = []
     for i, (line, color) in enumerate(drawn):
         x, y = LEFT + (i % 3) * 190, HEIGHT + (i // 3) * LEGEND_ROW
-        dashes = ' stroke-dasharray="5 3"' if line.dashed else ""
-        out.append(f'<path d="M{x} {y}h18" stroke="{color}" stroke-width="2"{dashes}/>')
+        out.append(f'<path d="M{x} {y}h18" stroke="{color}" stroke-width="2"{_dashes(line)}/>')
         out.append(f'<text x="{x + 23}" y="{y + 4}">{escape(line.name)}</text>')
-    out.append("</svg>\n")
-    return "\n".join(out)
+    return out
+
+
+def _dashes(line: Line) -> str:
+    return ' stroke-dasharray="5 3"' if line.dashed else ""
 
 
 def _finite(values: Sequence[float]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

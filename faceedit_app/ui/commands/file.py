@@ -274,7 +274,7 @@ MENU: Menu[FileCommands] = Menu("&File", (
     Command("export_as", "E&xport as…", FileCommands.export_as, ("Ctrl+Shift+E",),
             "Write the edited take in another format, or as a character that plays it"),
     Command("export_film", "Export fil&m…", FileCommands.export_film, (),
-            "Film the face, both faces, or the face beside the take’s film, with its sound",
+            "Film the face, both faces, or the face beside the take's film, with its sound",
             enabled=lambda file: not file.is_filming),
     Command("live", "Li&ve preview…", FileCommands.live_preview, (),
             "Send the face on screen to Unreal, VSeeFace and others, while you edit and play",

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtWidgets import QProgressDialog
-
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.commands.writing import Writing
 
 if TYPE_CHECKING:
     from faceedit_app.editing.filming import Filmed, Shot
 
-_AFTER_MS = 300  # a film that takes no longer shows no progress
 
-
-class FilmExport(QObject):
+class FilmExport:
     """Films the open take, one film at a time."""
-
-    _advanced = Signal(int, int)  # pictures done, of all; from the thread that films
 
     def __init__(
         self,
@@ -33,16 +26,13 @@ class FilmExport(QObject):
         failed: Callable[[Exception], None],
     ) -> None:
         """Args: `place` asks for a file, given a tail and an ending; `failed` shows an error."""
-        super().__init__(workspace)
         self._workspace, self._place, self._failed = workspace, place, failed
-        self._stop: threading.Event | None = None
-        self._dialog: QProgressDialog | None = None
-        self._advanced.connect(self._show_progress, Qt.ConnectionType.QueuedConnection)
+        self._writing = Writing(workspace, "Export film")
 
     @property
     def is_filming(self) -> bool:
         """Whether a film is being written."""
-        return self._stop is not None
+        return self._writing.is_busy
 
     def export(self) -> None:
         """Ask how and where, and film the take."""
@@ -74,43 +64,19 @@ class FilmExport(QObject):
             camera = page.face.viewport.camera_for(width / height)
             shot = replace(shot, camera=camera, follows_head=page.face.follows_head)
         self._workspace.document.work_off()
-        stop = self._stop = threading.Event()
         take, rig, weights = session.take, session.shown_rig, session.weights.copy()
         turns = None if session.rotations is None else session.rotations.copy()
         placement = self._workspace.media.placement
-        self._open_dialog(path, stop)
-        self._workspace.background.run(
-            lambda: film_take(
-                take, weights, rig, placement, path, shot, self._advanced.emit, stop.is_set, turns
+        self._writing.start(
+            f"Filming {path.name}…",
+            lambda advance, stopped: film_take(
+                take, weights, rig, placement, path, shot, advance, stopped, turns
             ),
             self._done,
             self._report,
         )
 
-    def _open_dialog(self, path: Path, stop: threading.Event) -> None:
-        dialog = QProgressDialog(f"Filming {path.name}…", "Cancel", 0, 0, self._workspace.window)
-        dialog.setWindowTitle("Export film")
-        dialog.setMinimumDuration(_AFTER_MS)
-        dialog.setWindowModality(Qt.WindowModality.NonModal)
-        dialog.setAutoClose(False)
-        dialog.setAutoReset(False)
-        dialog.canceled.connect(stop.set)
-        self._dialog = dialog
-
-    def _show_progress(self, done: int, of: int) -> None:
-        if self._dialog is not None and not self._dialog.wasCanceled():
-            self._dialog.setMaximum(of)
-            self._dialog.setValue(done)
-
-    def _finish(self) -> None:
-        if self._dialog is not None:
-            self._dialog.canceled.disconnect()  # closing cancels
-            self._dialog.close()
-            self._dialog.deleteLater()
-        self._dialog = self._stop = None
-
     def _done(self, filmed: Filmed | None) -> None:
-        self._finish()
         if filmed is None:
             self._workspace.message.emit("Film cancelled; nothing was written")
             return
@@ -118,7 +84,6 @@ class FilmExport(QObject):
         self._workspace.message.emit(f"Exported {filmed.path} ({filmed.codecs})")
 
     def _report(self, error: Exception) -> None:
-        self._finish()
         self._workspace.message.emit("")
         if not isinstance(error, FaceEditError):
             raise error
@@ -126,6 +91,4 @@ class FilmExport(QObject):
 
     def stop(self) -> None:
         """Give up, as the window closes."""
-        if self._stop is not None:
-            self._stop.set()
-            self._finish()
+        self._writing.stop()

@@ -144,7 +144,7 @@ class RetimeCommands:
             return
         self._workspace.end_gestures()
         if session.words is None:
-            self._workspace.message.emit("Say what the take says first: Take > Words…")
+            self._workspace.message.emit("Enter what is said first: Take > Words…")
             return
         path = dialogs.ask_match(self._workspace.window, self._workspace.beside("words"))
         if path is None:

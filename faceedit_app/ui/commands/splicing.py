@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING
-
-from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtWidgets import QProgressDialog
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.commands.writing import Advance, Stopped, Writing
 from faceedit_app.ui.edits.splice_dialog import SpliceDialog
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -21,26 +18,20 @@ if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.words.transcript import Transcript
 
 _FIRST = 0.5  # seconds that are inserted at first
-_AFTER_MS = 300  # what takes no longer shows no progress
 _PARTS = 1000  # of the progress bar
 
 
-class SpliceCommands(QObject):
+class SpliceCommands:
     """Writes shorter and longer copies of the open take, one at a time.
 
     Args:
         may_close: asks about edits that would be lost if another take were opened.
     """
 
-    _advanced = Signal(float)  # share that is done; from the thread that writes
-
     def __init__(self, workspace: Workspace, may_close: Callable[[], bool]) -> None:
-        super().__init__(workspace)
         self._workspace, self._may_close = workspace, may_close
         self._timeline = workspace.timeline
-        self._stop: threading.Event | None = None
-        self._progress: QProgressDialog | None = None
-        self._advanced.connect(self._show_progress, Qt.ConnectionType.QueuedConnection)
+        self._writing = Writing(workspace, "New take")
 
     def shorten(self) -> None:
         """Cut the selection out of take, sound and film."""
@@ -73,7 +64,7 @@ class SpliceCommands(QObject):
         at = self._timeline.time
         self._ask(
             "Insert time and lengthen",
-            f"At {at:.2f} s the face rests, without sound; all that follows becomes later.",
+            f"At {at:.2f} s the face rests, without sound; everything after it moves later.",
             (_FIRST, LONGEST_INSERT),
             lambda seconds: Splice(at, at, seconds),
         )
@@ -86,7 +77,7 @@ class SpliceCommands(QObject):
         wanted: Callable[[float], Splice],
     ) -> None:
         session, media = self._workspace.session, self._workspace.media
-        if session is None or self._stop is not None:
+        if session is None or self._writing.is_busy:
             return
         pairs = (("sound", media.sound), ("film", media.film))
         has = tuple(name for name, there in pairs if there is not None)
@@ -99,7 +90,6 @@ class SpliceCommands(QObject):
 
     def _write(self, session: EditSession, wanted: Splice, has_film: bool) -> None:
         from faceedit_app.editing.splicing import ending_for, free_name, write_spliced
-        from faceedit_app.media.container import Abandoned
 
         tail = "_longer" if wanted.seconds else "_shorter"
         suggestion = self._workspace.suggest("export", tail, ending_for(session.take))
@@ -107,43 +97,46 @@ class SpliceCommands(QObject):
         if path is None:
             return
         self._workspace.document.work_off()
-        stop = self._stop = threading.Event()
         take, shown, words = session.take, session.edited_clip(), session.words
         placement = self._workspace.media.placement
 
-        def advanced(share: float) -> bool:
-            self._advanced.emit(share)
-            return not stop.is_set()
+        def write(advance: Advance, stopped: Stopped) -> Written:
+            def progress(share: float) -> bool:
+                advance(round(_PARTS * share), _PARTS)
+                return not stopped()
 
-        def done(written: Written) -> None:
-            self._finish()
-            self._workspace.preferences.set_folder("export", path.resolve().parent)
-            text = ". ".join((f"Wrote {written.names}", *written.remarks))
-            self._workspace.message.emit(text)
+            return write_spliced(take, shown, [wanted], path, placement, has_film, progress)
 
-            def open_it() -> None:
-                if self._may_close():
-                    self._open(written, wanted, words)
-                else:
-                    self._workspace.offer.emit(text, "Open it", open_it)
-
-            self._workspace.offer.emit(text, "Open it", open_it)
-
-        def failed(error: Exception) -> None:
-            self._finish()
-            if isinstance(error, Abandoned):
-                self._workspace.message.emit("Cancelled; nothing was written")
-            elif isinstance(error, FaceEditError):
-                dialogs.show_error(self._workspace.window, error)
-            else:
-                raise error
-
-        self._open_progress(path.name, stop)
-        self._workspace.background.run(
-            lambda: write_spliced(take, shown, [wanted], path, placement, has_film, advanced),
-            done,
-            failed,
+        self._writing.start(
+            f"Writing {path.name}…",
+            write,
+            lambda written: self._offer(written, wanted, words),
+            self._failed,
         )
+
+    def _offer(self, written: Written, wanted: Splice, words: Transcript | None) -> None:
+        """Say what was written, and offer to open it."""
+        self._workspace.preferences.set_folder("export", written.path.resolve().parent)
+        text = ". ".join((f"Wrote {written.names}", *written.remarks))
+        self._workspace.message.emit(text)
+
+        def open_it() -> None:
+            if self._may_close():
+                self._open(written, wanted, words)
+            else:
+                self._workspace.offer.emit(text, "Open it", open_it)
+
+        self._workspace.offer.emit(text, "Open it", open_it)
+
+    def _failed(self, error: Exception) -> None:
+        from faceedit_app.media.container import Abandoned
+
+        if isinstance(error, Abandoned):
+            self._workspace.message.emit("Cancelled; nothing was written")
+        elif isinstance(error, FaceEditError):
+            dialogs.show_error(self._workspace.window, error)
+        else:
+            raise error
 
     def _open(self, written: Written, wanted: Splice, words: Transcript | None) -> None:
         """Open the new take with its words; inserted time is selected, ready to be filled."""
@@ -160,32 +153,6 @@ class SpliceCommands(QObject):
 
         self._workspace.opener.open(written.path, prepare, select)
 
-    # --- progress ----------------------------------------------------------------------------
-
-    def _open_progress(self, name: str, stop: threading.Event) -> None:
-        window = self._workspace.window
-        progress = QProgressDialog(f"Writing {name}…", "Cancel", 0, _PARTS, window)
-        progress.setWindowTitle("New take")
-        progress.setMinimumDuration(_AFTER_MS)
-        progress.setWindowModality(Qt.WindowModality.NonModal)
-        progress.setAutoClose(False)
-        progress.setAutoReset(False)
-        progress.canceled.connect(stop.set)
-        self._progress = progress
-
-    def _show_progress(self, share: float) -> None:
-        if self._progress is not None and not self._progress.wasCanceled():
-            self._progress.setValue(round(_PARTS * share))
-
-    def _finish(self) -> None:
-        if self._progress is not None:
-            self._progress.canceled.disconnect()  # closing cancels
-            self._progress.close()
-            self._progress.deleteLater()
-        self._progress = self._stop = None
-
     def stop(self) -> None:
         """Give up, as the window closes."""
-        if self._stop is not None:
-            self._stop.set()
-            self._finish()
+        self._writing.stop()

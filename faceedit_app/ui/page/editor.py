@@ -181,7 +181,7 @@ class Editor(QWidget):
             Step(
                 "1  Drag a curve",
                 "Each curve is one movement of the face over time. Drag one up or down: the face"
-                " follows, and the rest of the take stays as recorded. Esc cancels a drag;"
+                " follows, and the rest of the take stays as it was. Esc cancels a drag;"
                 " Ctrl+Z undoes it.",
                 (self.curves,),
             ),

@@ -21,7 +21,7 @@ from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.ui.look.widgets import Choice
 
-_OWN_CHARACTER = "FaceEdit’s own, as on screen"
+_OWN_CHARACTER = "FaceEdit's own, as on screen"
 
 
 class ExportDialog(QDialog):

@@ -21,9 +21,9 @@ from faceedit_app.ui.look.widgets import Choice
 _VIEWS = {
     View.FACE: "The face",
     View.BOTH: "Both faces: tracked and edited",
-    View.FILM: "The take’s film beside the face",
-    View.FILM_ABOVE: "The take’s film above the face",
-    View.FILM_BELOW: "The take’s film below the face",
+    View.FILM: "The take's film beside the face",
+    View.FILM_ABOVE: "The take's film above the face",
+    View.FILM_BELOW: "The take's film below the face",
 }
 _HEIGHTS = (720, 1080, 480, 1440)
 _ASPECTS = {View.FACE: 1.0, View.BOTH: 2.0, View.FILM: 16 / 9}
@@ -67,7 +67,7 @@ class FilmDialog(QDialog):
         for kind in FILM_FORMATS:
             self.format.addItem(f"{kind.name}: {_NOTES[kind.key]}", kind)
         form.addRow("&Format", self.format)
-        self.sound = QCheckBox("With the take’s s&ound")
+        self.sound = QCheckBox("With the take's s&ound")
         self.sound.setChecked(has_sound)
         self.sound.setEnabled(has_sound)
         form.addRow("", self.sound)

@@ -105,7 +105,7 @@ class RecordDialog(_AddressDialog):
     """Asks what to record."""
 
     def __init__(self, parent: QWidget | None) -> None:
-        place = ("Phone’s &address", "")
+        place = ("Phone's &address", "")
         super().__init__(parent, "Record from phone", [*PROTOCOLS], place, "&Record…")
         self._show_protocol()
 
@@ -113,6 +113,6 @@ class RecordDialog(_AddressDialog):
         super()._show_protocol()
         self.form.setRowVisible(self.address, bool(self.protocol.greeting))
         self.hint.setText(
-            f"This computer’s address is {own_address()}. {self.protocol.hints[1]}.\n\n"
+            f"This computer's address is {own_address()}. {self.protocol.hints[1]}.\n\n"
             "Every frame is written to the file at once. Recording stops when you press Stop."
         )

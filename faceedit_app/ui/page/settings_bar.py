@@ -13,7 +13,7 @@ from faceedit_app.ui.state.document import Document
 
 PRESERVE_TIP = (
     "Preserve the take: only the frames and curves that your edits affect change;\n"
-    "everything else stays exactly as recorded."
+    "everything else stays exactly as tracked."
 )
 RESYNTHESIZE_TIP = (
     "Resynthesize: the face model generates the edited regions of the face from\n"

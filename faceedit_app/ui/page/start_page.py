@@ -69,7 +69,7 @@ class StartPage(QWidget):
         title.setObjectName("title")
         lead = QLabel(
             "Drop a Live Link Face CSV or a film of a face here, or choose one.\n"
-            "Then drag its curves: the face follows, and the rest stays as recorded."
+            "Then drag its curves: the face follows, and the rest stays as it was."
         )
         lead.setObjectName("lead")
         for label in (sign, title, lead):

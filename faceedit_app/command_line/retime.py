@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from faceedit_app import export_commands
+from faceedit_app.command_line.opening import edited_session
+from faceedit_app.command_line.options import EditsOption, FpsOption, ModelsOption, TakeArgument
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
-from faceedit_app.options import EditsOption, FpsOption, ModelsOption, TakeArgument
 
 if TYPE_CHECKING:
     from faceedit_app.editing.edits.splice import Splice
@@ -72,7 +72,7 @@ def retime(
     said = read_words(words).transcript if words is not None else None
     if words is not None and said is None:
         raise FaceEditError(f"{words}: does not say when each word is said; align them first")
-    session = export_commands.edited_session(take, fps, edits, models, None)
+    session = edited_session(take, fps, edits, models, None)
     media = media_of(session.take, sound, film)
     written = write_spliced(
         session.take, session.edited_clip(), splices, output, media, has_film=not no_film

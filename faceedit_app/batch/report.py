@@ -8,7 +8,7 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from faceedit_app.batch import Outcome
+from faceedit_app.batch.tasks import Outcome
 from faceedit_app.core.atomic import write_atomically
 
 _COLUMNS = (

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
-from faceedit_app import character_commands
-from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.core.texts import say
-from faceedit_app.options import (
+from faceedit_app.command_line.opening import rig_of
+from faceedit_app.command_line.options import (
     CharacterOption,
     FpsOption,
     JsonOption,
     ModelsOption,
     OverwriteOption,
 )
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.editing.help.dubbing import Match
@@ -87,19 +87,11 @@ def words(
     """
     from faceedit_app.media import is_media
     from faceedit_app.words.aligning import NOISY, Line
-    from faceedit_app.words.files import READ_ENDINGS, as_tables, read_words, write_words
+    from faceedit_app.words.files import as_tables, read_words, write_words
     from faceedit_app.words.imported import Imported
 
-    if (text is None) == (file is None):
-        raise FaceEditError("words needs what is said: --text TEXT, or --words FILE")
-    if len((text or "").split()) == 1 and Path(text or "").suffix.lower() in READ_ENDINGS:
-        raise FaceEditError(f"--text {text}: is the name of a file; give it as --words {text}")
-    if output is not None and not (fix or retime_to is not None):
-        raise FaceEditError(
-            "-o writes the edited take: add --fix or --retime-to, or write the words with --save"
-        )
-    if output is None and (fix or retime_to is not None):
-        raise FaceEditError("--fix and --retime-to change the take: say with -o where to write it")
+    _check_said(text, file)
+    _check_written(output, fix, retime_to)
     if retime_to is None and (their_text is not None or their_start is not None):
         raise FaceEditError("--their-text and --their-start belong to --retime-to")
 
@@ -115,7 +107,7 @@ def words(
         session, transcript = _words_of_take(source, said, spellings, fps)
         seconds = session.take.clip.duration
         if character is not None:
-            session.use_character(character_commands.rig_of(character))
+            session.use_character(rig_of(character))
         if retime_to is not None:
             found = _match(session, transcript, retime_to, their_text, spellings, their_start)
             report = {"retime": _matched(found)}
@@ -128,6 +120,25 @@ def words(
     if save is not None:
         write_words(save, transcript, seconds)
     say(json.dumps(report, indent=2) if as_json else _text(report))
+
+
+def _check_said(text: str | None, file: Path | None) -> None:
+    from faceedit_app.words.files import READ_ENDINGS
+
+    if (text is None) == (file is None):
+        raise FaceEditError("words needs what is said: --text TEXT, or --words FILE")
+    if len((text or "").split()) == 1 and Path(text or "").suffix.lower() in READ_ENDINGS:
+        raise FaceEditError(f"--text {text}: is the name of a file; give it as --words {text}")
+
+
+def _check_written(output: Path | None, fix: bool, retime_to: Path | None) -> None:
+    changes = fix or retime_to is not None
+    if output is not None and not changes:
+        raise FaceEditError(
+            "-o writes the edited take: add --fix or --retime-to, or write the words with --save"
+        )
+    if output is None and changes:
+        raise FaceEditError("--fix and --retime-to change the take: say with -o where to write it")
 
 
 def _spellings(given: list[str]) -> dict[str, str]:

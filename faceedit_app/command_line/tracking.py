@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
+from faceedit_app.command_line.options import JsonOption
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
-from faceedit_app.options import JsonOption
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig

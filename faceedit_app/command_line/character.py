@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
+from faceedit_app.command_line.opening import rig_of
+from faceedit_app.command_line.options import JsonOption, ModelsOption
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
-from faceedit_app.options import JsonOption, ModelsOption
 
 if TYPE_CHECKING:
     from faceedit_app.characters.fitted import FittedCharacter
@@ -170,20 +171,6 @@ def make(
         f"{output}: {len(landmarks.positions)} landmarks; the skin of the face is {middle:.2f} mm "
         f"from the scan (95 % within {most:.2f} mm)"
     )
-
-
-def rig_of(path: Path) -> Rig:
-    """The rig of a user's character; its warnings go to standard error.
-
-    Raises:
-        FileError: it cannot be read, or is not a face.
-    """
-    from faceedit_app.characters.fitted import open_character
-
-    fitted = open_character(path)
-    for sentence in (*fitted.checklist.remarks, *fitted.checklist.doubts):
-        say(f"{path}: {sentence}", to=sys.stderr)
-    return fitted.rig
 
 
 def _covariances(engine: Engine) -> dict[str, Doubles]:

@@ -18,9 +18,11 @@ from support.networks import write_models
 from support.places import ROOT
 from support.takes import make_livelink_csv, make_plain_csv
 
-from faceedit_app import batch
-from faceedit_app.batch import Log, Outcome, Recipe, Task, parse_recipe, perform, plan, run, to_do
-from faceedit_app.batch_report import write_reports
+from faceedit_app.batch import workers
+from faceedit_app.batch.log import LOG, Log, to_do
+from faceedit_app.batch.recipe import Recipe, parse_recipe
+from faceedit_app.batch.report import write_reports
+from faceedit_app.batch.tasks import Outcome, Task, perform, plan
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats.opening import open_take
@@ -58,7 +60,7 @@ def command(what: object, takes: Path, out: Path, models: str, *more: object) ->
 
 
 def outcomes_in(out: Path) -> list[Any]:
-    return [json.loads(line) for line in (out / batch.LOG).read_text().splitlines()]
+    return [json.loads(line) for line in (out / LOG).read_text().splitlines()]
 
 
 def test_one_bad_file_stops_nothing(
@@ -118,13 +120,13 @@ def test_a_stop_loses_nothing(takes: Path, tmp_path: Path, models: str) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(tasks, log, progress=stop)
+        workers.run(tasks, log, progress=stop)
     log.close()
-    with (tmp_path / "out" / batch.LOG).open("a") as file:
+    with (tmp_path / "out" / LOG).open("a") as file:
         file.write('{"name": "day 2/b.c')  # as a crash leaves it
     log = Log(tmp_path / "out")
     seen: list[str] = []
-    outcomes = run(tasks, log, progress=lambda one, _done, _of: seen.append(one.name))
+    outcomes = workers.run(tasks, log, progress=lambda one, _done, _of: seen.append(one.name))
     log.close()
     assert seen == ["day 2/b.csv"]
     assert [one.name for one in outcomes] == ["a.csv", "day 2/b.csv"]
@@ -182,9 +184,9 @@ def test_several_processes_give_the_same_bytes(takes: Path, tmp_path: Path, mode
 def test_a_process_that_ends_takes_no_other_take_with_it(
     takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, models: str
 ) -> None:
-    monkeypatch.setattr(batch, "perform", _ends_at_bad)
+    monkeypatch.setattr(workers, "perform", _ends_at_bad)
     tasks = plan(takes, tmp_path / "out", Recipe(models=models))
-    found = {one.name: one for one in batch.run_here(tasks, 2)}
+    found = {one.name: one for one in workers.run_here(tasks, 2)}
     assert set(found) == {"a.csv", "bad.csv", "day 2/b.csv"}
     assert [name for name, one in found.items() if one.error] == ["bad.csv"]
     assert "try this take alone" in found["bad.csv"].error
@@ -254,7 +256,7 @@ def test_a_cluster_loses_nothing_and_does_nothing_twice(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
     ) as cluster:
         kill = _killer([worker.pid for worker in cluster.workers.values()])
-        outcomes = run(tasks, log, scheduler=cluster.scheduler_address, progress=kill)
+        outcomes = workers.run(tasks, log, scheduler=cluster.scheduler_address, progress=kill)
     log.close()
     assert [one.name for one in outcomes] == [task.name for task in tasks]
     assert [one.error for one in outcomes] == [""] * 8
@@ -279,7 +281,7 @@ def test_a_cluster_that_does_not_answer_is_said_in_one_line(takes: Path, tmp_pat
     pytest.importorskip("dask.distributed", reason="Dask is not installed")
     tasks = plan(takes, tmp_path / "out", Recipe())
     with pytest.raises(FaceEditError, match="--scheduler nonsense: does not answer"):
-        list(batch.run_on_cluster(tasks, "nonsense"))
+        list(workers.run_on_cluster(tasks, "nonsense"))
 
 
 def test_a_take_without_a_rate_says_which_option_gives_it(tmp_path: Path, models: str) -> None:

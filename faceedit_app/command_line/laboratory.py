@@ -1,22 +1,23 @@
-"""The laboratory's commands: bench, train, evaluate, experiment, attacks and more."""
+"""The laboratory's commands: bench, training, evaluation, experiments; `attacks.py` has more."""
 
 from __future__ import annotations
 
 import json
 import sys
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
-from rich.console import Console
-from rich.progress import Progress
 
+from faceedit_app.command_line.options import JsonOption, ModelsOption
+from faceedit_app.command_line.progress import bar
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
-from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.core.texts import say
-from faceedit_app.options import JsonOption, ModelsOption
+from faceedit_app.core.resources import shipped
+
+if TYPE_CHECKING:
+    from faceedit_app.lab.training.run import TrainingPlan
 
 # typer reads the annotations at run time, where `X | None` is not yet understood by all versions.
 OptionalPath = Optional[Path]  # noqa: UP045
@@ -67,8 +68,7 @@ def train(
     Ctrl+C keeps the best so far; the same command resumes.
     """
     require("torch", extra="training")
-    from faceedit_app.lab.training.processes import processes
-    from faceedit_app.lab.training.run import TrainingPlan, train_models
+    from faceedit_app.lab.training.run import TrainingPlan
 
     folders = [*(data or []), *(more or [])]
     if not folders:
@@ -86,6 +86,17 @@ def train(
         baseline,
         fresh,
     )
+    return _train(plan)
+
+
+def _train(plan: TrainingPlan) -> int:
+    """Train; returns the exit code: 130 if Ctrl+C stopped it."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from faceedit_app.lab.training.processes import processes
+    from faceedit_app.lab.training.run import train_models
+
     with (
         processes() as shared,
         # One bar for all: two that draw in the same terminal draw over each other.
@@ -96,7 +107,7 @@ def train(
                 print(path)
         except KeyboardInterrupt:
             progress.stop()
-            print(f"Stopped. The best so far is in {output}; the same command resumes.")
+            print(f"Stopped. The best so far is in {plan.output}; the same command resumes.")
             return 130
     return 0
 
@@ -120,12 +131,11 @@ def evaluate(
     from faceedit_app.lab.training.data import load_performances
 
     performances = load_performances(takes, exclude or ())
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("Evaluating", total=None)
+    with bar("Evaluating") as advance:
         figures = evaluate_takes(
             performances,
             models or shipped("models"),
-            lambda done, of: progress.update(bar, completed=done, total=of),
+            advance,
         )
     if output is not None:
         write_atomically(output, (json.dumps(figures.as_json(), indent=2) + "\n").encode())
@@ -192,12 +202,11 @@ def evaluate_tracking(
     from faceedit_app.lab.training.data import take_paths
 
     paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("Rendering and tracking", total=None)
+    with bar("Rendering and tracking") as advance:
         figures = tracking.evaluate_tracking(
             paths,
             seconds,
-            progress=lambda done, of: progress.update(bar, completed=done, total=of),
+            progress=advance,
             characters=[shipped_rig(), *(open_character(path).rig for path in character or ())],
         )
     if output is not None:
@@ -224,6 +233,9 @@ def experiment(
 ) -> None:
     """Repeat the paper's experiments and ours; each writes its part of the report."""
     require("torch", extra="training")
+    from rich.console import Console
+    from rich.progress import Progress
+
     from faceedit_app.lab.evaluation.experiments import run_experiments
     from faceedit_app.lab.evaluation.setting import Setting
 
@@ -246,16 +258,14 @@ def synthesize(
     seed: Annotated[int, typer.Option(min=0, help="Same seed: same takes.")] = 1,
 ) -> None:
     """Write synthetic performances, spoken and acted, to train on."""
-    require("faceedit_app.lab.training", extra="training")  # not in the installed application
     from faceedit_app.lab.training.synthesis import write_performances
 
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("Synthesizing", total=None)
+    with bar("Synthesizing") as advance:
         paths = write_performances(
             output,
             minutes,
             seed,
-            lambda done, of: progress.update(bar, completed=done, total=of),
+            advance,
         )
     for path in paths:
         print(path)
@@ -298,77 +308,7 @@ def bench(
         print(table(found) if as_table else text(found))
 
 
-SeedOption = Annotated[int, typer.Option(min=0, help="Same seed: same attack.")]
-KeepOption = Annotated[Path, typer.Option("--keep", help="Folder for what goes wrong.")]
-
-
-def fuzz(
-    samples: Annotated[
-        Paths, typer.Argument(metavar="[FILE]...", help="Valid files to damage as well.")
-    ] = None,
-    inputs: Annotated[int, typer.Option(min=1, help="Damaged files in all.")] = 10_000,
-    seed: SeedOption = 1,
-    keep: KeepOption = Path("fuzz-failures"),
-) -> int:
-    """Feed damaged files to every reader: each is read rightly or refused in one line."""
-    from faceedit_app.lab.attacks.fuzz import fuzz as attack
-
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("Fuzzing", total=inputs)
-        found = attack(
-            inputs, seed, keep, samples or (), lambda done: progress.update(bar, completed=done)
-        )
-    say("\n".join(found.lines()))
-    return _verdict(seed, len(found.failures))
-
-
-def soak(
-    take: Annotated[
-        OptionalPath, typer.Argument(help="A take; default: the demo take. It is not changed.")
-    ] = None,
-    minutes: Annotated[float, typer.Option(min=0.05, help="How long.")] = 10.0,
-    seed: SeedOption = 1,
-    character: Annotated[
-        OptionalPath, typer.Option(help="A character of yours, shown now and then.")
-    ] = None,
-    keep: KeepOption = Path("soak-failures"),
-) -> int:
-    """Use the window at random, without a display, and check what it shows and exports."""
-    from faceedit_app.lab.attacks.soak import soak as attack
-
-    path = take if take is not None else shipped(DEMO_TAKE)
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("Soaking", total=60.0 * minutes)
-        found = attack(
-            path,
-            60.0 * minutes,
-            seed,
-            advance=lambda s: progress.update(bar, completed=s),
-            character=character,
-            keep=keep,
-        )
-    say("\n".join(found.lines()))
-    return _verdict(seed, len(found.problems))
-
-
-def kill(
-    times: Annotated[int, typer.Option(min=1, help="Kills in all.")] = 100,
-    seed: SeedOption = 1,
-) -> int:
-    """Kill the window at random moments; every finished gesture must be recovered."""
-    from faceedit_app.lab.attacks.kill import kill as attack
-
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("Killing", total=times)
-        found = attack(times, seed, lambda done: progress.update(bar, completed=done))
-    say("\n".join(found.lines()))
-    return _verdict(seed, len(found.problems))
-
-
-def _verdict(seed: int, failures: int) -> int:
-    """Print how an attack ended; returns the exit code."""
-    if not failures:
-        say(f"Nothing is wrong (seed {seed})")
-        return 0
-    say(f"{failures} wrong (seed {seed})")
-    return 1
+COMMANDS = (
+    *(bench, train, evaluate, evaluate_character, evaluate_words, evaluate_tracking),
+    *(experiment, synthesize, statistics),
+)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
-    from faceedit_app.batch import Outcome
+    from faceedit_app.batch.tasks import Outcome
     from faceedit_app.core.clip import Clip
 
 

@@ -129,7 +129,7 @@ def test_record_says_what_it_recorded(
     monkeypatch.setattr(recording.Recorder, "_write", written)
     out = tmp_path / "take.csv"
     arguments = ("--protocol", "ifacialmocap", "--host", "127.0.0.1", "--port", port)
-    monkeypatch.setattr("faceedit_app.export_commands.wait_for_end", lambda s: send(arrived, s))
+    monkeypatch.setattr("faceedit_app.command_line.live.wait_for_end", lambda s: send(arrived, s))
     facts = printed("record", out, *arguments, "--seconds", 20)
     assert SHARED | {"packets_ignored"} <= facts.keys()
     assert (facts["path"], facts["frames"], facts["packets_ignored"]) == (str(out), 3, 0)

@@ -1,0 +1,76 @@
+"""The log of a batch: what is done, so that nothing is done twice."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from faceedit_app.batch.tasks import Outcome, Task
+from faceedit_app.core.errors import FileError
+from faceedit_app.editing.files.fingerprint import fingerprint
+
+LOG = "faceedit_batch.jsonl"
+
+
+class Log:
+    """The outcomes so far, in the output folder."""
+
+    def __init__(self, folder: Path) -> None:
+        """Raises FileError: the folder or its log cannot be written."""
+        self.path = folder / LOG
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._file = self.path.open("a+", encoding="utf-8")
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise FileError(folder, f"cannot be written ({reason})", "choose another") from error
+
+    def outcomes(self) -> dict[str, Outcome]:
+        """The last outcome of each take, by name; a line cut off by a crash is left out."""
+        found = {}
+        self._file.seek(0)
+        for line in self._file:
+            with suppress(ValueError, TypeError):
+                entry = json.loads(line)
+                lists: dict[str, Any] = {
+                    k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()
+                }
+                found[entry["name"]] = Outcome(**lists)
+        return found
+
+    def add(self, outcome: Outcome) -> None:
+        """Add an outcome."""
+        self._file.write("\n" * self._is_cut() + json.dumps(asdict(outcome)) + "\n")
+        self._file.flush()
+
+    def _is_cut(self) -> bool:
+        """Whether the last line was cut off."""
+        with self.path.open("rb") as file:
+            end = file.seek(0, 2)
+            if end:
+                file.seek(end - 1)
+            return end > 0 and file.read() != b"\n"
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def to_do(tasks: Iterable[Task], done: dict[str, Outcome]) -> list[Task]:
+    """The tasks without a good outcome for the same source and the same recipe."""
+
+    def is_done(task: Task) -> bool:
+        outcome = done.get(task.name)
+        return (
+            outcome is not None
+            and not outcome.error
+            and outcome.digest == task.recipe.digest
+            and task.output.is_file()
+            and outcome.sha256 == fingerprint(task.source).sha256
+        )
+
+    return [task for task in tasks if not is_done(task)]

@@ -1,0 +1,135 @@
+"""The tasks of a batch, one per take, and what came of them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from faceedit_app import api
+from faceedit_app.batch.recipe import Recipe
+from faceedit_app.core.controls import LIP_OPENING
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.editing import exporting
+from faceedit_app.editing.files.fingerprint import fingerprint
+from faceedit_app.formats.registry import takes_below
+from faceedit_app.formats.timing import RateNeeded
+
+_POINTS = 120  # of the small curve of a take
+
+
+@dataclass(frozen=True)
+class Task:
+    """One take.
+
+    Attributes:
+        name: its path in the input folder, with slashes.
+        source, output: the file to read, and the file to write.
+        recipe: what to do.
+    """
+
+    name: str
+    source: Path
+    output: Path
+    recipe: Recipe
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a task.
+
+    Attributes:
+        name: of the task.
+        error: why it failed, one line; "" if it did not.
+        sha256, digest: of the source and of the recipe: another outcome is needed if one differs.
+        written: the name of the file, in the output folder.
+        frames, changed: of the take, and those that edits changed.
+        seconds: how long the take is.
+        problems, left: how many problems it had, and has now.
+        tracked, edited: the opening of the mouth in mm, a small curve each.
+    """
+
+    name: str
+    error: str = ""
+    sha256: str = ""
+    digest: str = ""
+    written: str = ""
+    frames: int = 0
+    changed: int = 0
+    seconds: float = 0.0
+    problems: int = 0
+    left: int = 0
+    tracked: tuple[float, ...] = ()
+    edited: tuple[float, ...] = ()
+
+
+def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
+    """The tasks for all takes in a folder and its subfolders.
+
+    Raises:
+        FileError: there are no takes, or the folders are the same.
+    """
+    if not source.is_dir():
+        raise FileError(source, "is not a folder", "give the folder with the takes")
+    results = Path(os.path.realpath(output))  # Path.resolve() raises if links go round in a circle
+    if os.path.realpath(source) == str(results):
+        raise FileError(output, "is the folder of the takes", "choose another folder for results")
+    found = [p for p in takes_below(source) if results not in Path(os.path.realpath(p)).parents]
+    if not found:
+        raise FileError(source, "holds no takes", "choose another folder")
+    ending = exporting.choose(Path(), recipe.form).ending if recipe.form else ""
+    tasks: dict[Path, Task] = {}
+    for path in found:
+        inside = path.relative_to(source)
+        target = output / (inside.with_suffix(ending) if ending else inside)
+        if target in tasks:  # take.csv and take.json become one name
+            target = target.with_name(f"{path.stem}_{path.suffix[1:].lower()}{target.suffix}")
+        tasks[target] = Task(inside.as_posix(), path.absolute(), target.absolute(), recipe)
+    return list(tasks.values())
+
+
+def perform(task: Task) -> Outcome:
+    """Do a task; never raises, so that one bad file stops nothing."""
+    recipe = task.recipe
+    outcome = Outcome(task.name, digest=recipe.digest)
+    try:
+        outcome = replace(outcome, sha256=fingerprint(task.source).sha256)
+        models = None if recipe.models is None else Path(recipe.models)
+        take = api.open(task.source, recipe.fps, models)
+        if recipe.character:
+            take.use_character(recipe.character)
+        problems = len(take.problems())
+        if recipe.fixes:
+            take.fix(*recipe.fixes)
+        if recipe.preset:
+            take.preset(recipe.preset)
+        if recipe.edits:
+            take.load_edits(recipe.edits)
+        task.output.parent.mkdir(parents=True, exist_ok=True)
+        form = recipe.form or None
+        take.export(task.output, form, recipe.rate, follow_head=recipe.follows_head)
+        return replace(
+            outcome,
+            written=task.output.name,
+            frames=len(take.times),
+            changed=take.session.changed_frames(),
+            seconds=round(take.duration, 3),
+            problems=problems,
+            left=len(take.problems()) if take.edits else problems,
+            tracked=_small(take.curve(LIP_OPENING, tracked=True)),
+            edited=_small(take.curve(LIP_OPENING)),
+        )
+    except RateNeeded as error:  # --fps is the rate to write here
+        remedy = error.remedy.replace("--fps", "--take-fps")
+        return replace(outcome, error=str(FileError(error.path, error.problem, remedy)))
+    except FaceEditError as error:
+        return replace(outcome, error=str(error))
+    except Exception as error:  # a fault of ours in one take must not stop the others
+        return replace(outcome, error=f"{task.source}: {type(error).__name__}: {error}")
+
+
+def _small(curve: np.ndarray) -> tuple[float, ...]:
+    places = np.linspace(0, len(curve) - 1, min(_POINTS, len(curve))).round().astype(int)
+    return tuple(round(float(mm), 2) for mm in curve[places])

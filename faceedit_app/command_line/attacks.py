@@ -1,0 +1,88 @@
+"""The laboratory's attacks: `faceedit fuzz`, `soak` and `kill`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from faceedit_app.command_line.progress import bar
+from faceedit_app.core.resources import DEMO_TAKE, shipped
+from faceedit_app.core.texts import say
+
+SeedOption = Annotated[int, typer.Option(min=0, help="Same seed: same attack.")]
+KeepOption = Annotated[Path, typer.Option("--keep", help="Folder for what goes wrong.")]
+
+
+def fuzz(
+    samples: Annotated[
+        Optional[list[Path]],  # noqa: UP045  (typer reads the annotation at run time)
+        typer.Argument(metavar="[FILE]...", help="Valid files to damage as well."),
+    ] = None,
+    inputs: Annotated[int, typer.Option(min=1, help="Damaged files in all.")] = 10_000,
+    seed: SeedOption = 1,
+    keep: KeepOption = Path("fuzz-failures"),
+) -> int:
+    """Feed damaged files to every reader: each is read rightly or refused in one line."""
+    from faceedit_app.lab.attacks.fuzz import fuzz as attack
+
+    with bar("Fuzzing", inputs) as advance:
+        found = attack(inputs, seed, keep, samples or (), advance)
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.failures))
+
+
+def soak(
+    take: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Argument(help="A take; default: the demo take. It is not changed."),
+    ] = None,
+    minutes: Annotated[float, typer.Option(min=0.05, help="How long.")] = 10.0,
+    seed: SeedOption = 1,
+    character: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="A character of yours, shown now and then."),
+    ] = None,
+    keep: KeepOption = Path("soak-failures"),
+) -> int:
+    """Use the window at random, without a display, and check what it shows and exports."""
+    from faceedit_app.lab.attacks.soak import soak as attack
+
+    path = take if take is not None else shipped(DEMO_TAKE)
+    with bar("Soaking", 60.0 * minutes) as advance:
+        found = attack(
+            path,
+            60.0 * minutes,
+            seed,
+            advance=advance,
+            character=character,
+            keep=keep,
+        )
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.problems))
+
+
+def kill(
+    times: Annotated[int, typer.Option(min=1, help="Kills in all.")] = 100,
+    seed: SeedOption = 1,
+) -> int:
+    """Kill the window at random moments; every finished gesture must be recovered."""
+    from faceedit_app.lab.attacks.kill import kill as attack
+
+    with bar("Killing", times) as advance:
+        found = attack(times, seed, advance)
+    say("\n".join(found.lines()))
+    return _verdict(seed, len(found.problems))
+
+
+def _verdict(seed: int, failures: int) -> int:
+    """Print how an attack ended; returns the exit code."""
+    if not failures:
+        say(f"Nothing is wrong (seed {seed})")
+        return 0
+    say(f"{failures} wrong (seed {seed})")
+    return 1
+
+
+COMMANDS = (fuzz, soak, kill)

@@ -1,0 +1,106 @@
+"""`faceedit batch`: the same for all takes in a folder."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+from faceedit_app.command_line import json_output
+from faceedit_app.command_line.options import (
+    CharacterOption,
+    FollowHeadOption,
+    JsonOption,
+    ModelsOption,
+    TakeFpsOption,
+)
+from faceedit_app.command_line.progress import bar
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.texts import say
+
+if TYPE_CHECKING:
+    from faceedit_app.batch.log import Log
+    from faceedit_app.batch.tasks import Outcome, Task
+
+
+def batch(
+    what: Annotated[
+        str,
+        typer.Argument(
+            metavar="WHAT",
+            help="Edits (JSON), a preset such as smile, fix:lips,blinks,shaking,gaps, or none.",
+        ),
+    ],
+    source: Annotated[Path, typer.Argument(help="The folder with the takes.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The folder for the results.")],
+    jobs: Annotated[int, typer.Option(min=1, help="How many takes are worked on at once.")] = 1,
+    form: Annotated[
+        Optional[str],  # noqa: UP045  (typer reads the annotation at run time)
+        typer.Option("--format", help="As for convert; default: as each take came."),
+    ] = None,
+    fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fps", help="Frames per second to write; needs --format."),
+    ] = None,
+    take_fps: TakeFpsOption = None,
+    character: CharacterOption = None,
+    follow_head: FollowHeadOption = False,
+    models: ModelsOption = None,
+    scheduler: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="A Dask scheduler, such as tcp://host:8786, whose workers do the work."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
+
+    Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
+    With --character, lips and lids also close on that character; --format glb writes the character.
+    """
+    from faceedit_app.batch.log import Log
+    from faceedit_app.batch.recipe import parse_recipe
+    from faceedit_app.batch.report import summary, write_reports
+    from faceedit_app.batch.tasks import plan
+
+    if fps is not None and form is None:
+        raise FaceEditError("--fps needs --format")
+    recipe = replace(
+        parse_recipe(what),
+        form=form or "",
+        rate=fps,
+        character=None if character is None else str(character.absolute()),
+        fps=take_fps,
+        models=None if models is None else str(models.absolute()),
+        follows_head=follow_head,
+    )
+    tasks = plan(source, output, recipe)
+    outcomes = _worked_on(tasks, source.name, Log(output), jobs, scheduler, quiet=as_json)
+    pages = write_reports(output, outcomes)
+    if as_json:
+        json_output.say_json(json_output.batch_facts(output, outcomes, pages))
+    else:
+        say(f"{summary(outcomes)}; see {pages[1]}")
+    if any(outcome.error for outcome in outcomes):
+        raise typer.Exit(1)
+
+
+def _worked_on(
+    tasks: list[Task], title: str, log: Log, jobs: int, scheduler: str | None, quiet: bool
+) -> list[Outcome]:
+    """Work on takes, and say how far it is; the log is closed."""
+    from faceedit_app.batch.workers import run
+
+    try:
+        with bar(title, len(tasks)) as advance:
+
+            def report(outcome: Outcome, done: int, of: int) -> None:
+                advance(done)
+                if not quiet:
+                    said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
+                    say(f"[{done}/{of}] {outcome.name}: {said}")
+
+            return run(tasks, log, jobs, scheduler, report)
+    finally:
+        log.close()

@@ -1,0 +1,146 @@
+"""`faceedit render`: a picture or a film of a take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+from faceedit_app.command_line.opening import edited_session
+from faceedit_app.command_line.options import (
+    CharacterOption,
+    EditsOption,
+    FollowHeadOption,
+    FpsOption,
+    ModelsOption,
+    TakeArgument,
+)
+from faceedit_app.command_line.progress import bar
+from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.texts import say
+
+if TYPE_CHECKING:
+    from faceedit_app.editing.filming import Shot, View
+    from faceedit_app.editing.session import EditSession
+
+
+def render(
+    take: TakeArgument,
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", help="A picture (.png), or a film (.mp4, .webm)."),
+    ],
+    time: Annotated[float, typer.Option(help="For a picture: seconds from the first frame.")] = 0.0,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
+    view: Annotated[
+        str,
+        typer.Option(
+            help="For a film: face, both (tracked, edited), film (beside the face), film-above or "
+            "film-below."
+        ),
+    ] = "face",
+    film_fps: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--film-fps", help="Pictures per second of the film; default: the take's."),
+    ] = None,
+    form: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--format", help="mp4, webm, or png (numbered pictures in a folder)."),
+    ] = None,
+    sound: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="For a film: its sound; default: what is found beside the take."),
+    ] = None,
+    film: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="The film of the take; default: what is found beside it."),
+    ] = None,
+    silent: Annotated[bool, typer.Option("--silent", help="A film without sound.")] = False,
+    edits: EditsOption = None,
+    character: CharacterOption = None,
+    follow_head: FollowHeadOption = False,
+    fps: FpsOption = None,
+    models: ModelsOption = None,
+) -> None:
+    """Draw the face at a time of a take, or film the whole take."""
+    width, height = _size(size)
+    if form is None and output.suffix.lower() not in ("", ".png", ".mp4", ".webm"):
+        raise FaceEditError(
+            f"{output}: must end in .png for a picture, or in .mp4 or .webm for a film"
+        )
+    session = edited_session(take, fps, edits, models, character)
+    duration = session.take.clip.duration
+    if not 0 <= time <= duration:
+        raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
+    if form is None and output.suffix.lower() == ".png":
+        _draw(session, output, time, (width, height), follow_head)
+        return
+    from faceedit_app.editing.filming import Shot
+    from faceedit_app.formats.opening import checked_rate
+
+    shot = Shot(
+        _view(view),
+        (width, height),
+        None if film_fps is None else checked_rate(output, film_fps),
+        form,
+        has_sound=not silent,
+        follows_head=follow_head,
+    )
+    _film(session, output, shot, sound, film)
+
+
+def _size(text: str) -> tuple[int, int]:
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        raise FaceEditError(f"--size {text}: must be WIDTHxHEIGHT, such as 800x800") from None
+    if not (16 <= width <= 4096 and 16 <= height <= 4096):
+        raise FaceEditError(f"--size {text}: each side must be 16 to 4096 pixels")
+    return width, height
+
+
+def _view(text: str) -> View:
+    from faceedit_app.editing.filming import View
+
+    if text not in list(View):
+        raise FaceEditError(f"--view {text}: must be {', '.join(View)}")
+    return View(text)
+
+
+def _draw(
+    session: EditSession, output: Path, time: float, size: tuple[int, int], follow_head: bool
+) -> None:
+    """Draw the edited face at a time of the take, in seconds."""
+    from faceedit_app.render.snapshot import snapshot, write_png
+
+    frame = session.take.clip.frame_at(time)
+    turns = session.rotations if follow_head else None
+    rotation = None if turns is None else turns[frame]
+    weights, shown = session.weights[frame], session.shown_rig
+    write_png(output, snapshot(shown, weights, *size, rotation=rotation))
+    say(f"{output}: frame {frame} of {session.take.path}")
+
+
+def _film(
+    session: EditSession, output: Path, shot: Shot, sound: Path | None, film: Path | None
+) -> None:
+    """Film a take, and say how far it is; without files for sound and film, those beside it."""
+    from faceedit_app.editing.filming import film_take, media_of
+    from faceedit_app.formats.timing import format_rate
+
+    media = media_of(session.take, sound, film)
+    session.live.work()
+    with bar(output.name) as advance:
+        filmed = film_take(
+            session.take,
+            session.weights,
+            session.shown_rig,
+            media,
+            output,
+            shot,
+            advance,
+            rotations=session.rotations,
+        )
+    assert filmed is not None  # nothing stops it
+    say(f"{output}: {filmed.frames} pictures at {format_rate(filmed.rate)}, {filmed.codecs}")

@@ -1,0 +1,97 @@
+"""Writes a large file in the background, with progress and Cancel."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtWidgets import QProgressDialog
+
+from faceedit_app.ui.commands.workspace import Workspace
+
+Result = TypeVar("Result")
+Advance = Callable[[int, int], None]  # is given how much is done, and of how much
+Stopped = Callable[[], bool]  # says whether to give up
+
+_AFTER_MS = 300  # what takes no longer shows no progress
+
+
+class Writing(QObject):
+    """Writes one file at a time in a thread.
+
+    Args:
+        title: of the window with the progress.
+    """
+
+    _advanced = Signal(int, int)  # from the thread
+
+    def __init__(self, workspace: Workspace, title: str) -> None:
+        super().__init__(workspace)
+        self._workspace, self._title = workspace, title
+        self._stop: threading.Event | None = None
+        self._dialog: QProgressDialog | None = None
+        self._advanced.connect(self._show, Qt.ConnectionType.QueuedConnection)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a file is being written."""
+        return self._stop is not None
+
+    def start(
+        self,
+        text: str,
+        work: Callable[[Advance, Stopped], Result],
+        done: Callable[[Result], None],
+        failed: Callable[[Exception], None],
+    ) -> None:
+        """Begin to write.
+
+        Args:
+            text: says what is being written.
+            work: writes it, in a thread.
+            done: is given its result.
+            failed: is given its error.
+        """
+        stop = self._stop = threading.Event()
+        self._dialog = self._open(text, stop)
+
+        def succeed(result: Result) -> None:
+            self._finish()
+            done(result)
+
+        def fail(error: Exception) -> None:
+            self._finish()
+            failed(error)
+
+        advance = self._advanced.emit
+        self._workspace.background.run(lambda: work(advance, stop.is_set), succeed, fail)
+
+    def stop(self) -> None:
+        """Give up, as the window closes."""
+        if self._stop is not None:
+            self._stop.set()
+            self._finish()
+
+    def _open(self, text: str, stop: threading.Event) -> QProgressDialog:
+        dialog = QProgressDialog(text, "Cancel", 0, 0, self._workspace.window)
+        dialog.setWindowTitle(self._title)
+        dialog.setMinimumDuration(_AFTER_MS)
+        dialog.setWindowModality(Qt.WindowModality.NonModal)
+        dialog.setAutoClose(False)
+        dialog.setAutoReset(False)
+        dialog.canceled.connect(stop.set)
+        return dialog
+
+    def _show(self, done: int, of: int) -> None:
+        if self._dialog is not None and not self._dialog.wasCanceled():
+            self._dialog.setMaximum(of)
+            self._dialog.setValue(done)
+
+    def _finish(self) -> None:
+        if self._dialog is not None:
+            self._dialog.canceled.disconnect()  # closing cancels
+            self._dialog.close()
+            self._dialog.deleteLater()
+        self._dialog = self._stop = None
