@@ -189,9 +189,7 @@ class Reach:
                 change, frozen = change[going], frozen[going]
         return found, np.maximum(there, 0.0)
 
-    def _place(
-        self, frames: _Frames, vectors: Doubles, lengths: Doubles | None = None
-    ) -> _Place:
+    def _place(self, frames: _Frames, vectors: Doubles, lengths: Doubles | None = None) -> _Place:
         found: Doubles = self._distances.lengths(vectors) if lengths is None else lengths
         if found.ndim == 2:
             found = np.asfortranarray(found)
