@@ -20,7 +20,7 @@ from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.networks.description import KEY, REMEDY
 from faceedit_app.networks.graph import INPUT, read_graph
 from faceedit_app.networks.made_for import MadeFor
-from faceedit_app.networks.region import read_bytes, session
+from faceedit_app.networks.region import damage_named, read_bytes, session
 
 FOLDER = "completion"
 """Below a folder of models: the completion networks, one file a region that has one."""
@@ -102,7 +102,7 @@ class CompletionNetwork:
     """
 
     def __init__(self, content: bytes, path: Path) -> None:
-        try:
+        with damage_named(path):
             graph = read_graph(content)
             self.description = about = CompletionDescription.from_json(graph.texts[KEY], path)
             count = len(about.controls)
@@ -110,12 +110,6 @@ class CompletionNetwork:
                 raise ValueError(f"from {graph.controls} features to {graph.weights} answers")
             self._session = session(content)
             self(np.zeros((3 * about.scale - 1, FEATURES * count)))
-        except FileError:
-            raise
-        except FieldError as error:
-            raise FileError(path, f"is not a FaceEdit model: {error}", REMEDY) from error
-        except Exception as error:  # the runtime's errors have no common class
-            raise FileError(path, "is not a FaceEdit model, or is damaged", REMEDY) from error
 
     def __call__(self, features: Doubles) -> tuple[Doubles, Doubles]:
         """What curves that were not asked for do.

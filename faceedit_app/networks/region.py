@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -37,7 +39,7 @@ class RegionAnswer:
     """
 
     def __init__(self, content: bytes, path: Path) -> None:
-        try:
+        with damage_named(path):
             graph = read_graph(content)
             self.description = about = Description.from_json(graph.texts[KEY], path)
             if (graph.controls, graph.weights) != (len(about.controls), len(about.channels)):
@@ -46,12 +48,6 @@ class RegionAnswer:
             self._outputs = graph.outputs
             self._session = session(content)
             self._try_out()
-        except FileError:
-            raise
-        except FieldError as error:
-            raise FileError(path, f"is not a FaceEdit model: {error}", REMEDY) from error
-        except Exception as error:  # the runtime's errors have no common class
-            raise FileError(path, "is not a FaceEdit model, or is damaged", REMEDY) from error
 
     def __call__(self, curves: Floats, naturalness: float) -> Floats:
         """(T, C) mm at 25 fps -> (T, K) weights, not limited to 0..1.
@@ -90,6 +86,23 @@ class RegionAnswer:
                 raise ValueError(f"{frames} frames are answered by {answer.shape}")
             if not np.abs(answer).max() < LARGEST_WEIGHT:
                 raise ValueError("answers that are not weights")
+
+
+@contextmanager
+def damage_named(path: Path) -> Iterator[None]:
+    """Name the model's file in any error, also in the runtime's, which have no common class.
+
+    Raises:
+        FileError: there was an error.
+    """
+    try:
+        yield
+    except FileError:
+        raise
+    except FieldError as error:
+        raise FileError(path, f"is not a FaceEdit model: {error}", REMEDY) from error
+    except Exception as error:
+        raise FileError(path, "is not a FaceEdit model, or is damaged", REMEDY) from error
 
 
 def read_region(path: Path | str) -> RegionAnswer:

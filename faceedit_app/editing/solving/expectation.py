@@ -55,14 +55,13 @@ class Expectation:
         self._precision = np.linalg.inv(self._covariance + JITTER * np.eye(size))
         self._gains: dict[bytes, Doubles] = {}
 
-    def fill(self, change: Doubles, asked: Bools) -> Doubles:
+    def fill(self, change: Doubles, given: Bools) -> Doubles:
         """The change (N, C), mm, with that of the other curves filled in.
 
         Args:
             change: (N, C) mm, from the tracked curves to what is asked for.
-            asked: (N, C) whether the edits ask for this curve.
+            given: (N, C) the curves whose change is given, see `given`.
         """
-        given = self.given(change, asked)
         within = np.minimum(np.maximum(change, -self._most), self._most)
         if (given == given[:1]).all():  # nearly always: one edit, in its own span
             return self._filled(change, within, given[0])
@@ -77,7 +76,8 @@ class Expectation:
         """(N, C) the curves whose change is given, and is not filled in.
 
         Args:
-            change, asked: see `fill`.
+            change: (N, C) mm, from the tracked curves to what is asked for.
+            asked: (N, C) whether the edits ask for this curve.
         """
         given: Bools = asked | (change != 0)
         given |= given[:, self.mirror] | (given.any(axis=1, keepdims=True) & self.held)

@@ -343,11 +343,12 @@ class Solver:
         """(N, C) mm: a change of a region's own curves, with that of those not asked for."""
         own = part.own_columns
         hold = asked.hold[:, own]
-        filled = part.expectation.fill(change, hold > 0)
+        given = part.expectation.given(change, hold > 0)
+        filled = part.expectation.fill(change, given)
         if part.completing is None or task.settings.mode is not Mode.PRESERVE or not hold.any():
             return filled
         firm = np.maximum(hold - asked.calm[:, own].max(axis=1, keepdims=True), 0.0)
-        times, given = self.clip.times[slice(*task.near)], part.expectation.given(change, hold > 0)
+        times = self.clip.times[slice(*task.near)]
         way = self.chunks.resampling(task.chunk, task.near)
         return filled + part.completing.further(times, way, tracked, filled, given, firm)
 
