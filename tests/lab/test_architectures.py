@@ -216,3 +216,10 @@ def test_file_without_the_parameters_of_its_architecture_is_refused(
 
 def test_baseline_cannot_be_trained_further(tmp_path: Path) -> None:
     assert "does not hold the parameters" in complaint(shipped("models") / "holden/lower.onnx")
+
+
+def test_regions_that_hear_few_controls_have_narrow_networks() -> None:
+    settings = replace(RECIPES["faceedit"], widths=(8, 12), narrow_widths=(4, 6))
+    assert UNets.of(2, 5, settings).widths == (4, 6)
+    assert UNets.of(3, 5, settings).widths == (8, 12)
+    assert UNets.of(2, 5, replace(settings, narrow_widths=None)).widths == (8, 12)

@@ -32,7 +32,8 @@ def performance(seconds: float = 20.0, seed: int = 0, source: str = "someone") -
 
 def tiny(recipe: str = "faceedit", **changes: object) -> FitSettings:
     """A recipe that trains in a blink."""
-    small = {"widths": (4, 6), "epochs_regressor": 3, "epochs_autoencoder": 2, "batch": 16}
+    small = {"widths": (4, 6), "narrow_widths": None, "batch": 16}
+    small |= {"epochs_regressor": 3, "epochs_autoencoder": 2}
     return replace(RECIPES[recipe], **(small | changes))  # type: ignore[arg-type]
 
 

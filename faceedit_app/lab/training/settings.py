@@ -45,6 +45,9 @@ class Variety:
     split_sides: float = 0.25
 
 
+FEW = 2
+
+
 @dataclass(frozen=True)
 class FitSettings:
     """Every number of the training. Those of the paper are marked (P)."""
@@ -73,12 +76,19 @@ class FitSettings:
     residual: bool = True  # the autoencoder starts as the identity; False in the paper
     adapt_statistics: bool = False  # of the frozen regressor to the noise; True in the paper
     architecture: str = "unet"  # key of `ARCHITECTURES`; one with regressor and autoencoder
-    widths: tuple[int, ...] = (32, 64, 128)  # features at each time scale, finest first
+    widths: tuple[int, ...] = (32, 64, 128)  # features at each time scale, finest first ...
+    narrow_widths: tuple[int, ...] | None = None  # ... of regions that hear `FEW` controls or fewer
     activation: str = "silu"  # "elu" in the paper
     mirror: bool = True
     variety: Variety | None = dataclasses.field(default_factory=Variety)
     range_percentiles: tuple[float, float] = (0.05, 99.95)  # of each control, for `low`, `high`
     seed: int = 1
+
+    def widths_for(self, controls: int) -> tuple[int, ...]:
+        """The features at each time scale of networks that hear so many controls."""
+        if self.narrow_widths is None or controls > FEW:
+            return self.widths
+        return self.narrow_widths
 
     def with_epochs(self, epochs: int) -> FitSettings:
         """The same with other numbers of passes over the data; completion, if any, needs more."""
@@ -92,7 +102,7 @@ class FitSettings:
 
 
 RECIPES: dict[str, FitSettings] = {
-    "faceedit": FitSettings(),
+    "faceedit": FitSettings(narrow_widths=(16, 32, 64)),
     "paper": FitSettings(
         batch=128,
         final_rate=None,

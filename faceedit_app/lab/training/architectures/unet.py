@@ -117,7 +117,7 @@ class UNets(Stacked):
         return cls(
             controls,
             channels,
-            settings.widths,
+            settings.widths_for(controls),
             settings.residual,
             settings.adapt_statistics,
             settings.activation,
