@@ -163,9 +163,13 @@ class Editor(QWidget):
             self.lists.setTabText(tab, f"{name}  {count}" if count else name)
 
     def _propose_ticked(self, actions: Actions) -> None:
-        """Another set of problems is ticked: propose those instead."""
-        if self.proposal.is_open and self.proposal.is_for_all:
+        """Another set of problems is ticked: propose those instead, or nothing if none is."""
+        if not (self.proposal.is_open and self.proposal.is_for_all):
+            return
+        if self.problem_list.chosen:
             actions["fix_all"].trigger()
+        else:
+            self.proposal.discard()
 
     def list_edits(self) -> None:
         """Show the list of edits instead of the list of problems, to set a new edit's strength."""
