@@ -150,8 +150,8 @@ QTabBar::tab {{
 QTabBar::tab:selected {{ background: {PANEL}; color: {TEXT}; border-top: 2px solid {ACCENT}; }}
 QTabBar::tab:hover {{ color: {TEXT}; }}
 QTabBar::tab:selected:focus {{ border: 1px solid {ACCENT}; border-top-width: 2px; }}
-QScrollArea {{ border: 1px solid transparent; }}
-QScrollArea:focus, QTableView:focus {{ border: 1px solid {ACCENT}; }}
+QDialog QScrollArea {{ border: 1px solid transparent; }}
+QDialog QScrollArea:focus, QTableView:focus {{ border: 1px solid {ACCENT}; }}
 QTreeView {{ background: {BACKGROUND}; border: 1px solid transparent; outline: none; }}
 QTreeView:focus {{ border-color: {ACCENT}; }}
 QTreeView::item {{ padding: 3px 0; }}
